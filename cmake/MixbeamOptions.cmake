@@ -1,0 +1,24 @@
+# Compiler flags of mixbeam's own code, inherited through the folder targets.
+
+add_library(mixbeam_options INTERFACE)
+target_include_directories(mixbeam_options INTERFACE "${CMAKE_SOURCE_DIR}") # #include "kernels/rotation.hpp"
+target_compile_options(mixbeam_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+if(MIXBEAM_WARNINGS_AS_ERRORS)
+  target_compile_options(mixbeam_options INTERFACE -Werror)
+endif()
+
+# -fno-math-errno lets std::sqrt be one instruction, -fno-trapping-math lets comparisons be vectorised; both keep NaN and
+# infinity as IEEE 754 has them. -ffast-math would not: it deletes NaN checks and reorders sums.
+# Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines, not
+# between thread counts: each element is computed by the same instructions whichever thread it falls to.
+set(mixbeam_release_flags -fno-math-errno -fno-trapping-math)
+if(MIXBEAM_NATIVE)
+  list(APPEND mixbeam_release_flags -march=native)
+endif()
+target_compile_options(mixbeam_options INTERFACE "$<$<CONFIG:Release>:${mixbeam_release_flags}>")
+
+if(MIXBEAM_SANITIZE)
+  set(mixbeam_sanitizer_flags -fsanitize=address,undefined -fno-omit-frame-pointer)
+  target_compile_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags} -fno-sanitize-recover=undefined)
+  target_link_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags})
+endif()
