@@ -1,0 +1,332 @@
+#include "discretization/result_file.hpp"
+
+#include "discretization/hdf5_writer.hpp"
+#include "discretization/xdmf_text.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <system_error>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace mixbeam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFormatVersion = 1;
+constexpr std::size_t kOverheadPerStep = 65536;  // bytes; HDF5's own data for a step were seen to take 12 kB
+constexpr int kXdmfPolyline = 2;             // XDMF's number for a polyline in a mixed topology
+const std::set<std::string> kOwnTimeSeries = {"step", "load_factor", "newton_iterations", "residual", "strain_energy"};
+constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
+
+std::string step_group_name(int step) {
+  std::string digits = std::to_string(step);
+  return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits;
+}
+
+template <class Field>
+std::vector<double> concatenated(const std::vector<MemberSamples>& members, Field field) {
+  std::vector<double> values;
+  for (const auto& member : members) {
+    for (const auto& sample : member.*field) values.insert(values.end(), sample.begin(), sample.end());
+  }
+  return values;
+}
+
+// Columns g1, g2, g3 of the rotation matrix of a unit quaternion, spatial components.
+std::array<Vector3, 3> triad_vectors(const TriadQuaternion& triad) {
+  const auto [w, x, y, z] = triad;
+  return {Vector3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+          Vector3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          Vector3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
+// Spatial components of a material vector field: v = sum_i V_i g_i at every sample.
+std::vector<double> spatial(const std::vector<MemberSamples>& members, std::vector<Vector3> MemberSamples::* material) {
+  std::vector<double> values;
+  for (const auto& member : members) {
+    for (std::size_t sample = 0; sample < member.size(); ++sample) {
+      const auto g = triad_vectors(member.triad[sample]);
+      const Vector3& v = (member.*material)[sample];
+      for (std::size_t i = 0; i < 3; ++i) values.push_back(v[0] * g[0][i] + v[1] * g[1][i] + v[2] * g[2][i]);
+    }
+  }
+  return values;
+}
+
+std::vector<double> triad_column(const std::vector<MemberSamples>& members, std::size_t column) {
+  std::vector<double> values;
+  for (const auto& member : members) {
+    for (const auto& triad : member.triad) {
+      const Vector3 g = triad_vectors(triad)[column];
+      values.insert(values.end(), g.begin(), g.end());
+    }
+  }
+  return values;
+}
+
+std::vector<int> polyline_connectivity(const std::vector<MemberSamples>& members) {
+  std::vector<int> connectivity;
+  int sample = 0;
+  for (const auto& member : members) {
+    connectivity.push_back(kXdmfPolyline);
+    connectivity.push_back(static_cast<int>(member.size()));
+    for (std::size_t i = 0; i < member.size(); ++i) connectivity.push_back(sample++);
+  }
+  return connectivity;
+}
+
+std::size_t count_samples(const std::vector<MemberSamples>& members) {
+  std::size_t samples = 0;
+  for (const auto& member : members) samples += member.size();
+  return samples;
+}
+
+void write_header(hid_t file, const ResultHeader& header) {
+  hdf5::write_attribute(file, "format", std::string("mixbeam results"));
+  hdf5::write_attribute(file, "format_version", kFormatVersion);
+  hdf5::write_attribute(file, "scene_name", header.scene_name);
+  hdf5::write_text(file, "scene", header.scene_xml);
+  hdf5::write_text(file, "version", header.version);
+  const auto properties = hdf5::create_group(file, "properties");
+  for (const auto& [name, value] : header.properties) hdf5::write_attribute(properties, name, value);
+  hdf5::create_group(file, "members");
+  hdf5::create_group(file, "steps");
+  hdf5::create_group(file, "monitor");
+}
+
+void write_members(hid_t file, const std::vector<MemberSamples>& members) {
+  const auto parent = hdf5::open_group(file, "members");
+  int index = 0;
+  int first_sample = 0;
+  for (const auto& member : members) {
+    const auto group = hdf5::create_group(parent, member.name);
+    hdf5::write_attribute(group, "index", index++);
+    hdf5::write_attribute(group, "first_sample", first_sample);
+    hdf5::write_attribute(group, "samples", static_cast<int>(member.size()));
+    hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
+    hdf5::write_dataset(group, "element", member.element);
+    hdf5::write_dataset(group, "reference_position", concatenated(std::vector<MemberSamples>{member}, &MemberSamples::reference_position), 3);
+    first_sample += static_cast<int>(member.size());
+  }
+  const auto polyline = hdf5::create_group(file, "polyline");
+  hdf5::write_dataset(polyline, "connectivity", polyline_connectivity(members));
+}
+
+void write_fields(hid_t group, const std::vector<MemberSamples>& members) {
+  hdf5::write_dataset(group, "position", concatenated(members, &MemberSamples::position), 3);
+  hdf5::write_dataset(group, "displacement", concatenated(members, &MemberSamples::displacement), 3);
+  hdf5::write_dataset(group, "triad", concatenated(members, &MemberSamples::triad), 4);
+  hdf5::write_dataset(group, "force_strain", concatenated(members, &MemberSamples::force_strain), 3);
+  hdf5::write_dataset(group, "moment_strain", concatenated(members, &MemberSamples::moment_strain), 3);
+  hdf5::write_dataset(group, "material_force", concatenated(members, &MemberSamples::material_force), 3);
+  hdf5::write_dataset(group, "material_moment", concatenated(members, &MemberSamples::material_moment), 3);
+  hdf5::write_dataset(group, "spatial_force", spatial(members, &MemberSamples::material_force), 3);
+  hdf5::write_dataset(group, "spatial_moment", spatial(members, &MemberSamples::material_moment), 3);
+  for (std::size_t i = 0; i < 3; ++i) {
+    hdf5::write_dataset(group, "triad_" + std::to_string(i + 1), triad_column(members, i), 3);
+  }
+}
+
+void write_step(hid_t file, const StepRecord& record) {
+  const auto steps = hdf5::open_group(file, "steps");
+  const auto group = hdf5::create_group(steps, step_group_name(record.step));
+  hdf5::write_attribute(group, "step", record.step);
+  hdf5::write_attribute(group, "load_factor", record.load_factor);
+  hdf5::write_attribute(group, "newton_iterations", record.newton_iterations);
+  hdf5::write_attribute(group, "residual", record.residual);
+  hdf5::write_attribute(group, "strain_energy", record.strain_energy);
+  write_fields(group, record.members);
+
+  const auto monitor = hdf5::open_group(file, "monitor");
+  hdf5::append_row(monitor, "step", {static_cast<double>(record.step)});
+  hdf5::append_row(monitor, "load_factor", {record.load_factor});
+  hdf5::append_row(monitor, "newton_iterations", {static_cast<double>(record.newton_iterations)});
+  hdf5::append_row(monitor, "residual", {record.residual});
+  hdf5::append_row(monitor, "strain_energy", {record.strain_energy});
+  for (const auto& quantity : record.monitored) hdf5::append_row(monitor, quantity.name, quantity.components);
+}
+
+// Upper bound of what a record adds to a file, in bytes.
+std::size_t bytes_of(const StepRecord& record) {
+  constexpr std::size_t kDoublesPerSample = 48;  // 37 for a step, 5 for the sampling, the rest in hand
+  std::size_t bytes = kOverheadPerStep;
+  for (const auto& member : record.members) bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
+  for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;
+  return bytes;
+}
+
+// Makes the system set disk space aside behind the end of a file, so that a full disk is noticed here: a write that
+// fails inside the HDF5 library leaves it in a state in which it crashes when the program ends. Closing an HDF5 file
+// cuts it to its true length again.
+void reserve_space(const fs::path& path, std::size_t bytes) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CREAT, 0666);
+  if (file < 0) throw hdf5::Error("cannot create the file: " + std::string(std::strerror(errno)));
+  const off_t end = ::lseek(file, 0, SEEK_END);
+  const int error = ::posix_fallocate(file, end, static_cast<off_t>(bytes));
+  ::close(file);
+  if (error != 0) throw hdf5::Error("cannot get disk space: " + std::string(std::strerror(error)));
+}
+
+fs::path hidden(const fs::path& path, const std::string& ending) {
+  return path.parent_path() / ("." + path.filename().string() + "." + ending);
+}
+
+void check_place(const fs::path& path) {
+  std::error_code ignored;
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  const std::string prefix = "result file " + path.string() + ": ";
+  if (path.filename().empty()) throw ResultFileError(prefix + "a file name is missing");
+  if (fs::is_directory(path, ignored)) throw ResultFileError(prefix + "exists and is a directory");
+  if (!fs::exists(folder, ignored)) {
+    throw ResultFileError(prefix + "the folder " + folder.string() + " does not exist");
+  }
+  if (!fs::is_directory(folder, ignored)) throw ResultFileError(prefix + folder.string() + " is not a folder");
+}
+
+bool is_link_name(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
+}
+
+bool same_sampling(const MemberSamples& a, const MemberSamples& b) { return a.name == b.name && a.size() == b.size(); }
+
+void replace_file(const fs::path& path, const fs::path& new_name, const std::string& text) {
+  std::ofstream stream(new_name, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  if (!stream) throw ResultFileError("file " + path.string() + ": cannot be written: " + std::strerror(errno));
+  std::error_code error;
+  fs::rename(new_name, path, error);
+  if (error) throw ResultFileError("file " + path.string() + ": cannot be replaced: " + error.message());
+}
+
+}  // namespace
+
+ResultFile::ResultFile(const fs::path& path, ResultHeader header)
+    : path_(path), xdmf_path_(fs::path(path).replace_extension(".xdmf")), header_(std::move(header)) {
+  check_place(path_);
+  if (xdmf_path_ == path_) throw ResultFileError("result file " + path.string() + ": its name must not end in .xdmf");
+  new_name_ = hidden(path_, "new");
+  copies_[0].path = hidden(path_, "a");
+  copies_[1].path = hidden(path_, "b");
+  remove_hidden_files();
+  std::error_code ignored;
+  fs::remove(xdmf_path_, ignored);
+  write_copy(copies_[0], nullptr);
+  publish(copies_[0]);
+  next_copy_ = 1;
+}
+
+ResultFile::~ResultFile() {
+  try {
+    close();
+  } catch (const std::exception&) {
+    remove_hidden_files();
+  }
+}
+
+void ResultFile::append_step(const StepRecord& record) {
+  if (failed_ || closed_) throw ResultFileError("result file " + path_.string() + ": takes no more steps");
+  check_consistent(record);
+  Copy& copy = copies_[next_copy_];
+  write_copy(copy, &record);
+  publish(copy);
+  next_copy_ = 1 - next_copy_;
+  previous_ = record;
+  labels_.push_back({record.step, record.load_factor});
+  if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
+}
+
+void ResultFile::close() {
+  if (closed_) return;
+  closed_ = true;
+  remove_hidden_files();
+  if (steps_in_xdmf_ < labels_.size()) write_xdmf();
+}
+
+void ResultFile::check_consistent(const StepRecord& record) const {
+  const std::string prefix = "result file " + path_.string() + ", step " + std::to_string(record.step) + ": ";
+  if (record.members.empty()) throw ResultFileError(prefix + "no members");
+  for (const auto& member : record.members) {
+    if (!member.is_complete()) throw ResultFileError(prefix + "member " + member.name + " has fields of unequal length");
+    if (!is_link_name(member.name)) throw ResultFileError(prefix + "'" + member.name + "' cannot name a member");
+  }
+  for (const auto& quantity : record.monitored) {
+    if (!is_link_name(quantity.name) || kOwnTimeSeries.count(quantity.name) > 0) {
+      throw ResultFileError(prefix + "'" + quantity.name + "' cannot name a monitored quantity");
+    }
+    if (quantity.components.empty()) throw ResultFileError(prefix + quantity.name + " has no components");
+  }
+  if (labels_.empty()) return;
+  if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
+  bool same = record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
+  for (std::size_t i = 0; same && i < record.members.size(); ++i) {
+    same = same_sampling(record.members[i], previous_.members[i]);
+  }
+  for (std::size_t i = 0; same && i < record.monitored.size(); ++i) {
+    same = record.monitored[i].name == previous_.monitored[i].name &&
+           record.monitored[i].components.size() == previous_.monitored[i].components.size();
+  }
+  if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
+}
+
+// Brings a copy up to date: header, the step that only the other copy has, and `record` (none: the header only).
+void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
+  const hdf5::QuietScope quiet;
+  try {
+    std::size_t bytes = kOverheadPerStep + header_.scene_xml.size();
+    if (record != nullptr) bytes += bytes_of(*record) + bytes_of(previous_);
+    reserve_space(copy.path, bytes);
+    auto file = copy.created ? hdf5::open_file(copy.path) : hdf5::create_file(copy.path);
+    if (!copy.created) write_header(file, header_);
+    copy.created = true;
+    if (record != nullptr) {
+      if (!copy.has_members) write_members(file, record->members);
+      copy.has_members = true;
+      if (!labels_.empty() && copy.last_step != previous_.step) write_step(file, previous_);
+      write_step(file, *record);
+      copy.last_step = record->step;
+    }
+    file.close("complete the file");
+  } catch (const hdf5::Error& error) {
+    failed_ = true;
+    remove_hidden_files();
+    throw ResultFileError("result file " + path_.string() + ": " + error.what());
+  }
+}
+
+// Moves the file's own name to `copy` in one indivisible operation. Where the file system has no hard links, the copy
+// is duplicated instead.
+void ResultFile::publish(const Copy& copy) {
+  std::error_code error;
+  fs::remove(new_name_, error);
+  fs::create_hard_link(copy.path, new_name_, error);
+  if (error) fs::copy_file(copy.path, new_name_, fs::copy_options::overwrite_existing, error);
+  if (!error) fs::rename(new_name_, path_, error);
+  if (!error) return;
+  failed_ = true;
+  remove_hidden_files();
+  throw ResultFileError("result file " + path_.string() + ": cannot take its name: " + error.message());
+}
+
+void ResultFile::write_xdmf() {
+  std::vector<XdmfStep> steps;
+  for (const auto& label : labels_) steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
+  const std::size_t members = previous_.members.size();
+  const std::size_t samples = count_samples(previous_.members);
+  replace_file(xdmf_path_, new_name_,
+               xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members));
+  steps_in_xdmf_ = labels_.size();
+}
+
+void ResultFile::remove_hidden_files() noexcept {
+  std::error_code ignored;
+  for (const auto& path : {copies_[0].path, copies_[1].path, new_name_}) fs::remove(path, ignored);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,101 @@
+/// The result file of a run: HDF5 for programs, with an XDMF description beside it for ParaView and VisIt.
+///
+/// Layout (doubles are little-endian IEEE; n is the number of samples of all members together):
+///
+///     /                         attributes format, format_version, scene_name
+///     /scene, /version          the input XML and the program's version, as text
+///     /properties               attributes: compiler, threads, ... as the caller names them
+///     /members/<name>           attributes index, first_sample, samples; arc_length, element, reference_position (.,3)
+///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
+///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy;
+///                               position, displacement, force_strain, moment_strain, material_force, material_moment,
+///                               spatial_force, spatial_moment, triad_1, triad_2, triad_3 (n,3), triad (n,4: w,x,y,z)
+///     /monitor                  step, load_factor, newton_iterations, residual, strain_energy and every monitored
+///                               quantity, (steps) or (steps,3)
+///
+/// A run may be killed at any moment: the file under its own name is complete and readable at all times. For that, two
+/// hidden copies are written in turn, and the name is moved to a copy only after that copy is closed; each step is
+/// therefore written twice, and the disk holds two copies until the run ends.
+#pragma once
+
+#include "discretization/member_samples.hpp"
+
+#include <array>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A result file could not be written; the message names the file and the reason.
+class ResultFileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What a result file says about the run as a whole.
+struct ResultHeader {
+  std::string scene_name;
+  std::string scene_xml;                          ///< the input, word for word
+  std::string version;                            ///< of the program
+  std::map<std::string, std::string> properties;  ///< compiler, threads, ranks, ...
+};
+
+/// Writes the steps of one run. Only one rank may own one (the caller sees to that); not for concurrent threads.
+class ResultFile {
+ public:
+  /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,
+  /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError.
+  ResultFile(const std::filesystem::path& path, ResultHeader header);
+
+  /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them.
+  ~ResultFile();
+
+  ResultFile(const ResultFile&) = delete;
+  ResultFile& operator=(const ResultFile&) = delete;
+
+  /// Appends a step and publishes it: once this returns, readers of the file see it. On an error (ResultFileError) the
+  /// published file keeps the steps it had, and the file takes no more steps.
+  /// Members, their samples and the monitored names must be those of the first record, and `step` must grow.
+  void append_step(const StepRecord& record);
+
+  /// Brings the XDMF file up to date and removes the second copy. Called once; later calls do nothing.
+  void close();
+
+  const std::filesystem::path& path() const { return path_; }
+  const std::filesystem::path& xdmf_path() const { return xdmf_path_; }
+
+ private:
+  struct Copy {
+    std::filesystem::path path;
+    bool created = false;
+    bool has_members = false;
+    int last_step = -1;  ///< last step in this copy
+  };
+
+  struct StepLabel {
+    int step = 0;
+    double load_factor = 0.0;
+  };
+
+  void check_consistent(const StepRecord& record) const;
+  void write_copy(Copy& copy, const StepRecord* record);
+  void publish(const Copy& copy);
+  void write_xdmf();
+  void remove_hidden_files() noexcept;
+
+  std::filesystem::path path_;
+  std::filesystem::path xdmf_path_;
+  std::filesystem::path new_name_;      ///< hidden name that is renamed to path_
+  ResultHeader header_;
+  std::array<Copy, 2> copies_;
+  std::size_t next_copy_ = 0;           ///< the copy that is not published
+  StepRecord previous_;                 ///< missing in the next copy; its members also describe the sampling
+  std::vector<StepLabel> labels_;       ///< of all published steps
+  std::size_t steps_in_xdmf_ = 0;
+  bool failed_ = false;
+  bool closed_ = false;
+};
+
+}  // namespace mixbeam

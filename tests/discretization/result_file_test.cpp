@@ -1,0 +1,311 @@
+/// Result files: what is written is read back with the HDF5 C API; a killed writer leaves a readable file; errors name their reason.
+#include "discretization/result_file.hpp"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <csignal>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <sstream>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace mixbeam {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ResultFileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (fs::temp_directory_path() / "mixbeam_result_file_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+    file_ = folder_ / "run.h5";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+  fs::path file_;
+};
+
+ResultHeader sample_header() { return {"sample", "<ParameterList name=\"sample\"/>", "0.1.0", {{"compiler", "some"}}}; }
+
+// Values that depend on every index, so that a swapped index shows.
+Vector3 vector_of(int field, int member, std::size_t sample, int step) {
+  Vector3 v{};
+  for (std::size_t i = 0; i < 3; ++i) v[i] = 1000 * field + 100 * member + 10 * double(sample) + double(i) + 0.1 * step;
+  return v;
+}
+
+MemberSamples sample_member(const std::string& name, int member, std::size_t samples, int step) {
+  MemberSamples result;
+  result.name = name;
+  result.resize(samples);
+  for (std::size_t i = 0; i < samples; ++i) {
+    result.arc_length[i] = 0.25 * double(i);
+    result.element[i] = static_cast<int>(i / 2);
+    result.reference_position[i] = vector_of(0, member, i, 0);
+    result.position[i] = vector_of(1, member, i, step);
+    result.displacement[i] = vector_of(2, member, i, step);
+    result.force_strain[i] = vector_of(3, member, i, step);
+    result.moment_strain[i] = vector_of(4, member, i, step);
+    result.material_force[i] = vector_of(5, member, i, step);
+    result.material_moment[i] = vector_of(6, member, i, step);
+    result.triad[i] = {std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // quarter turn about e3: g1 = e2, g2 = -e1, g3 = e3
+  }
+  return result;
+}
+
+StepRecord sample_step(int step) {
+  StepRecord record;
+  record.step = step;
+  record.load_factor = 0.1 * step;
+  record.newton_iterations = 3 + step;
+  record.residual = 1e-13;
+  record.strain_energy = 2.5 * step;
+  record.members = {sample_member("shaft", 0, 3, step), sample_member("tine", 1, 2, step)};
+  record.monitored = {{"tip.displacement", {0.5 * step, 1, 2}}, {"reaction", {7.0 * step}}};
+  return record;
+}
+
+std::vector<double> read_doubles(const fs::path& path, const std::string& name, std::vector<hsize_t>* shape = nullptr) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file < 0) return {};
+  const hid_t dataset = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+  const hid_t space = H5Dget_space(dataset);
+  std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  if (shape != nullptr) {
+    shape->resize(static_cast<std::size_t>(H5Sget_simple_extent_ndims(space)));
+    H5Sget_simple_extent_dims(space, shape->data(), nullptr);
+  }
+  H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Sclose(space);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  return values;
+}
+
+double read_number(const fs::path& path, const std::string& object, const std::string& attribute) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t id = H5Aopen_by_name(file, object.c_str(), attribute.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+  double value = std::nan("");
+  H5Aread(id, H5T_NATIVE_DOUBLE, &value);
+  H5Aclose(id);
+  H5Fclose(file);
+  return value;
+}
+
+std::string read_text(const fs::path& path, const std::string& name) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t dataset = H5Dopen2(file, name.c_str(), H5P_DEFAULT);
+  const hid_t type = H5Dget_type(dataset);
+  std::string text(H5Tget_size(type), ' ');
+  H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data());
+  H5Tclose(type);
+  H5Dclose(dataset);
+  H5Fclose(file);
+  return text;
+}
+
+std::string file_text(const fs::path& path) {
+  std::stringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const ResultFileError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::size_t entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
+}
+
+TEST_F(ResultFileTest, FieldsComeBackConcatenatedOverMembers) {
+  ResultFile result(file_, sample_header());
+  for (int step = 0; step < 4; ++step) result.append_step(sample_step(step));
+  result.close();
+
+  std::vector<hsize_t> shape;
+  const auto position = read_doubles(file_, "/steps/000003/position", &shape);
+  EXPECT_EQ(shape, (std::vector<hsize_t>{5, 3}));
+  for (std::size_t i = 0; i < 5; ++i) {
+    const Vector3 expected = i < 3 ? vector_of(1, 0, i, 3) : vector_of(1, 1, i - 3, 3);
+    for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(position[3 * i + j], expected[j]);
+  }
+  EXPECT_EQ(read_doubles(file_, "/steps/000002/material_moment")[4], vector_of(6, 0, 1, 2)[1]);
+  EXPECT_EQ(read_doubles(file_, "/members/tine/reference_position")[5], vector_of(0, 1, 1, 0)[2]);
+  EXPECT_EQ(read_doubles(file_, "/members/shaft/element"), (std::vector<double>{0, 0, 1}));
+  EXPECT_EQ(read_number(file_, "/members/tine", "first_sample"), 3);
+  EXPECT_EQ(read_doubles(file_, "/polyline/connectivity"), (std::vector<double>{2, 3, 0, 1, 2, 2, 2, 3, 4}));
+}
+
+TEST_F(ResultFileTest, SpatialVectorsAreMaterialOnesTurnedByTheTriad) {
+  ResultFile result(file_, sample_header());
+  result.append_step(sample_step(1));
+  const auto moment = read_doubles(file_, "/steps/000001/spatial_moment");
+  const Vector3 material = vector_of(6, 0, 0, 1);
+  EXPECT_NEAR(moment[0], -material[1], 1e-12 * 6000);  // rounding of values near 6000
+  EXPECT_NEAR(moment[1], material[0], 1e-12 * 6000);
+  EXPECT_NEAR(moment[2], material[2], 1e-12 * 6000);
+  EXPECT_NEAR(read_doubles(file_, "/steps/000001/triad_2")[0], -1.0, 1e-15);
+}
+
+TEST_F(ResultFileTest, StepsCarryAttributesAndTimeSeries) {
+  ResultFile result(file_, sample_header());
+  for (int step = 0; step < 200; ++step) result.append_step(sample_step(step));  // more than one chunk of a time series
+  EXPECT_EQ(read_number(file_, "/steps/000007", "load_factor"), 0.1 * 7);
+  EXPECT_EQ(read_number(file_, "/steps/000007", "newton_iterations"), 10);
+  EXPECT_EQ(read_number(file_, "/steps/000007", "residual"), 1e-13);
+  std::vector<hsize_t> shape;
+  const auto tip = read_doubles(file_, "/monitor/tip.displacement", &shape);
+  EXPECT_EQ(shape, (std::vector<hsize_t>{200, 3}));
+  for (std::size_t step = 0; step < 200; ++step) EXPECT_EQ(tip[3 * step], 0.5 * double(step));
+  EXPECT_EQ(read_doubles(file_, "/monitor/reaction", &shape)[199], 7.0 * 199);
+  EXPECT_EQ(shape, (std::vector<hsize_t>{200}));
+}
+
+TEST_F(ResultFileTest, SceneIsStoredWordForWord) {
+  auto header = sample_header();
+  header.scene_xml = std::string(100000, 'x') + "\n\xc3\xa4 end";  // larger than an HDF5 attribute can be
+  ResultFile result(file_, header);
+  EXPECT_EQ(read_text(file_, "/scene"), header.scene_xml);
+  EXPECT_EQ(read_text(file_, "/version"), "0.1.0");
+}
+
+TEST_F(ResultFileTest, OnlyTheTwoFilesRemain) {
+  {
+    ResultFile result(file_, sample_header());
+    result.append_step(sample_step(1));
+  }
+  EXPECT_EQ(entries(folder_), 2u);
+  const auto text = file_text(folder_ / "run.xdmf");
+  EXPECT_NE(text.find("run.h5:/steps/000001/position"), std::string::npos);
+  EXPECT_NE(text.find("</Xdmf>"), std::string::npos);
+}
+
+TEST_F(ResultFileTest, XdmfListsEveryStepAfterClosing) {
+  {
+    ResultFile result(file_, sample_header());
+    for (int step = 1; step <= 250; ++step) result.append_step(sample_step(step));
+  }
+  EXPECT_NE(file_text(folder_ / "run.xdmf").find("run.h5:/steps/000250/position"), std::string::npos);
+}
+
+TEST_F(ResultFileTest, KilledWriterLeavesEveryCompletedStep) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ResultFile result(file_, sample_header());
+    for (int step = 1; step <= 3; ++step) result.append_step(sample_step(step));
+    _exit(0);  // no destructor runs
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_EQ(status, 0);
+  EXPECT_EQ(read_doubles(file_, "/monitor/step"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(read_doubles(file_, "/steps/000003/position").size(), 15u);
+  EXPECT_NE(file_text(folder_ / "run.xdmf").find("/steps/000003/"), std::string::npos);
+
+  ResultFile again(file_, sample_header());  // a new run starts afresh and clears what the killed one left
+  again.append_step(sample_step(1));
+  again.close();
+  EXPECT_EQ(read_doubles(file_, "/monitor/step"), (std::vector<double>{1}));
+  EXPECT_EQ(entries(folder_), 2u);
+}
+
+TEST_F(ResultFileTest, KillsAtAnyMomentLeaveAReadableFile) {
+  constexpr int kKills = 25;
+  constexpr useconds_t kDelayStep = 1700;  // microseconds; not a multiple of the time for a step, so kills spread over it
+  for (int kill_number = 0; kill_number < kKills; ++kill_number) {
+    { ResultFile empty(file_, sample_header()); }
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      ResultFile result(file_, sample_header());
+      for (int step = 1;; ++step) result.append_step(sample_step(step));
+    }
+    usleep(kDelayStep * static_cast<useconds_t>(kill_number + 1));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    ASSERT_EQ(read_text(file_, "/version"), "0.1.0") << "kill " << kill_number;
+    if (!fs::exists(folder_ / "run.xdmf")) continue;
+    const auto steps = read_doubles(file_, "/monitor/step");
+    ASSERT_FALSE(steps.empty());
+    std::string last = std::to_string(static_cast<int>(steps.back()));
+    last.insert(0, 6 - last.size(), '0');
+    ASSERT_EQ(read_doubles(file_, "/steps/" + last + "/triad").size(), 20u) << "kill " << kill_number;
+  }
+}
+
+TEST_F(ResultFileTest, UnwritablePathsAreNamedWithTheirReason) {
+  EXPECT_NE(error_of([&] { ResultFile(folder_, sample_header()); }).find("is a directory"), std::string::npos);
+  const auto missing = error_of([&] { ResultFile(folder_ / "no" / "run.h5", sample_header()); });
+  EXPECT_NE(missing.find("no/run.h5"), std::string::npos);
+  EXPECT_NE(missing.find("does not exist"), std::string::npos);
+  std::ofstream(folder_ / "plain") << "text";
+  EXPECT_NE(error_of([&] { ResultFile(folder_ / "plain" / "run.h5", sample_header()); }).find("not a folder"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { ResultFile("/proc/run.h5", sample_header()); }).find("/proc/run.h5: cannot create the file: "), std::string::npos);
+  EXPECT_EQ(error_of([&] { ResultFile(file_, sample_header()); }), "no error");  // the twin that must succeed
+}
+
+// A limit on the file size stands for a full disk: both make write() fail in the middle of a step.
+TEST_F(ResultFileTest, FullDiskIsReportedAndKeepsTheEarlierSteps) {
+  const fs::path report = folder_ / "report";
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::ofstream report_stream(report);
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{500000, 500000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    report_stream << error_of([&] {
+      ResultFile result(file_, sample_header());
+      for (int step = 1; step < 1000; ++step) result.append_step(sample_step(step));
+    });
+    report_stream.close();
+    std::exit(0);  // exit handlers of the HDF5 library run
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_NE(file_text(report).find("File too large"), std::string::npos) << file_text(report);
+  EXPECT_GT(read_doubles(file_, "/monitor/step").size(), 1u);
+  EXPECT_FALSE(fs::exists(folder_ / ".run.h5.a"));
+  EXPECT_FALSE(fs::exists(folder_ / ".run.h5.b"));
+}
+
+TEST_F(ResultFileTest, RecordsThatDoNotFitAreRefused) {
+  ResultFile result(file_, sample_header());
+  result.append_step(sample_step(1));
+  EXPECT_NE(error_of([&] { result.append_step(sample_step(1)); }).find("steps must grow"), std::string::npos);
+  auto other = sample_step(2);
+  other.members[0] = sample_member("shaft", 0, 4, 2);
+  EXPECT_NE(error_of([&] { result.append_step(other); }).find("differ"), std::string::npos);
+  other = sample_step(2);
+  other.members[1].position.pop_back();
+  EXPECT_NE(error_of([&] { result.append_step(other); }).find("unequal length"), std::string::npos);
+  other = sample_step(2);
+  other.members[1].name = "a/b";
+  EXPECT_NE(error_of([&] { result.append_step(other); }).find("cannot name a member"), std::string::npos);
+  other = sample_step(2);
+  other.monitored[1].name = "residual";
+  EXPECT_NE(error_of([&] { result.append_step(other); }).find("cannot name a monitored"), std::string::npos);
+  EXPECT_EQ(error_of([&] { result.append_step(sample_step(2)); }), "no error");
+}
+
+}  // namespace
+}  // namespace mixbeam
