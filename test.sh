@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds mixbeam and runs its tests.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")"
+# shellcheck source=.ci/setup.sh
+source .ci/setup.sh
+
+usage() {
+  cat <<'END'
+usage: ./test.sh [--no-install] [--headers] [--] [option of ctest]...
+
+Installs missing Debian packages, configures and builds the preset "release", and runs the tests.
+
+  --no-install   stop with the list of missing packages instead of installing them
+  --headers      also compile each header alone (about a minute on two cores)
+  --help         print this text
+
+Options after "--" go to ctest, for example   ./test.sh -- -R kernels
+Exit code: 0 all tests passed; 1 the build or a test failed; 2 wrong usage or missing packages.
+END
+}
+
+install=yes
+headers=no
+while [[ $# -gt 0 ]]; do
+  case $1 in
+    --no-install) install=no ;;
+    --headers) headers=yes ;;
+    --help | -h) usage && exit 0 ;;
+    --) shift && break ;;
+    *) fail 2 "test.sh: unknown option $1; see ./test.sh --help" ;;
+  esac
+  shift
+done
+
+prepare "$install"
+if [[ $headers == yes ]]; then
+  say "Compile each header alone"
+  cmake --build "$build_directory" --parallel "$(nproc)" --target verify_headers || fail 1 "A header is not complete."
+fi
+say "Test"
+ctest --test-dir "$build_directory" --output-on-failure --no-tests=error --parallel 2 "$@" ||
+  fail 1 "Tests failed (log: $build_directory/Testing/Temporary/LastTest.log)."
