@@ -1,0 +1,113 @@
+#include "kernels/element_block.hpp"
+
+#include "kernels/element_kinematics.hpp"
+#include "kernels/element_tangent.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace mixbeam {
+
+template <int K>
+void residual_loop(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&);
+template <int K>
+void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
+                  const ElementEquations&);
+
+namespace {
+
+/// Calls action(std::integral_constant<int, K>) for the block's order: the one place where a run-time order meets
+/// compile-time sizes.
+template <class Action, int K = 1>
+void for_order(int order, Action&& action) {
+  if (order == K) return action(std::integral_constant<int, K>());
+  if constexpr (K < kMaximumOrder)
+    for_order<Action, K + 1>(order, std::forward<Action>(action));
+  else
+    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." + std::to_string(kMaximumOrder));
+}
+
+/// Interior increments are the response rows times (d slope_0, spin a, spin b, 1).
+struct RecoverLoop {
+  KernelView<const int* [2]> vertices;
+  KernelView<const double**> reference;
+  KernelView<const double* [4]> element_triad;
+  KernelView<const double*> response;
+  KernelView<const double* [6]> vertex_increment;
+  KernelView<double*> increment;
+  int first_element, rows;
+  size_t increment_offset, response_offset;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
+    const Mat triad = rotation_matrix(load_quaternion(&element_triad(first_element + e, 0)));
+    const double* a = &vertex_increment(vertices(e, 0), 0);
+    const double* b = &vertex_increment(vertices(e, 1), 0);
+    double local[9];
+    store_vector((1.0 / reference(e, 0)) * transpose_times(triad, load_vector(b) - load_vector(a)), local);
+    store_vector(transpose_times(triad, load_vector(a + 3)), local + 3);
+    store_vector(transpose_times(triad, load_vector(b + 3)), local + 6);
+    const double* row = response.data() + response_offset + static_cast<size_t>(e) * rows * kResponseColumns;
+    double* out = increment.data() + increment_offset + static_cast<size_t>(e) * rows;
+    for (int r = 0; r < rows; ++r, row += kResponseColumns) {
+      double sum = row[9];
+      for (int c = 0; c < 9; ++c) sum += row[c] * local[c];
+      out[r] = sum;
+    }
+  }
+};
+
+struct ApplyLoop {
+  KernelView<const double* [4]> from_triad;
+  KernelView<const double*> from_interior, increment;
+  KernelView<double* [4]> to_triad;
+  KernelView<double*> to_interior;
+  double scale;
+  int first_element, unknowns;
+  size_t interior_offset, increment_offset;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
+    const double* d = increment.data() + increment_offset + static_cast<size_t>(e) * (unknowns + 3);
+    const double* x = from_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
+    double* y = to_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
+    for (int i = 0; i < unknowns; ++i) y[i] = x[i] + scale * d[i];
+    const Quat turn = exp_quaternion(scale * load_vector(d + unknowns));
+    const Quat triad = load_quaternion(&from_triad(first_element + e, 0));
+    store_quaternion(normalized(triad * turn), &to_triad(first_element + e, 0));
+  }
+};
+
+}  // namespace
+
+void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                       const ElementEquations& equations) {
+  for_order(block.order, [&](auto order) { residual_loop<order.value>(block, structure, state, equations); });
+}
+
+void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations) {
+  condense_right_hand_side(block, structure, state, KernelView<const double*>(), equations);
+}
+
+void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                              const KernelView<const double*>& rhs_interior, const ElementEquations& equations) {
+  for_order(block.order,
+            [&](auto order) { tangent_loop<order.value>(block, structure, state, rhs_interior, equations); });
+}
+
+void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
+  const RecoverLoop loop{block.vertices, block.reference, state.element_triad, equations.response, vertex_increment,
+                         increment, block.first_element, block.interior.increments(), block.increment_offset,
+                         block.response_offset};
+  Kokkos::parallel_for("mixbeam::elements::recover", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+}
+
+void apply_interior_increment(const ElementBlock& block, const StateViews& from, const KernelView<const double*>& increment,
+                              double scale, const StateViews& to) {
+  const ApplyLoop loop{from.element_triad, from.interior, increment, to.element_triad, to.interior, scale,
+                       block.first_element, block.interior.unknowns(), block.interior_offset, block.increment_offset};
+  Kokkos::parallel_for("mixbeam::elements::apply", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,76 @@
+/// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the mathematics
+/// is in element_residual.hpp and element_tangent.hpp.
+#pragma once
+
+#include "kernels/element_layout.hpp"
+#include "kernels/execution_space.hpp"
+
+#include <Kokkos_Core.hpp>
+
+namespace mixbeam {
+
+using MemorySpace = ExecutionSpace::memory_space;
+template <class Data>
+using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
+
+/// State of a structure: total, from the reference to the current configuration.
+struct StateViews {
+  KernelView<double* [3]> vertex_displacement;  ///< (vertex, 3) spatial
+  KernelView<double* [4]> vertex_rotation;      ///< (vertex, w x y z): Lambda_V
+  KernelView<double* [4]> element_triad;        ///< (element, w x y z): Lambda_lo
+  KernelView<double*> interior;                 ///< InteriorLayout of each element, block after block
+};
+
+/// What the kernels write and the assembler gathers.
+struct ElementEquations {
+  KernelView<double* [12]> residual;            ///< (element, u_a theta_a u_b theta_b): gradient, spatial
+  KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
+  KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
+  KernelView<double* [144]> condensed_tangent;  ///< (element, 12 x 12 row-major), spatial
+  KernelView<double*> response;                 ///< (increment row, kResponseColumns) of each element, block after block
+  KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
+};
+
+/// Constant data of the structure that elements of all blocks share.
+struct StructureViews {
+  KernelView<SectionConstants*> member_section;  ///< (member)
+  KernelView<LineLoad*> member_load;             ///< (member), at the current load factor; empty when the scene has none
+};
+
+struct ElementBlock {
+  int order = 0;
+  ForceIntegration force_integration = ForceIntegration::both_reduced;
+  int first_element = 0;            ///< elements of a block are numbered consecutively
+  int count = 0;
+  size_t interior_offset = 0;       ///< of the first element in StateViews::interior
+  size_t increment_offset = 0;      ///< of the first element in increments and interior residuals
+  size_t response_offset = 0;
+  InteriorLayout interior;
+  ReferenceLayout reference_layout;
+  KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
+  KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
+  KernelView<int*> member;          ///< (element of the block)
+};
+
+/// Mixed residual: vertex and interior rows, largest relative end rotation.
+void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                       const ElementEquations& equations);
+
+/// Condensed tangent, condensed residual and the response of the interior unknowns.
+void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations);
+
+/// Condensed residual and constant response column for a given right-hand side in place of the block's own residual:
+/// `rhs_interior` has the layout of increments (N rows are strains, not weighted). Everything else as evaluate_tangent.
+void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                              const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
+
+/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial).
+void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
+
+/// interior + scale * increment, triads multiplied from the right by exp(scale * w).
+void apply_interior_increment(const ElementBlock& block, const StateViews& from, const KernelView<const double*>& increment,
+                              double scale, const StateViews& to);
+
+}  // namespace mixbeam

@@ -1,0 +1,170 @@
+/// State of one element seen in the frame of its own constant triad Lambda_lo (the "element frame"): there the energy does not
+/// depend on Lambda_lo at all, which makes the discrete strains objective to the last digits.
+#pragma once
+
+#include "kernels/element_layout.hpp"
+#include "kernels/rotation.hpp"
+
+namespace mixbeam {
+
+using Vec = Vec3<double>;
+using Mat = Mat3<double>;
+using Quat = Quaternion<double>;
+
+KOKKOS_INLINE_FUNCTION Vec load_vector(const double* x) { return {{x[0], x[1], x[2]}}; }
+KOKKOS_INLINE_FUNCTION void store_vector(const Vec& v, double* x) {
+  for (int i = 0; i < 3; ++i) x[i] = v[i];
+}
+KOKKOS_INLINE_FUNCTION Quat load_quaternion(const double* x) { return {x[0], x[1], x[2], x[3]}; }
+KOKKOS_INLINE_FUNCTION void store_quaternion(const Quat& q, double* x) {
+  x[0] = q.w;
+  x[1] = q.x;
+  x[2] = q.y;
+  x[3] = q.z;
+}
+
+/// Everything that one element reads.
+struct ElementInput {
+  Vec displacement[2];        ///< of the end vertices, spatial
+  Quat vertex_rotation[2];    ///< Lambda_V of the end vertices
+  Quat triad;                 ///< Lambda_lo
+  const double* interior;     ///< InteriorLayout
+  const double* reference;    ///< ReferenceLayout
+};
+
+/// Constant-size pieces of the state in the element frame.
+template <int K>
+struct ElementKinematics {
+  double length;
+  Mat triad;                  ///< Lambda_lo
+  Vec slope[K];               ///< Lambda_lo^T u' = sum_j slope_j P_j
+  Vec psi[K];                 ///< psi_ho = sum_{j >= 1} psi_j P_j (psi_0 unused)
+
+  KOKKOS_INLINE_FUNCTION ElementKinematics(const ElementInput& in, const InteriorLayout& layout)
+      : length(in.reference[0]), triad(rotation_matrix(in.triad)) {
+    slope[0] = (1.0 / length) * transpose_times(triad, in.displacement[1] - in.displacement[0]);
+    psi[0] = Vec{{0.0, 0.0, 0.0}};
+    for (int j = 1; j < K; ++j) {
+      slope[j] = transpose_times(triad, load_vector(in.interior + layout.bubble(j)));
+      psi[j] = load_vector(in.interior + layout.relative_rotation(j));
+    }
+  }
+
+  /// p = Lambda_lo^T r' at a point with Legendre values P.
+  KOKKOS_INLINE_FUNCTION Vec centerline_slope(const Vec& reference_tangent, const double* P) const {
+    Vec p = transpose_times(triad, reference_tangent);
+    for (int j = 0; j < K; ++j) p += P[j] * slope[j];
+    return p;
+  }
+  KOKKOS_INLINE_FUNCTION Vec relative_rotation(const double* P) const {
+    Vec sum{{0.0, 0.0, 0.0}};
+    for (int j = 1; j < K; ++j) sum += P[j] * psi[j];
+    return sum;
+  }
+};
+
+/// Rotation psi at a point with exp(hat psi), T(psi) and the Stumpff values they come from. For k = 1 nothing is
+/// interpolated: psi is zero and both maps are the identity.
+template <int K>
+struct PointRotation {
+  Vec psi;
+  StumpffValues<double> c;
+  Mat exp, tangent;
+
+  KOKKOS_INLINE_FUNCTION explicit PointRotation(const Vec& rotation_vector) : psi(rotation_vector) {
+    if constexpr (K > 1) {
+      c = stumpff(dot(psi, psi));
+      exp = exp_matrix(psi, c);
+      tangent = tangent_map(psi, c);
+    } else {
+      exp = tangent = identity_matrix<double>();
+    }
+  }
+};
+
+/// Force strain at one point, gamma = Lambda^T r' - e1 (paper eq. for gamma), and the resultant there.
+template <int K>
+struct ForcePoint {
+  PointRotation<K> rotation;
+  Vec p;             ///< Lambda_lo^T r'
+  Vec pulled_back;   ///< Lambda^T r' = gamma + e1
+  Vec force;         ///< N, material
+  Vec strain_error;  ///< gamma - C^-1 N, masked: the residual of the constitutive equation
+  double weight;     ///< quadrature weight times h/2
+
+  KOKKOS_INLINE_FUNCTION ForcePoint(int q, const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                    const ElementTables<K>& tables, const InteriorLayout& layout,
+                                    const ReferenceLayout& reference, const SectionConstants& section)
+      : rotation(kinematics.relative_rotation(tables.force_legendre[q])) {
+    p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), tables.force_legendre[q]);
+    pulled_back = K > 1 ? transpose_times(rotation.exp, p) : p;
+    force = load_vector(in.interior + layout.force(q));
+    const double mask[3] = {tables.axial[q], tables.shear[q], tables.shear[q]};
+    for (int i = 0; i < 3; ++i)
+      strain_error[i] = mask[i] * (pulled_back[i] - (i == 0 ? 1.0 : 0.0) - section.force_compliance[i] * force[i]);
+    weight = 0.5 * kinematics.length * tables.force_weight[q];
+  }
+};
+
+/// Moment strain at one point, kappa = T(psi)^T psi' - kappa0 (paper eq. for kappa), and the moment there.
+template <int K>
+struct MomentPoint {
+  PointRotation<K> rotation;
+  Vec slope;    ///< psi'
+  Vec moment;   ///< M, material
+  Vec strain;   ///< kappa
+  double weight;
+
+  KOKKOS_INLINE_FUNCTION MomentPoint(int q, const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                     const ElementTables<K>& tables, const InteriorLayout& layout,
+                                     const ReferenceLayout& reference)
+      : rotation(kinematics.relative_rotation(tables.moment_legendre[q])) {
+    slope = Vec{{0.0, 0.0, 0.0}};
+    for (int j = 1; j < K; ++j) slope += (2.0 / kinematics.length * tables.moment_slope[q][j]) * kinematics.psi[j];
+    moment = Vec{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= K; ++j)
+      moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
+    strain = -load_vector(in.reference + reference.curvature(q));
+    if constexpr (K > 1) strain += transpose_times(rotation.tangent, slope);
+    weight = 0.5 * kinematics.length * tables.moment_weight[q];
+  }
+};
+
+/// P_j at an end of the element: (+-1)^j.
+KOKKOS_INLINE_FUNCTION double end_value(int end, int j) { return end == 0 && j % 2 == 1 ? -1.0 : 1.0; }
+
+/// Relative rotation phi = log(Lambda_E^T Lambda_V Lambda_0) between element and vertex at one end (discrete curvature) and
+/// the moment that works on it, with the sign of the boundary term: + at the right end, - at the left.
+template <int K>
+struct EndRotation {
+  PointRotation<K> rotation;
+  double sign;
+  Vec phi;
+  InverseTangentCoefficient<double> coefficient;
+  Mat inverse_tangent;   ///< T^-1(phi)
+  Vec moment;            ///< sign * M(end), material
+  Vec spin_moment;       ///< T^-T(phi) sign M: conjugate to a spin that multiplies from the left
+
+  KOKKOS_INLINE_FUNCTION EndRotation(int end, const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                     const InteriorLayout& layout, const ReferenceLayout& reference)
+      : rotation(end_relative_rotation(end, kinematics)), sign(end == 0 ? -1.0 : 1.0) {
+    Quat relative = conjugate(in.triad) * in.vertex_rotation[end] * load_quaternion(in.reference + reference.end_triad(end));
+    if constexpr (K > 1) relative = conjugate(exp_quaternion(rotation.psi)) * relative;
+    phi = log_quaternion(relative);
+    moment = Vec{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= K; ++j)
+      moment += (sign * end_value(end, j)) * load_vector(in.interior + layout.moment(j));
+    coefficient = inverse_tangent_coefficient(dot(phi, phi));
+    inverse_tangent = inverse_tangent_map(phi, coefficient);
+    spin_moment = transpose_times(inverse_tangent, moment);
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION static Vec end_relative_rotation(int end, const ElementKinematics<K>& kinematics) {
+    Vec sum{{0.0, 0.0, 0.0}};
+    for (int j = 1; j < K; ++j) sum += end_value(end, j) * kinematics.psi[j];
+    return sum;
+  }
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,136 @@
+/// Residual of the whole mixed system of one element: the first variation of its energy (design: stationary in all fields)
+///   sum_q w [N.gamma - N.C^-1 N / 2] + sum_q w [M.kappa - M.C^-1 M / 2] + [phi . M]_left^right  -  work of line loads.
+#pragma once
+
+#include "kernels/element_kinematics.hpp"
+
+namespace mixbeam {
+
+/// Gradients in the element frame. Interior N and M rows are strains, the others forces or moments.
+template <int K>
+struct ElementGradient {
+  Vec strain_error[ElementTables<K>::kMaximumForcePoints];  ///< gamma - C^-1 N at each force point (not weighted)
+  Vec moment_row[K + 1];     ///< int P_j (kappa - C^-1 M) + discrete curvature: a relative rotation
+  Vec spin;                  ///< conjugate to w
+  Vec psi[K];                ///< conjugate to psi_j, j >= 1
+  Vec slope[K];              ///< conjugate to the slopes Lambda_lo^T u'_j
+  Vec vertex_spin[2];        ///< conjugate to the spins of the end vertices, in the element frame
+  Vec vertex_force[2];       ///< from line loads, spatial; the rest of the vertex force is +-slope[0]/h
+  double largest_end_angle;  ///< |phi| at the two ends; the element is valid below pi
+};
+
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_force_gradient(const ForcePoint<K>& point, const double* P, ElementGradient<K>& g) {
+  const Vec nu = K > 1 ? point.rotation.exp * point.force : point.force;
+  for (int j = 0; j < K; ++j) g.slope[j] += (point.weight * P[j]) * nu;
+  g.spin += point.weight * cross(nu, point.p);
+  if constexpr (K > 1) {
+    const Vec turning = point.weight * (point.rotation.tangent * cross(point.force, point.pulled_back));
+    for (int j = 1; j < K; ++j) g.psi[j] += P[j] * turning;
+  }
+}
+
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_moment_gradient(const MomentPoint<K>& point, const double* P, const double* slope,
+                                                double length, ElementGradient<K>& g) {
+  for (int j = 0; j <= K; ++j) g.moment_row[j] += (point.weight * P[j]) * point.strain;
+  if constexpr (K > 1) {
+    const Vec along_slope = (point.weight * 2.0 / length) * (point.rotation.tangent * point.moment);
+    const Vec along_value =
+        point.weight * rotation_form_gradient(2, point.moment, point.slope, point.rotation.psi, point.rotation.c);
+    for (int j = 1; j < K; ++j) g.psi[j] += slope[j] * along_slope + P[j] * along_value;
+  }
+}
+
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K>& joint, ElementGradient<K>& g) {
+  const Vec spun = K > 1 ? joint.rotation.exp * joint.spin_moment : joint.spin_moment;
+  g.vertex_spin[end] = spun;
+  g.spin += -spun;
+  if constexpr (K > 1) {
+    const Vec turning = joint.rotation.tangent * joint.spin_moment;
+    for (int j = 1; j < K; ++j) g.psi[j] += (-end_value(end, j)) * turning;
+  }
+  for (int j = 0; j <= K; ++j) g.moment_row[j] += (joint.sign * end_value(end, j)) * joint.phi;
+}
+
+/// Virtual work of a constant dead line load: force . du and couple . dtheta_E with dtheta_E = w + T(psi) dpsi (element frame).
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_line_load_gradient(const LineLoad& load, const ElementKinematics<K>& kinematics,
+                                                   const ElementTables<K>& tables, ElementGradient<K>& g) {
+  const Vec force = load_vector(load.force);
+  const double h = kinematics.length;
+  for (int end = 0; end < 2; ++end) g.vertex_force[end] = (-0.5 * h) * force;
+  if constexpr (K > 1) {
+    // u has the bubble (h/2) beta_1 int P_1, whose mean over the element is -h/6; all higher bubbles have zero mean
+    g.slope[1] += (h * h / 6.0) * transpose_times(kinematics.triad, force);
+  }
+  const Vec couple = transpose_times(kinematics.triad, load_vector(load.couple));
+  g.spin += (-h) * couple;
+  if constexpr (K > 1) {
+    for (int q = 0; q <= K; ++q) {
+      const double* P = tables.moment_legendre[q];
+      const Vec turned = transpose_times(tangent_map(kinematics.relative_rotation(P)), couple);
+      for (int j = 1; j < K; ++j) g.psi[j] += (-0.5 * h * tables.moment_weight[q] * P[j]) * turned;
+    }
+  }
+}
+
+template <int K>
+KOKKOS_INLINE_FUNCTION void clear(ElementGradient<K>& g) {
+  const Vec zero{{0.0, 0.0, 0.0}};
+  for (int j = 0; j <= K; ++j) g.moment_row[j] = zero;
+  for (int j = 0; j < K; ++j) g.psi[j] = g.slope[j] = zero;
+  g.spin = zero;
+  for (int end = 0; end < 2; ++end) g.vertex_spin[end] = g.vertex_force[end] = zero;
+  g.largest_end_angle = 0.0;
+}
+
+/// Gradient of the element energy. `load` may be null: a scene without line loads pays nothing.
+template <int K>
+KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                             const ElementTables<K>& tables, const InteriorLayout& layout,
+                                             const ReferenceLayout& reference, const SectionConstants& section,
+                                             const LineLoad* load, ElementGradient<K>& g) {
+  clear(g);
+  for (int q = 0; q < tables.force_points; ++q) {
+    const ForcePoint<K> point(q, in, kinematics, tables, layout, reference, section);
+    g.strain_error[q] = point.strain_error;
+    add_force_gradient(point, tables.force_legendre[q], g);
+  }
+  for (int q = 0; q <= K; ++q) {
+    const MomentPoint<K> point(q, in, kinematics, tables, layout, reference);
+    add_moment_gradient(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, g);
+  }
+  for (int j = 0; j <= K; ++j)
+    for (int i = 0; i < 3; ++i)
+      g.moment_row[j][i] -= kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
+  for (int end = 0; end < 2; ++end) {
+    const EndRotation<K> joint(end, in, kinematics, layout, reference);
+    add_end_gradient(end, joint, g);
+    const double angle = norm(joint.phi);
+    if (angle > g.largest_end_angle) g.largest_end_angle = angle;
+  }
+  if (load != nullptr) add_line_load_gradient(*load, kinematics, tables, g);
+}
+
+/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial but
+/// the material N, M, psi and spin rows.
+template <int K>
+KOKKOS_INLINE_FUNCTION void store_residual(const ElementGradient<K>& g, const ElementKinematics<K>& kinematics,
+                                           const InteriorLayout& layout, double* interior_row, double* vertex_row) {
+  for (int q = 0; q < layout.force_points; ++q) store_vector(g.strain_error[q], interior_row + layout.force(q));
+  for (int j = 0; j <= K; ++j) store_vector(g.moment_row[j], interior_row + layout.moment(j));
+  for (int j = 1; j < K; ++j) {
+    store_vector(g.psi[j], interior_row + layout.relative_rotation(j));
+    store_vector(kinematics.triad * g.slope[j], interior_row + layout.bubble(j));
+  }
+  store_vector(g.spin, interior_row + layout.spin());
+  const Vec force = (1.0 / kinematics.length) * (kinematics.triad * g.slope[0]);
+  store_vector(g.vertex_force[0] - force, vertex_row);
+  store_vector(kinematics.triad * g.vertex_spin[0], vertex_row + 3);
+  store_vector(g.vertex_force[1] + force, vertex_row + 6);
+  store_vector(kinematics.triad * g.vertex_spin[1], vertex_row + 9);
+}
+
+}  // namespace mixbeam
