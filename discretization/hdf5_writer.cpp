@@ -40,10 +40,12 @@ Handle text_type(const std::string& text) {
 
 Handle scalar_space() { return {H5Screate(H5S_SCALAR), H5Sclose, "make a scalar space"}; }
 
-void write_scalar_attribute(hid_t object, const std::string& name, hid_t file_type, hid_t memory_type, const void* value) {
+void write_scalar_attribute(hid_t object, const std::string& name, hid_t file_type, hid_t memory_type,
+                            const void* value) {
   const std::string action = "write attribute " + name;
   const Handle space = scalar_space();
-  const Handle attribute(H5Acreate2(object, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, action);
+  const Handle attribute(H5Acreate2(object, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         action);
   check(H5Awrite(attribute, memory_type, value), action);
 }
 
@@ -51,8 +53,8 @@ void write_array(hid_t group, const std::string& name, const std::vector<hsize_t
                  hid_t memory_type, const void* values) {
   const std::string action = "write dataset " + name;
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
-  const Handle dataset(H5Dcreate2(group, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-                       action);
+  const Handle dataset(H5Dcreate2(group, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                       H5Dclose, action);
   check(H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), action);
 }
 
@@ -94,9 +96,7 @@ Handle::~Handle() {
   if (id_ >= 0) close_function_(id_);
 }
 
-void Handle::close(const std::string& action) {
-  check(close_function_(std::exchange(id_, -1)), action);
-}
+void Handle::close(const std::string& action) { check(close_function_(std::exchange(id_, -1)), action); }
 
 Handle create_file(const std::filesystem::path& path) {
   const Handle access = file_access();

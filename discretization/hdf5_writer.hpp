@@ -1,4 +1,5 @@
-/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp includes this.
+/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp includes
+/// this.
 #pragma once
 
 #include <hdf5.h>
@@ -38,8 +39,7 @@ class Handle {
   /// Takes over `id`; throws Error with `action` ("create group steps") when the library returned none.
   Handle(hid_t id, CloseFunction close_function, const std::string& action);
   ~Handle();
-  Handle(Handle&& other) noexcept
-      : id_(std::exchange(other.id_, -1)), close_function_(other.close_function_) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_function_(other.close_function_) {}
   Handle& operator=(Handle&&) = delete;
 
   operator hid_t() const { return id_; }

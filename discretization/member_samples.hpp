@@ -1,5 +1,6 @@
-/// The sampled configuration of a structure at one converged step: what the solver hands to result files, tables and plots.
-/// Plain data; nothing here knows how it was computed. Lengths, forces and moments in the scene's own consistent units.
+/// The sampled configuration of a structure at one converged step: what the solver hands to result files, tables and
+/// plots. Plain data; nothing here knows how it was computed. Lengths, forces and moments in the scene's own consistent
+/// units.
 #pragma once
 
 #include "discretization/scene.hpp"
@@ -12,24 +13,25 @@
 
 namespace mixbeam {
 
-/// Unit quaternion (w, x, y, z) of a total triad: its rotation matrix has the spatial components of g1, g2, g3 as columns.
+/// Unit quaternion (w, x, y, z) of a total triad: its rotation matrix has the spatial components of g1, g2, g3 as
+/// columns.
 using TriadQuaternion = std::array<double, 4>;
 
 /// One member sampled along its centerline. Every vector has one entry per sample, in the order of growing arc length.
-/// Elements may disagree in triad and strains at a common vertex, so a vertex inside the member is sampled once for each
-/// of the two elements that meet there; `element` tells them apart.
+/// Elements may disagree in triad and strains at a common vertex, so a vertex inside the member is sampled once for
+/// each of the two elements that meet there; `element` tells them apart.
 struct MemberSamples {
-  std::string name;                        ///< the member's name in the scene
-  std::vector<double> arc_length;          ///< s of the undeformed centerline, 0 at the member's start point
-  std::vector<int> element;                ///< element within the member, 0, 1, ...
-  std::vector<Vector3> reference_position; ///< undeformed centerline, spatial
-  std::vector<Vector3> position;           ///< deformed centerline r, spatial
-  std::vector<Vector3> displacement;       ///< position - reference_position, spatial
-  std::vector<TriadQuaternion> triad;      ///< total rotation of the section, from the global frame to g1, g2, g3
-  std::vector<Vector3> force_strain;       ///< gamma, material (axial, shear 2, shear 3)
-  std::vector<Vector3> moment_strain;      ///< kappa, material (torsion, bending 2, bending 3), 1/length
-  std::vector<Vector3> material_force;     ///< N, material
-  std::vector<Vector3> material_moment;    ///< M, material
+  std::string name;                         ///< the member's name in the scene
+  std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
+  std::vector<int> element;                 ///< element within the member, 0, 1, ...
+  std::vector<Vector3> reference_position;  ///< undeformed centerline, spatial
+  std::vector<Vector3> position;            ///< deformed centerline r, spatial
+  std::vector<Vector3> displacement;        ///< position - reference_position, spatial
+  std::vector<TriadQuaternion> triad;       ///< total rotation of the section, from the global frame to g1, g2, g3
+  std::vector<Vector3> force_strain;        ///< gamma, material (axial, shear 2, shear 3)
+  std::vector<Vector3> moment_strain;       ///< kappa, material (torsion, bending 2, bending 3), 1/length
+  std::vector<Vector3> material_force;      ///< N, material
+  std::vector<Vector3> material_moment;     ///< M, material
 
   std::size_t size() const { return arc_length.size(); }
 
@@ -56,19 +58,19 @@ struct MemberSamples {
 
 /// A quantity followed over the load path, such as the displacement of a point: one value, or three spatial components.
 struct MonitoredQuantity {
-  std::string name;                        ///< for example "tip.displacement"
-  std::vector<double> components;          ///< size 1 (scalar) or 3 (vector)
+  std::string name;                ///< for example "tip.displacement"
+  std::vector<double> components;  ///< size 1 (scalar) or 3 (vector)
 };
 
 /// A converged configuration and how it was reached.
 struct StepRecord {
-  int step = 0;                            ///< 0 is the state before any load; grows from record to record
-  double load_factor = 0.0;                ///< may fall along a path past a limit point
-  int newton_iterations = 0;               ///< spent on this step, failed attempts included
+  int step = 0;               ///< 0 is the state before any load; grows from record to record
+  double load_factor = 0.0;   ///< may fall along a path past a limit point
+  int newton_iterations = 0;  ///< spent on this step, failed attempts included
   double residual = std::numeric_limits<double>::quiet_NaN();       ///< scale-free norm at the last iterate
   double strain_energy = std::numeric_limits<double>::quiet_NaN();  ///< of the whole structure
-  std::vector<MemberSamples> members;      ///< same members, same samples in every record of a run
-  std::vector<MonitoredQuantity> monitored;///< same names in every record of a run
+  std::vector<MemberSamples> members;        ///< same members, same samples in every record of a run
+  std::vector<MonitoredQuantity> monitored;  ///< same names in every record of a run
 };
 
 }  // namespace mixbeam

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFormatVersion = 1;
 constexpr std::size_t kOverheadPerStep = 65536;  // bytes; HDF5's own data for a step were seen to take 12 kB
-constexpr int kXdmfPolyline = 2;             // XDMF's number for a polyline in a mixed topology
+constexpr int kXdmfPolyline = 2;                 // XDMF's number for a polyline in a mixed topology
 const std::set<std::string> kOwnTimeSeries = {"step", "load_factor", "newton_iterations", "residual", "strain_energy"};
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
@@ -47,7 +47,7 @@ std::array<Vector3, 3> triad_vectors(const TriadQuaternion& triad) {
 }
 
 // Spatial components of a material vector field: v = sum_i V_i g_i at every sample.
-std::vector<double> spatial(const std::vector<MemberSamples>& members, std::vector<Vector3> MemberSamples::* material) {
+std::vector<double> spatial(const std::vector<MemberSamples>& members, std::vector<Vector3> MemberSamples::*material) {
   std::vector<double> values;
   for (const auto& member : members) {
     for (std::size_t sample = 0; sample < member.size(); ++sample) {
@@ -111,7 +111,8 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members) {
     hdf5::write_attribute(group, "samples", static_cast<int>(member.size()));
     hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
     hdf5::write_dataset(group, "element", member.element);
-    hdf5::write_dataset(group, "reference_position", concatenated(std::vector<MemberSamples>{member}, &MemberSamples::reference_position), 3);
+    hdf5::write_dataset(group, "reference_position",
+                        concatenated(std::vector<MemberSamples>{member}, &MemberSamples::reference_position), 3);
     first_sample += static_cast<int>(member.size());
   }
   const auto polyline = hdf5::create_group(file, "polyline");
@@ -156,7 +157,8 @@ void write_step(hid_t file, const StepRecord& record) {
 std::size_t bytes_of(const StepRecord& record) {
   constexpr std::size_t kDoublesPerSample = 48;  // 37 for a step, 5 for the sampling, the rest in hand
   std::size_t bytes = kOverheadPerStep;
-  for (const auto& member : record.members) bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
+  for (const auto& member : record.members)
+    bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;
   return bytes;
 }
@@ -253,7 +255,8 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   const std::string prefix = "result file " + path_.string() + ", step " + std::to_string(record.step) + ": ";
   if (record.members.empty()) throw ResultFileError(prefix + "no members");
   for (const auto& member : record.members) {
-    if (!member.is_complete()) throw ResultFileError(prefix + "member " + member.name + " has fields of unequal length");
+    if (!member.is_complete())
+      throw ResultFileError(prefix + "member " + member.name + " has fields of unequal length");
     if (!is_link_name(member.name)) throw ResultFileError(prefix + "'" + member.name + "' cannot name a member");
   }
   for (const auto& quantity : record.monitored) {
@@ -264,7 +267,8 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   }
   if (labels_.empty()) return;
   if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
-  bool same = record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
+  bool same =
+      record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
   for (std::size_t i = 0; same && i < record.members.size(); ++i) {
     same = same_sampling(record.members[i], previous_.members[i]);
   }
@@ -316,7 +320,8 @@ void ResultFile::publish(const Copy& copy) {
 
 void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
-  for (const auto& label : labels_) steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
+  for (const auto& label : labels_)
+    steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
   const std::size_t members = previous_.members.size();
   const std::size_t samples = count_samples(previous_.members);
   replace_file(xdmf_path_, new_name_,

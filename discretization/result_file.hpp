@@ -87,12 +87,12 @@ class ResultFile {
 
   std::filesystem::path path_;
   std::filesystem::path xdmf_path_;
-  std::filesystem::path new_name_;      ///< hidden name that is renamed to path_
+  std::filesystem::path new_name_;  ///< hidden name that is renamed to path_
   ResultHeader header_;
   std::array<Copy, 2> copies_;
-  std::size_t next_copy_ = 0;           ///< the copy that is not published
-  StepRecord previous_;                 ///< missing in the next copy; its members also describe the sampling
-  std::vector<StepLabel> labels_;       ///< of all published steps
+  std::size_t next_copy_ = 0;      ///< the copy that is not published
+  StepRecord previous_;            ///< missing in the next copy; its members also describe the sampling
+  std::vector<StepLabel> labels_;  ///< of all published steps
   std::size_t steps_in_xdmf_ = 0;
   bool failed_ = false;
   bool closed_ = false;

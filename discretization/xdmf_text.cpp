@@ -7,18 +7,27 @@ namespace mixbeam {
 namespace {
 
 constexpr std::array<const char*, 10> kVectorFields = {
-    "displacement",  "spatial_force",   "spatial_moment", "triad_1",      "triad_2",
-    "triad_3",       "material_force",  "material_moment", "force_strain", "moment_strain"};
+    "displacement", "spatial_force",  "spatial_moment",  "triad_1",      "triad_2",
+    "triad_3",      "material_force", "material_moment", "force_strain", "moment_strain"};
 
 std::string escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
     switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += c;
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
     }
   }
   return result;
@@ -42,9 +51,10 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
   const std::string place = file + ":" + step.group + "/";
   std::string text = "      <Grid Name=\"step " + std::to_string(step.step) + "\" GridType=\"Uniform\">\n";
   text += "        <Time Value=\"" + std::to_string(step.step) + "\"/>\n";
-  text += "        <Topology TopologyType=\"Mixed\" NumberOfElements=\"" + std::to_string(members) + "\">" +
-          data_item(std::to_string(connectivity), "NumberType=\"Int\" Precision=\"4\"", file + ":/polyline/connectivity") +
-          "</Topology>\n";
+  text +=
+      "        <Topology TopologyType=\"Mixed\" NumberOfElements=\"" + std::to_string(members) + "\">" +
+      data_item(std::to_string(connectivity), "NumberType=\"Int\" Precision=\"4\"", file + ":/polyline/connectivity") +
+      "</Topology>\n";
   text += "        <Geometry GeometryType=\"XYZ\">" + data_item(vectors, real, place + "position") + "</Geometry>\n";
   for (const char* field : kVectorFields) {
     text += "        <Attribute Name=\"" + std::string(field) + "\" AttributeType=\"Vector\" Center=\"Node\">" +

@@ -9,8 +9,8 @@ namespace mixbeam {
 
 /// What the description needs to know about one step.
 struct XdmfStep {
-  std::string group;         ///< of the step in the HDF5 file, "/steps/000001"
-  int step = 0;              ///< shown as time, because the load factor need not grow
+  std::string group;  ///< of the step in the HDF5 file, "/steps/000001"
+  int step = 0;       ///< shown as time, because the load factor need not grow
   double load_factor = 0.0;
 };
 

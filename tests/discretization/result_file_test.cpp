@@ -1,11 +1,12 @@
-/// Result files: what is written is read back with the HDF5 C API; a killed writer leaves a readable file; errors name their reason.
+/// Result files: what is written is read back with the HDF5 C API; a killed writer leaves a readable file; errors name
+/// their reason.
 #include "discretization/result_file.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
-#include <csignal>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -228,7 +229,8 @@ TEST_F(ResultFileTest, KilledWriterLeavesEveryCompletedStep) {
 
 TEST_F(ResultFileTest, KillsAtAnyMomentLeaveAReadableFile) {
   constexpr int kKills = 25;
-  constexpr useconds_t kDelayStep = 1700;  // microseconds; not a multiple of the time for a step, so kills spread over it
+  constexpr useconds_t kDelayStep =
+      1700;  // microseconds; not a multiple of the time for a step, so kills spread over it
   for (int kill_number = 0; kill_number < kKills; ++kill_number) {
     { ResultFile empty(file_, sample_header()); }
     const pid_t child = fork();
@@ -258,7 +260,9 @@ TEST_F(ResultFileTest, UnwritablePathsAreNamedWithTheirReason) {
   std::ofstream(folder_ / "plain") << "text";
   EXPECT_NE(error_of([&] { ResultFile(folder_ / "plain" / "run.h5", sample_header()); }).find("not a folder"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { ResultFile("/proc/run.h5", sample_header()); }).find("/proc/run.h5: cannot create the file: "), std::string::npos);
+  EXPECT_NE(
+      error_of([&] { ResultFile("/proc/run.h5", sample_header()); }).find("/proc/run.h5: cannot create the file: "),
+      std::string::npos);
   EXPECT_EQ(error_of([&] { ResultFile(file_, sample_header()); }), "no error");  // the twin that must succeed
 }
 
