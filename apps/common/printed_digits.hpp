@@ -1,0 +1,26 @@
+/// Numbers as a paper prints them: how many digits a text claims, and whether an own value agrees with them.
+#pragma once
+
+#include <string>
+
+namespace mixbeam {
+
+/// The number a printed text stands for, such as "-23.6450" or "5.6e-07". Throws std::invalid_argument with the text
+/// when it is not a decimal number.
+double printed_value(const std::string& printed);
+
+/// `value` rounded to the decimal place of the last digit of `printed` and written in the same style (fixed or with the
+/// same power of ten), so that the two texts can be compared digit by digit: 0.71828 beside "2.72" gives "0.72".
+/// "nan", "inf" or "-inf" when `value` is not finite.
+std::string in_style_of(double value, const std::string& printed);
+
+/// True when `value`, rounded to the last digit of `printed`, differs from it by at most `units_in_last_place` of that
+/// digit. Exact in decimal arithmetic: no tolerance is added. False when `value` is not finite, or so large that it has
+/// more than 17 digits down to that place.
+bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place = 1);
+
+/// The decimal text `number` rounded to `figures` significant digits, halves away from zero and zeros kept, as LaTeX's
+/// siunitx sets a table: ("-23.75125", 6) gives "-23.7513", ("54.095", 6) gives "54.0950". Powers of ten stay apart.
+std::string rounded_to_figures(const std::string& number, int figures);
+
+}  // namespace mixbeam

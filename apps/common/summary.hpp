@@ -1,0 +1,82 @@
+/// The summary of a run: every quantity that was checked against a reference, and what the run cost. Printed for
+/// people, written as JSON for scripts.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// How a value is held against its reference.
+enum class Comparison {
+  absolute,       ///< |value - reference| <= tolerance
+  relative,       ///< |value - reference| <= tolerance * |reference|
+  upper_bound,    ///< value <= reference; the tolerance is not used
+  printed_digits  ///< equal in every digit that the source prints; the tolerance counts units of the last one
+};
+
+/// "absolute", "relative", "upper bound", "printed digits": the names used in scenes, prints and JSON.
+std::string name_of(Comparison comparison);
+
+/// The comparison of that name; std::invalid_argument, listing the names, for any other text.
+Comparison comparison_from_name(const std::string& name);
+
+/// A value beside its reference. `pass` is set by `Summary::check`.
+struct CheckedQuantity {
+  std::string name;  ///< "arc rho=10 k=3 n=32: u3"
+  double value = 0.0;
+  std::string reference;  ///< decimal text as the source prints it
+  std::string source;     ///< where the reference comes from; never empty
+  double tolerance = 0.0;
+  Comparison comparison = Comparison::absolute;
+  bool pass = false;
+};
+
+/// True when the quantity's value agrees with its reference; false for values that are not finite.
+/// Throws std::invalid_argument when the reference is no number, the tolerance negative or not finite.
+bool agrees(const CheckedQuantity& quantity);
+
+/// Collects checks and costs during a run.
+class Summary {
+ public:
+  std::string program;
+  std::string version;
+  std::string compiler;
+  int threads = 1;
+  int ranks = 1;
+  int load_steps = 0;
+  int newton_iterations = 0;
+  std::map<std::string, double> seconds;  ///< phase of the run -> wall time
+
+  /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
+  /// (std::invalid_argument): a reference that nobody can look up checks nothing.
+  bool check(CheckedQuantity quantity);
+
+  bool check_absolute(const std::string& name, double value, double reference, double tolerance,
+                      const std::string& source);
+  bool check_relative(const std::string& name, double value, double reference, double tolerance,
+                      const std::string& source);
+  bool check_upper_bound(const std::string& name, double value, double bound, const std::string& source);
+  bool check_printed_digits(const std::string& name, double value, const std::string& printed,
+                            const std::string& source, int units_in_last_place = 1);
+
+  const std::vector<CheckedQuantity>& checks() const { return checks_; }
+
+  /// True when no check failed; also when nothing was checked, which `print_checks` says.
+  bool all_passed() const;
+
+  /// One line for each check that failed, or for every check if `every_check`, and a closing line with the counts.
+  void print_checks(std::ostream& stream, bool every_check = true) const;
+
+  /// Writes everything as one JSON object, replacing `path` only when complete. Numbers that are not finite become the
+  /// strings "nan", "inf", "-inf". Throws std::runtime_error with path and reason.
+  void write_json(const std::filesystem::path& path) const;
+
+ private:
+  std::vector<CheckedQuantity> checks_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,65 @@
+/// Tables for the terminal that set a paper's values beside our own, with the difference.
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// How a value stands to the paper's.
+enum class Agreement {
+  agrees,      ///< within the tolerance that the caller applied
+  differs,     ///< outside of it: marked in the print
+  informative  ///< shown beside the paper's value, no agreement asked for
+};
+
+/// The paper's value as printed there, and ours. An empty `paper` means that the paper has none.
+struct ComparedValue {
+  std::string paper;
+  double own = 0.0;
+  Agreement agreement = Agreement::informative;
+};
+
+/// Compares by `agrees_in_printed_digits`: the usual case.
+ComparedValue compare_printed(const std::string& paper, double own, int units_in_last_place = 1);
+
+/// Collects rows and prints them aligned. Own values are written with the digits of the paper's, differences with two.
+///
+///     Arc-segment under out-of-plane force                                              (title)
+///                                      u1                                u2             (quantities)
+///       k  elements       paper   mixbeam  difference        paper  mixbeam  difference  (labels)
+///       slenderness 10                                                                  (group)
+///       1         4    -23.7513  -23.7512     5.0e-05      54.0950  54.0950     3.0e-05
+class TablePrinter {
+ public:
+  TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities);
+
+  /// Starts a block of rows under a line of its own.
+  void add_group(const std::string& heading);
+
+  /// One cell for each label and each quantity, else std::invalid_argument.
+  void add_row(const std::vector<std::string>& labels, const std::vector<ComparedValue>& values);
+
+  /// Rows with at least one value that differs.
+  int rows_out_of_tolerance() const;
+
+  /// Prints the table; rows out of tolerance have `*` behind the differing values and `<- differs` at the end.
+  void print(std::ostream& stream) const;
+
+ private:
+  struct Row {
+    std::string heading;  // of a group; otherwise empty
+    std::vector<std::string> cells;
+    bool differs = false;
+  };
+
+  std::vector<std::size_t> column_widths() const;
+
+  std::string title_;
+  std::vector<std::string> labels_;
+  std::vector<std::string> quantities_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,128 @@
+/// Every kind of check passes when it should and, in a twin beside it, fails when it should.
+#include "apps/common/summary.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+namespace mixbeam {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSource = "invented for this test";
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+TEST(Summary, AbsoluteAndItsTwin) {
+  Summary summary;
+  EXPECT_TRUE(summary.check_absolute("x", 1.0 + 0.9e-6, 1.0, 1e-6, kSource));
+  EXPECT_TRUE(summary.check_absolute("x", 0.0, 0.0, 0.0, kSource));
+  EXPECT_TRUE(summary.all_passed());
+  EXPECT_FALSE(summary.check_absolute("x", 1.0 - 1.1e-6, 1.0, 1e-6, kSource));
+  EXPECT_FALSE(summary.all_passed());
+}
+
+TEST(Summary, RelativeAndItsTwin) {
+  Summary summary;
+  EXPECT_TRUE(summary.check_relative("x", -1000.0009, -1000.0, 1e-6, kSource));
+  EXPECT_FALSE(summary.check_relative("x", -1000.0011, -1000.0, 1e-6, kSource));
+  EXPECT_FALSE(summary.check_relative("x", 1e-300, 0.0, 1e-6, kSource));  // nothing is relative to zero
+}
+
+TEST(Summary, UpperBoundAndItsTwin) {
+  Summary summary;
+  EXPECT_TRUE(summary.check_upper_bound("iterations", 11, 11, kSource));
+  EXPECT_FALSE(summary.check_upper_bound("iterations", 12, 11, kSource));
+  EXPECT_FALSE(summary.check_upper_bound("error", -kInfinity, 11, kSource));
+}
+
+TEST(Summary, PrintedDigitsAndTheirTwin) {
+  Summary summary;
+  EXPECT_TRUE(summary.check_printed_digits("u", -23.64511, "-23.6450", kSource));
+  EXPECT_FALSE(summary.check_printed_digits("u", -23.64516, "-23.6450", kSource));
+}
+
+TEST(Summary, NothingThatIsNotFinitePasses) {
+  Summary summary;
+  for (const double value : {std::nan(""), kInfinity, -kInfinity}) {
+    EXPECT_FALSE(summary.check_absolute("x", value, 1.0, 1e300, kSource));
+    EXPECT_FALSE(summary.check_relative("x", value, 1.0, 1e300, kSource));
+    EXPECT_FALSE(summary.check_upper_bound("x", value, 1.0, kSource));
+    EXPECT_FALSE(summary.check_printed_digits("x", value, "1.0", kSource));
+  }
+}
+
+TEST(Summary, ChecksThatCheckNothingAreRefused) {
+  Summary summary;
+  EXPECT_THROW(summary.check_absolute("x", 1.0, 1.0, 1e-6, ""), std::invalid_argument);
+  EXPECT_THROW(summary.check_absolute("x", 1.0, kInfinity, 1e-6, kSource), std::invalid_argument);
+  EXPECT_THROW(summary.check_absolute("x", 1.0, 1.0, kInfinity, kSource), std::invalid_argument);
+  EXPECT_THROW(summary.check_absolute("x", 1.0, 1.0, -1.0, kSource), std::invalid_argument);
+  EXPECT_THROW(summary.check_printed_digits("x", 1.0, "one", kSource), std::invalid_argument);
+  EXPECT_TRUE(summary.checks().empty());
+}
+
+TEST(Summary, ComparisonsHaveNames) {
+  for (const char* name : {"absolute", "relative", "upper bound", "printed digits"}) {
+    EXPECT_EQ(name_of(comparison_from_name(name)), name);
+  }
+  EXPECT_THROW(comparison_from_name("about"), std::invalid_argument);
+}
+
+TEST(Summary, PrintsFailuresAndCounts) {
+  Summary summary;
+  std::stringstream nothing;
+  summary.print_checks(nothing);
+  EXPECT_NE(nothing.str().find("Nothing was checked"), std::string::npos);
+
+  summary.check_printed_digits("u3", 54.09503, "54.0950", "Table 1");
+  summary.check_upper_bound("iterations", 12, 11, "issue");
+  std::stringstream stream;
+  summary.print_checks(stream);
+  EXPECT_EQ(stream.str(),
+            "  pass  u3 = 54.0950, reference 54.0950 (printed digits, 1 in the last), from Table 1\n"
+            "  FAIL  iterations = 12, at most 11, from issue\n"
+            "1 of 2 checks passed, 1 FAILED.\n");
+  std::stringstream brief;
+  summary.print_checks(brief, false);
+  EXPECT_EQ(brief.str().find("u3"), std::string::npos);
+}
+
+TEST(Summary, JsonHoldsEverything) {
+  std::string folder = (fs::temp_directory_path() / "mixbeam_summary_XXXXXX").string();
+  ASSERT_NE(mkdtemp(folder.data()), nullptr);
+  const fs::path path = fs::path(folder) / "summary.json";
+  Summary summary;
+  summary.program = "rollup";
+  summary.load_steps = 2;
+  summary.newton_iterations = 6;
+  summary.seconds = {{"solve", 0.25}, {"read", std::nan("")}};
+  summary.check_relative("x", 1.0 / 3.0, 0.3333, 1e-3, kSource);
+  summary.check_absolute("broken \xff name", std::nan(""), 1.0, 1e-3, kSource);
+  summary.write_json(path);
+
+  const auto json = nlohmann::json::parse(std::ifstream(path));
+  EXPECT_EQ(json["program"], "rollup");
+  EXPECT_EQ(json["newton_iterations"], 6);
+  EXPECT_EQ(json["seconds"]["solve"], 0.25);
+  EXPECT_EQ(json["seconds"]["read"], "nan");
+  EXPECT_EQ(json["checks"][0]["value"].get<double>(), 1.0 / 3.0);
+  EXPECT_EQ(json["checks"][0]["comparison"], "relative");
+  EXPECT_EQ(json["checks"][0]["pass"], true);
+  EXPECT_EQ(json["checks"][1]["value"], "nan");
+  EXPECT_EQ(json["checks"][1]["pass"], false);
+  EXPECT_EQ(json["all_passed"], false);
+
+  EXPECT_THROW(summary.write_json(fs::path(folder) / "no" / "summary.json"), std::runtime_error);
+  EXPECT_THROW(summary.write_json(folder), std::runtime_error);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace mixbeam
