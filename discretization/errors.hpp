@@ -1,0 +1,23 @@
+/// The two ways in which a run can fail through no fault of the program.
+#pragma once
+
+#include <stdexcept>
+
+namespace mixbeam {
+
+/// What the user gave cannot be used; the message says where, what was seen and what is allowed. Exit code 2.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The input is fine but no equilibrium was found. Exit code 3.
+class ConvergenceError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+inline constexpr int kInputErrorExitCode = 2;
+inline constexpr int kConvergenceErrorExitCode = 3;
+
+}  // namespace mixbeam

@@ -1,0 +1,18 @@
+/// Checking what a user wrote against the declaration of the parameters.
+#pragma once
+
+#include "discretization/parameter_source.hpp"
+#include "discretization/parameter_spec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+namespace mixbeam {
+
+/// Fills in the defaults and converts whole numbers given for reals. Throws InputError for an unknown name, a wrong
+/// type, a value out of range or not among the choices, and for anything required that is missing; the message holds
+/// `file:line: XML path "...": what was seen; allowed: ...; did you mean "..."?`. A second call changes nothing.
+/// `path`: where `list` stands below the root of `source`.
+void validate(Teuchos::ParameterList& list, const ListSpec& spec, const ParameterSource& source,
+              const ParameterPath& path = {});
+
+}  // namespace mixbeam
