@@ -47,8 +47,14 @@ prepare "$install"
 failed=()
 for benchmark in "${benchmarks[@]}"; do
   say "Run $benchmark"
+  program=$build_directory/bin/$benchmark
+  if [[ ! -x $program ]]; then
+    printf 'There is no program %s\n' "$program" >&2
+    failed+=("$benchmark")
+    continue
+  fi
   mkdir -p "$results/$benchmark"
-  "$build_directory/bin/$benchmark" --output "$results/$benchmark" --summary "$results/$benchmark/summary.json" ||
+  "$program" --output "$results/$benchmark" --summary "$results/$benchmark/summary.json" ||
     failed+=("$benchmark")
 done
 
@@ -60,6 +66,7 @@ fi
 
 say "Results"
 for benchmark in "${benchmarks[@]}"; do
+  [[ -d $results/$benchmark ]] || continue
   for kind in csv png json; do
     files=$(find "$results/$benchmark" -name "*.$kind" | wc -l)
     [[ $files -eq 0 ]] || printf '%-24s %3d %s in %s\n' "$benchmark" "$files" "$kind" "$PWD/$results/$benchmark"

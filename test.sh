@@ -12,7 +12,7 @@ usage: ./test.sh [--no-install] [--headers] [--] [option of ctest]...
 Installs missing Debian packages, configures and builds the preset "release", and runs the tests.
 
   --no-install   stop with the list of missing packages instead of installing them
-  --headers      also compile each header alone (about a minute on two cores)
+  --headers      also compile each header alone (a few seconds for each one that includes Trilinos)
   --help         print this text
 
 Options after "--" go to ctest, for example   ./test.sh -- -R kernels

@@ -9,8 +9,8 @@ endif()
 
 # -fno-math-errno lets std::sqrt be one instruction, -fno-trapping-math lets comparisons be vectorised; both keep NaN and
 # infinity as IEEE 754 has them. -ffast-math would not: it deletes NaN checks and reorders sums.
-# Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines, not
-# between thread counts: each element is computed by the same instructions whichever thread it falls to.
+# Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines and
+# between two compiled copies of a formula, not between thread counts: see for_each_index in kernels/openmp_threads.hpp.
 set(mixbeam_release_flags -fno-math-errno -fno-trapping-math)
 if(MIXBEAM_NATIVE)
   list(APPEND mixbeam_release_flags -march=native)

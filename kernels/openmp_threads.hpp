@@ -11,7 +11,8 @@
 // Never reach a View through a pointer, a reference or `this`, never allocate one, and never copy one inside a bare
 // `#pragma omp parallel`: the count is corrupted and memory is freed while in use. Teuchos::RCP has the same limit.
 //
-// Same bits whatever the number of threads: parallel_for gives them as long as each index writes to its own place.
+// Same bits whatever the number of threads: parallel_for gives them as long as each index writes to its own place,
+// because each index is computed by the same machine instructions (see for_each_index).
 // parallel_reduce joins one partial result per thread in thread order. That repeats exactly for a given number of
 // threads, but a sum changes its last bits with that number: reduce with Max, Min and the like only, and add up long
 // sums in a fixed order on one thread.
@@ -162,6 +163,24 @@ void run_in_chunks(const Range<Index>& range, long long chunk_size, const Body& 
   first_exception.rethrow_if_any();
 }
 
+#if defined(__GNUC__) && !defined(__clang__)
+#define MIXBEAM_ONE_INSTANCE [[gnu::noinline, gnu::noclone]]
+#else
+#define MIXBEAM_ONE_INSTANCE [[gnu::noinline]]
+#endif
+
+// Runs body(i) over one part of a range. Compiled once, not once for one thread and once for several, and never in
+// vectors of indices with single ones at the ends of a part: the compiler chooses anew in each copy of a formula which
+// product it fuses with which sum, and that changes last bits.
+template <class Index, class Body>
+MIXBEAM_ONE_INSTANCE void for_each_index(const Range<Index>& part, const Body& body) {
+  for (Index i = part.begin; i < part.end; ++i) {
+    body(i);
+    asm volatile("" : : : "memory");  // no instruction, but it keeps the indices apart
+  }
+}
+#undef MIXBEAM_ONE_INSTANCE
+
 template <class Tag, class Functor, class... Arguments>
 void call(const Functor& functor, Arguments&&... arguments) {
   if constexpr (std::is_void_v<Tag>) {
@@ -191,14 +210,12 @@ class PartialResults {
 
 namespace Kokkos {
 
-namespace Tools {
-namespace Experimental {
+namespace Tools::Experimental {
 template <>
 struct DeviceTypeTraits<mixbeam::OpenMPThreads> {
   static constexpr DeviceType id = DeviceType::OpenMP;
 };
-}  // namespace Experimental
-}  // namespace Tools
+}  // namespace Tools::Experimental
 
 namespace Impl {
 
@@ -221,8 +238,8 @@ class ParallelFor<Functor, Kokkos::RangePolicy<Traits...>, mixbeam::OpenMPThread
   void execute() const {
     const Range range{policy_.begin(), policy_.end()};
     const auto body = [this](const Range& part, int /*thread*/) {
-      for (Index i = part.begin; i < part.end; ++i)
-        mixbeam::openmp_threads::call<typename Policy::work_tag>(functor_, i);
+      mixbeam::openmp_threads::for_each_index(
+          part, [this](Index i) { mixbeam::openmp_threads::call<typename Policy::work_tag>(functor_, i); });
     };
     if constexpr (std::is_same_v<typename Policy::schedule_type::type, Kokkos::Dynamic>) {
       mixbeam::openmp_threads::run_in_chunks(range, static_cast<long long>(policy_.chunk_size()), body);
@@ -269,12 +286,12 @@ class ParallelReduce<Functor, Kokkos::RangePolicy<Traits...>, Reducer, mixbeam::
 
     for (int thread = 0; thread < threads; ++thread)
       FunctorValueInit<Operations, OperationsTag>::init(operations, partial(thread));
-    mixbeam::openmp_threads::run_in_equal_parts(Range{policy_.begin(), policy_.end()},
-                                                [&](const Range& part, int thread) {
-                                                  reference_type value = as_reference(partial(thread));
-                                                  for (Index i = part.begin; i < part.end; ++i)
-                                                    mixbeam::openmp_threads::call<Tag>(functor_, i, value);
-                                                });
+    const auto body = [&](const Range& part, int thread) {
+      reference_type value = as_reference(partial(thread));
+      mixbeam::openmp_threads::for_each_index(part,
+                                              [&](Index i) { mixbeam::openmp_threads::call<Tag>(functor_, i, value); });
+    };
+    mixbeam::openmp_threads::run_in_equal_parts(Range{policy_.begin(), policy_.end()}, body);
     for (int thread = 1; thread < threads; ++thread)
       FunctorValueJoin<Operations, OperationsTag>::join(operations, partial(0), partial(thread));
     FunctorFinal<Operations, OperationsTag>::final(operations, partial(0));
