@@ -1,0 +1,52 @@
+"""Convergence plots: error over number of elements, one line per element order."""
+
+import matplotlib
+import numpy as np
+
+import style
+
+SLOPE_TOLERANCE = 0.3  # a triangle is drawn where the line has the slope it claims
+DISTANCE_FROM_LINE = 0.6
+ROUND_OFF_MARGIN = 50  # and where the error is well above the round-off floor
+
+
+def panel(axes, table, title, error="l2_error"):
+    """Draws every order in `table` (columns order, elements, and `error`)."""
+    for order in table.values("order"):
+        line = table.where(order=order).sorted_by("elements")
+        axes.loglog(line["elements"], line[error], **style.order_line(order))
+    axes.set_title(title)
+    axes.set_xscale("log", base=2)
+    axes.xaxis.set_major_formatter(matplotlib.ticker.ScalarFormatter())
+    axes.xaxis.set_minor_locator(matplotlib.ticker.NullLocator())
+    axes.set_xticks(table.values("elements"))
+    axes.set_xlabel("number of elements")
+
+
+def slope_triangles(axes, table, error="l2_error"):
+    """Beside each line a triangle of slope k+1, with that number."""
+    floor = np.nanmin(table[error])
+    for order in table.values("order"):
+        line = table.where(order=order).sorted_by("elements")
+        place = _regular_segment(line["elements"], line[error], order + 1, floor)
+        if place is not None:
+            _triangle(axes, *place, int(order) + 1, style.ORDER_COLORS[int(order)])
+
+
+def _regular_segment(elements, errors, rate, floor):
+    """Last segment in which the error falls at that rate: (elements at its start, at its end, error at its start)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = -np.diff(np.log(errors)) / np.diff(np.log(elements))
+    good = (np.abs(rates - rate) < SLOPE_TOLERANCE) & (errors[1:] > ROUND_OFF_MARGIN * floor)
+    if not good.any():
+        return None
+    i = np.flatnonzero(good)[-1]
+    return elements[i], elements[i + 1], errors[i]
+
+
+def _triangle(axes, left, right, top, rate, color):
+    first, last = left * (right / left) ** 0.15, left * (right / left) ** 0.85  # clear of the markers
+    high, low = (DISTANCE_FROM_LINE * top * (end / left) ** -rate for end in (first, last))
+    axes.fill([first, last, first], [high, low, low], facecolor=color, alpha=0.25, edgecolor=color, linewidth=0.8)
+    axes.annotate(f"{rate}", (np.sqrt(first * last), low), xytext=(0, -2), textcoords="offset points", ha="center",
+                  va="top", fontsize=10.5, color=color)

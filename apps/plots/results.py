@@ -1,0 +1,134 @@
+"""Reads what the applications write: CSV tables and HDF5 result files (layout: discretization/result_file.hpp)."""
+
+import csv
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class InputError(Exception):
+    """An input file is missing or is not what a figure needs; the message names file and reason."""
+
+
+class Table:
+    """Columns of a CSV file: arrays of float where every entry is a number, else arrays of str."""
+
+    def __init__(self, columns):
+        self._columns = columns
+
+    def __getitem__(self, name):
+        return self._columns[name]
+
+    def __len__(self):
+        return len(next(iter(self._columns.values())))
+
+    def where(self, **conditions):
+        """The rows in which every named column equals the given value."""
+        keep = np.ones(len(self), dtype=bool)
+        for name, value in conditions.items():
+            keep &= self[name] == value
+        return Table({name: column[keep] for name, column in self._columns.items()})
+
+    def sorted_by(self, name):
+        order = np.argsort(self[name], kind="stable")
+        return Table({key: column[order] for key, column in self._columns.items()})
+
+    def values(self, name):
+        """The different values of a column, ascending."""
+        return np.unique(self[name])
+
+
+def read_table(path, columns):
+    """The CSV file `path` as a Table; InputError unless it exists, has rows and has the named columns."""
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.reader(stream))
+    if len(rows) < 2:
+        raise InputError(f"{path}: no rows")
+    missing = [name for name in columns if name not in rows[0]]
+    if missing:
+        raise InputError(f"{path}: column {', '.join(missing)} missing; found {', '.join(rows[0])}")
+    complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a killed run may leave half a line
+    if not complete:
+        raise InputError(f"{path}: no complete rows")
+    return Table({name: _column([row[i] for row in complete]) for i, name in enumerate(rows[0])})
+
+
+def _column(texts):
+    try:
+        return np.array([float(text) for text in texts])
+    except ValueError:
+        return np.array(texts)
+
+
+class Member:
+    """Where a member's samples stand in the fields of a step, and its undeformed shape."""
+
+    def __init__(self, name, group):
+        first = int(group.attrs["first_sample"])
+        self.name = name
+        self.samples = slice(first, first + int(group.attrs["samples"]))
+        self.index = int(group.attrs["index"])
+        self.arc_length = group["arc_length"][:]
+        self.element = group["element"][:]
+        self.reference_position = group["reference_position"][:]
+
+    def vertices(self):
+        """Numbers of the member's samples at element ends."""
+        ends = np.flatnonzero(np.diff(self.element))
+        return np.concatenate(([0], ends + 1, [len(self.element) - 1]))
+
+
+class Step:
+    """One converged configuration; `fields[name]` holds a row per sample of all members."""
+
+    def __init__(self, group):
+        self.number = int(group.attrs["step"])
+        self.load_factor = float(group.attrs["load_factor"])
+        self._group = group
+
+    def field(self, name, member=None):
+        values = self._group[name]
+        return values[member.samples] if member is not None else values[:]
+
+
+class Run:
+    """An open result file: its members in the order of the scene, and its steps in the order of the path."""
+
+    def __init__(self, path):
+        path = Path(path)
+        if not path.is_file():
+            raise InputError(f"{path}: no such file")
+        try:
+            self._file = h5py.File(path, "r")
+        except OSError as error:
+            raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
+        if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
+            raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
+        self.scene_name = _text(self._file.attrs["scene_name"])
+        groups = self._file["members"]
+        self.members = sorted((Member(name, groups[name]) for name in groups), key=lambda member: member.index)
+        self.steps = [Step(self._file["steps"][name]) for name in sorted(self._file["steps"])]
+        if not self.steps:
+            raise InputError(f"{path}: holds no steps")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._file.close()
+
+    def step_at(self, load_factor):
+        """The step whose load factor is nearest."""
+        return min(self.steps, key=lambda step: abs(step.load_factor - load_factor))
+
+    def reference(self):
+        """Undeformed positions of all samples, (n, 3)."""
+        return np.concatenate([member.reference_position for member in self.members])
+
+
+def _text(value):
+    return value.decode() if isinstance(value, bytes) else str(value)

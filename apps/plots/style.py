@@ -1,0 +1,122 @@
+"""The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
+
+import matplotlib
+
+matplotlib.use("Agg")  # pictures into files, no display needed
+
+import matplotlib.pyplot as plt  # noqa: E402
+import numpy as np  # noqa: E402
+
+# Okabe and Ito's palette, without its yellow, which is too light for lines on white.
+BLUE, ORANGE, GREEN, RED, PURPLE, SKY, BLACK = (
+    "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
+GREY = "#8A8A8A"
+COMPONENT_COLORS = (BLUE, RED, GREEN)  # components 1, 2, 3 of a vector
+COMPONENT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
+ORDER_COLORS = {1: BLUE, 2: ORANGE, 3: GREEN, 4: RED, 5: PURPLE, 6: SKY, 7: GREY, 8: BLACK}
+ORDER_MARKERS = {1: "o", 2: "s", 3: "^", 4: "D", 5: "v", 6: "P", 7: "X", 8: "*"}
+
+DOTS_PER_INCH = 160
+
+plt.rcParams.update({
+    "font.family": "STIXGeneral",
+    "mathtext.fontset": "stix",
+    "font.size": 12,
+    "axes.titlesize": 12,
+    "axes.labelsize": 12,
+    "legend.fontsize": 11,
+    "xtick.labelsize": 10.5,
+    "ytick.labelsize": 10.5,
+    "axes.grid": True,
+    "grid.color": "#DDDDDD",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.5,
+    "lines.markersize": 5,
+    "legend.frameon": True,
+    "legend.edgecolor": "white",
+    "legend.framealpha": 0.85,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": DOTS_PER_INCH,
+})
+
+
+def figure(width, height, rows=1, columns=1, **options):
+    """A figure of that size in inches and its two-dimensional axes, as `plt.subplots` gives them."""
+    return plt.subplots(rows, columns, figsize=(width, height), **options)
+
+
+def figure_3d(width, height, columns=1, rows=1):
+    """A figure and a list of three-dimensional axes, row by row."""
+    canvas = plt.figure(figsize=(width, height), constrained_layout=False)
+    panels = [canvas.add_subplot(rows, columns, i + 1, projection="3d") for i in range(rows * columns)]
+    canvas.subplots_adjust(left=0.02, right=0.96, bottom=0.1, top=0.94, wspace=0.16, hspace=0.1)
+    return canvas, panels
+
+
+def save(canvas, path):
+    """Writes the picture, cut to what is drawn, closes the figure and returns the path."""
+    canvas.draw_without_rendering()
+    extras = canvas.get_default_bbox_extra_artists()
+    for axes in canvas.axes:
+        if axes.name == "3d":
+            extras += _finish_3d(axes)
+    canvas.savefig(path, bbox_inches="tight", pad_inches=0.08, bbox_extra_artists=extras)
+    plt.close(canvas)
+    return path
+
+
+def _finish_3d(axes):
+    """Puts the title just above the box, and returns what matplotlib forgets when it measures such axes."""
+    coordinate_axes = (axes.xaxis, axes.yaxis, axes.zaxis)
+    top = max(axis.pane.get_window_extent().y1 for axis in coordinate_axes)
+    axes.set_title(axes.get_title(), y=1.0)  # a given y keeps matplotlib from choosing one when it draws
+    axes.title.set_y(axes.transAxes.inverted().transform((0, top))[1])  # set_title would scale it in 3-D axes
+    return [artist for axis in coordinate_axes for artist in (axis.pane, axis.label)]
+
+
+def equal_axes_3d(axes, points, ticks=5, thinnest=0.25, zoom=1.1):
+    """Limits around `points` with the same scale on all three axes; a flat cloud gets `thinnest` of the widest extent."""
+    points = np.asarray(points)
+    low, high = points.min(axis=0), points.max(axis=0)
+    widest = max((high - low).max(), 1e-300)
+    center = (low + high) / 2
+    extent = np.maximum(high - low, thinnest * widest) * 1.06
+    axes.set_xlim(center[0] - extent[0] / 2, center[0] + extent[0] / 2)
+    axes.set_ylim(center[1] - extent[1] / 2, center[1] + extent[1] / 2)
+    axes.set_zlim(center[2] - extent[2] / 2, center[2] + extent[2] / 2)
+    axes.set_box_aspect(extent, zoom=zoom)
+    for axis, size in zip((axes.xaxis, axes.yaxis, axes.zaxis), extent):
+        count = max(2, round(ticks * size / extent.max())) + 1
+        axis.set_major_locator(matplotlib.ticker.MaxNLocator(count, steps=[1, 2, 5, 10], prune="both"))
+        axis.set_rotate_label(False)
+        axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
+    axes.patch.set_visible(False)  # it would cover the labels of the panel to the left
+    axes.tick_params(pad=0, labelsize=9.5)
+    axes.set_xlabel("$x_1$", labelpad=2)
+    axes.set_ylabel("$x_2$", labelpad=2)
+    axes.set_zlabel("$x_3$", labelpad=-1)
+
+
+def line_3d(axes, points, **options):
+    return axes.plot(points[:, 0], points[:, 1], points[:, 2], **options)
+
+
+def blend(share, first=RED, last=BLUE):
+    """The colour at `share` (0 to 1) of the way between two colours."""
+    first, last = (np.array(matplotlib.colors.to_rgb(color)) for color in (first, last))
+    return tuple((1 - share) * first + share * last)
+
+
+def order_line(order):
+    """Plot options of element order k, the same in all figures."""
+    order = int(order)
+    return {"color": ORDER_COLORS[order], "marker": ORDER_MARKERS[order], "label": f"$k={order}$"}
+
+
+def legend_below_3d(canvas, axes, height):
+    """One line of legend for all three-dimensional panels, at `height` (0 to 1) of the figure."""
+    handles, labels = axes.get_legend_handles_labels()
+    canvas.legend(handles, labels, loc="upper center", ncol=len(labels), bbox_to_anchor=(0.5, height))
