@@ -16,7 +16,7 @@ def best_plane(points):
 
 
 def _mostly_positive(direction):
-    return direction * np.sign(direction[np.argmax(np.abs(direction))])
+    return direction * np.copysign(1.0, direction[np.argmax(np.abs(direction))])
 
 
 def axis_name(direction):
@@ -67,7 +67,7 @@ def _panels(style):
 def _finish_plane(flat, projected, plane):
     center = (projected.max(axis=0) + projected.min(axis=0)) / 2
     extent = projected.max(axis=0) - projected.min(axis=0)
-    half = 0.54 * np.maximum(extent, 0.25 * extent.max())
+    half = 0.54 * np.maximum(extent, 0.25 * (extent.max() or 1.0))
     flat.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
     flat.set_aspect("equal")
     flat.set(xlabel=axis_name(plane[0]), ylabel=axis_name(plane[1]))

@@ -81,7 +81,7 @@ def equal_axes_3d(axes, points, ticks=5, thinnest=0.25, zoom=1.1):
     """Limits around `points` with the same scale on all three axes; a flat cloud gets `thinnest` of the widest extent."""
     points = np.asarray(points)
     low, high = points.min(axis=0), points.max(axis=0)
-    widest = max((high - low).max(), 1e-300)
+    widest = (high - low).max() or 1.0
     center = (low + high) / 2
     extent = np.maximum(high - low, thinnest * widest) * 1.06
     axes.set_xlim(center[0] - extent[0] / 2, center[0] + extent[0] / 2)
