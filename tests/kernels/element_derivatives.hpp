@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::element_test {
 
 constexpr int kChunk = 9;  ///< directions per evaluation
 using Fad = Sacado::Fad::SFad<double, kChunk>;
@@ -112,4 +112,4 @@ inline SchurComplement schur_complement(const Dense& hessian, const std::vector<
   return result;
 }
 
-}  // namespace mixbeam
+}  // namespace mixbeam::element_test

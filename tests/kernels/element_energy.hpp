@@ -15,7 +15,7 @@
 
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::element_test {
 
 /// Reference curve with triads Lambda_0(s) = start exp(hat(turn s + bend s^2)): tangent and curvature are exact at any
 /// point.
@@ -78,25 +78,41 @@ Quaternion<S> as_scalar(const Quaternion<T>& q) {
   return {S(q.w), S(q.x), S(q.y), S(q.z)};
 }
 
+template <class S, class T>
+EnergyState<S> converted(const EnergyState<T>& state) {
+  EnergyState<S> result;
+  const auto convert = [](const std::vector<Vec3<T>>& from, std::vector<Vec3<S>>& to) {
+    for (const auto& v : from) to.push_back(as_scalar<S>(v));
+  };
+  for (int end = 0; end < 2; ++end) {
+    result.displacement[end] = as_scalar<S>(state.displacement[end]);
+    result.vertex_rotation[end] = as_scalar<S>(state.vertex_rotation[end]);
+  }
+  result.element_triad = as_scalar<S>(state.element_triad);
+  convert(state.force, result.force);
+  convert(state.moment, result.moment);
+  convert(state.relative_rotation, result.relative_rotation);
+  convert(state.slope, result.slope);
+  return result;
+}
+
 /// State after the increments (u_a, theta_a, u_b, theta_b | N | M | psi | u' | w): spins of the vertices exp(hat theta)
 /// Lambda_V and of the element triad Lambda_lo exp(hat w), the rest additive.
 template <class S, class T>
 EnergyState<S> perturbed(const EnergyState<T>& state, const S* increment) {
-  EnergyState<S> result;
+  EnergyState<S> result = converted<S>(state);
   const auto next = [&increment] {
     const Vec3<S> v{{increment[0], increment[1], increment[2]}};
     increment += 3;
     return v;
   };
   for (int end = 0; end < 2; ++end) {
-    result.displacement[end] = as_scalar<S>(state.displacement[end]) + next();
-    result.vertex_rotation[end] = exp_quaternion(next()) * as_scalar<S>(state.vertex_rotation[end]);
+    result.displacement[end] += next();
+    result.vertex_rotation[end] = exp_quaternion(next()) * result.vertex_rotation[end];
   }
-  for (const auto& force : state.force) result.force.push_back(as_scalar<S>(force) + next());
-  for (const auto& moment : state.moment) result.moment.push_back(as_scalar<S>(moment) + next());
-  for (const auto& psi : state.relative_rotation) result.relative_rotation.push_back(as_scalar<S>(psi) + next());
-  for (const auto& slope : state.slope) result.slope.push_back(as_scalar<S>(slope) + next());
-  result.element_triad = as_scalar<S>(state.element_triad) * exp_quaternion(next());
+  for (auto* field : {&result.force, &result.moment, &result.relative_rotation, &result.slope})
+    for (auto& coefficient : *field) coefficient += next();
+  result.element_triad = result.element_triad * exp_quaternion(next());
   return result;
 }
 
@@ -237,4 +253,4 @@ S line_couple_work(const EnergyElement& element, const EnergyState<S>& before, c
   return work;
 }
 
-}  // namespace mixbeam
+}  // namespace mixbeam::element_test

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::element_test {
 
 class RandomNumbers {
  public:
@@ -254,4 +254,4 @@ class SampleBlock {
   }
 };
 
-}  // namespace mixbeam
+}  // namespace mixbeam::element_test

@@ -1,0 +1,115 @@
+/// Dead line loads: residual against virtual work, and the tangent of couples, which have no energy.
+#include "tests/kernels/element_comparison.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam::element_test {
+namespace {
+
+ElementSample loaded_sample(const SampleRecipe& recipe) {
+  ElementSample sample = random_sample(recipe);
+  RandomNumbers random(recipe.seed + 1000);
+  sample.element.line_force = random.vector(5.0);
+  sample.element.line_couple = random.vector(5.0);
+  return sample;
+}
+
+/// Energy of the element minus the virtual work of its loads.
+std::vector<double> total_gradient(const EnergyElement& element, const EnergyState<double>& state) {
+  return gradient_at_zero(number_of_increments(state), [&](const Fad* x) {
+    const EnergyState<Fad> after = perturbed(state, x);
+    return Fad(element_energy(element, after) - line_couple_work(element, converted<Fad>(state), after));
+  });
+}
+
+/// d(row)/d(increment), where the rows of the changed state belong to spins on top of the changed rotations: the
+/// residual as the kernels evaluate it there. Not symmetric.
+Dense residual_derivative(const EnergyElement& element, const EnergyState<double>& state) {
+  return mixed_derivatives_at_zero(
+      number_of_increments(state), false, [&](const FadOfFad* variation, const FadOfFad* increment) {
+        const EnergyState<FadOfFad> before = perturbed(state, increment), after = perturbed(before, variation);
+        return FadOfFad(element_energy(element, after) - line_couple_work(element, before, after));
+      });
+}
+
+/// matrix += factor hat(moment) in the spin block that begins at `row`.
+void add_hat(Dense& matrix, int row, double factor, const double* moment) {
+  const Mat3<double> h = hat(Vec3<double>{{moment[0], moment[1], moment[2]}});
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) matrix(row + i, row + j) += factor * h(i, j);
+}
+
+/// The matrix the kernels condense. The derivative D of the residual along a spin is, with R the whole row of that spin
+/// (loads included), D + hat(R)/2 for the vertices (spins from the left) and D - hat(R)/2 for the element (from the
+/// right): without couples that is the symmetric Hessian of the energy, and where the row is in equilibrium it is D
+/// itself. The row of a vertex is in equilibrium with the other elements and the loads at this vertex.
+Dense kernel_matrix(const EnergyElement& element, const EnergyState<double>& state,
+                    const std::vector<double>& gradient) {
+  Dense matrix = residual_derivative(element, state);
+  add_hat(matrix, 3, 0.5, &gradient[3]);
+  add_hat(matrix, 9, 0.5, &gradient[9]);
+  add_hat(matrix, matrix.size - 3, -0.5, &gradient[matrix.size - 3]);
+  return matrix;
+}
+
+class ElementLoad : public testing::TestWithParam<int> {};
+
+TEST_P(ElementLoad, ResidualIsTheVirtualWork) {
+  for (const ForceIntegration rule : kAllRules)
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const SampleRecipe recipe{GetParam(), rule, seed};
+      const ElementSample sample = loaded_sample(recipe);
+      const SampleBlock samples({sample}, true);
+      evaluate_residual(samples.block, samples.structure, samples.state, samples.equations);
+      EXPECT_LE(difference(weighted_rows(samples, 0, sample.element), total_gradient(sample.element, sample.state),
+                           kinds_of(sample.state)),
+                kGradientTolerance)
+          << recipe;
+    }
+}
+
+TEST_P(ElementLoad, TangentIsTheDerivativeOfTheResidual) {
+  for (const ForceIntegration rule : kAllRules) {
+    const SampleRecipe recipe{GetParam(), rule, 41};
+    const ElementSample sample = loaded_sample(recipe);
+    const SampleBlock samples({sample}, true);
+    evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+    const std::vector<double> gradient = total_gradient(sample.element, sample.state);
+    const CondensedDifference d =
+        condensed_difference(samples, sample, kernel_matrix(sample.element, sample.state, gradient), gradient);
+    EXPECT_LE(d.largest(), kTangentTolerance) << d << "\n" << recipe;
+  }
+}
+
+/// With the couple that balances the element's moments the element block needs no correction.
+TEST_P(ElementLoad, TangentInEquilibriumOfMoments) {
+  const SampleRecipe recipe{GetParam(), ForceIntegration::both_reduced, 51};
+  ElementSample sample = random_sample(recipe);
+  const std::vector<double> internal = energy_gradient(sample.element, sample.state);
+  const double* spin = &internal[internal.size() - 3];
+  sample.element.line_couple = (1.0 / sample.element.curve.length) * (rotation_matrix(sample.state.element_triad) *
+                                                                      Vec3<double>{{spin[0], spin[1], spin[2]}});
+  const SampleBlock samples({sample}, true);
+  evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+  const std::vector<double> gradient = total_gradient(sample.element, sample.state);
+  Dense derivative = residual_derivative(sample.element, sample.state);
+  add_hat(derivative, 3, 0.5, &gradient[3]);
+  add_hat(derivative, 9, 0.5, &gradient[9]);
+  const CondensedDifference d = condensed_difference(samples, sample, derivative, gradient);
+  EXPECT_LE(d.largest(), kTangentTolerance) << d << "\n" << recipe;
+}
+
+/// Must fail: the Hessian of the energy alone is not the tangent under a couple.
+TEST_P(ElementLoad, CoupleChangesTheTangent) {
+  const ElementSample sample = loaded_sample({GetParam(), ForceIntegration::both_reduced, 61});
+  const SampleBlock samples({sample}, true);
+  evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+  const CondensedDifference d = condensed_difference(samples, sample, energy_hessian(sample.element, sample.state),
+                                                     total_gradient(sample.element, sample.state));
+  EXPECT_GT(d.tangent, 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Orders, ElementLoad, testing::Range(1, kMaximumOrder + 1));
+
+}  // namespace
+}  // namespace mixbeam::element_test
