@@ -1,6 +1,5 @@
 #include "discretization/reference_curve.hpp"
 
-#include "discretization/curve_end.hpp"
 #include "discretization/vector_algebra.hpp"
 
 #include <algorithm>
@@ -26,6 +25,15 @@ bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v
 Vec3<double> to_vec3(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
 Vector3 unit(const Vector3& v) { return scaled(1.0 / norm(v), v); }
+
+Vector3 axis_direction(const Curve& curve) { return unit(curve.axis); }
+
+/// From the nearest point of the axis to `start`; its length is the radius.
+Vector3 radius_vector(const Curve& curve, const Vector3& start) {
+  const Vector3 from_center = difference(start, curve.center);
+  const Vector3 axis = axis_direction(curve);
+  return difference(from_center, scaled(dot(from_center, axis), axis));
+}
 
 /// Part of `v` normal to the unit vector `tangent`, of unit length. The second pass removes what rounding leaves of the
 /// tangent in the first one when v is nearly parallel to it.
@@ -62,6 +70,18 @@ void check_curve(const Curve& curve, const Vector3& start, const Vector3& end) {
     check_turning_curve(curve, start);
 }
 
+double curve_length(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return norm(difference(end, start));
+  return std::hypot(curve.angle * norm(radius_vector(curve, start)), curve.rise);
+}
+
+/// g1 at the start.
+Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return unit(difference(end, start));
+  const Vector3 axis = axis_direction(curve);
+  return unit(sum(scaled(curve.angle, cross(axis, radius_vector(curve, start))), scaled(curve.rise, axis)));
+}
+
 /// g2 of a line whose member leaves the choice to the program, see make_reference_curve.
 Vector3 default_second_axis_of_line(const Vector3& tangent) {
   const Vector3 horizontal = {-tangent[1], tangent[0], 0.0};  // e3 x g1
@@ -89,10 +109,14 @@ Vec3<double> ReferenceCurve::position(double s) const {
   return origin + s * (rotation_matrix(start_triad) * mean_tangent);
 }
 
-Quaternion<double> ReferenceCurve::triad(double s) const { return start_triad * exp_quaternion(s * curvature); }
+// The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
+Quaternion<double> ReferenceCurve::triad(double s) const {
+  return normalized(start_triad * exp_quaternion(s * curvature));
+}
 
 Vec3<double> ReferenceCurve::tangent(double s) const {
-  return rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
+  const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
+  return (1.0 / norm(g1)) * g1;
 }
 
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
@@ -117,8 +141,9 @@ ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, 
 Vector3 end_position(const Member& member, const Vector3& start) {
   require(member.curve.shape != CurveShape::line,
           "A line ends at its end point; only arc and helix define their own end.");
-  check_curve(member.curve, start, start);
-  return curve_end(member.curve, start);
+  const ReferenceCurve curve = make_reference_curve(member, start, start);
+  const Vec3<double> end = curve.position(curve.length);
+  return {end[0], end[1], end[2]};
 }
 
 }  // namespace mixbeam
