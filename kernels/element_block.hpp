@@ -13,6 +13,10 @@ using MemorySpace = ExecutionSpace::memory_space;
 template <class Data>
 using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
 
+/// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both vertices in
+/// the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
+constexpr int kResponseColumns = 10;
+
 /// State of a structure: total, from the reference to the current configuration.
 struct StateViews {
   KernelView<double* [3]> vertex_displacement;  ///< (vertex, 3) spatial

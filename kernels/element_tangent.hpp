@@ -2,6 +2,7 @@
 /// conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal) - rotations and bubbles.
 #pragma once
 
+#include "kernels/element_block.hpp"
 #include "kernels/element_residual.hpp"
 
 namespace mixbeam {
@@ -18,10 +19,6 @@ struct ReducedBlocks {
   KOKKOS_INLINE_FUNCTION static constexpr int slope(int j) { return j == 0 ? 2 * K - 1 : K - 1 + j; }
   KOKKOS_INLINE_FUNCTION static constexpr int vertex(int end) { return 2 * K + end; }
 };
-
-/// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both vertices in
-/// the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
-constexpr int kResponseColumns = 10;
 
 template <int K>
 struct ReducedSystem {

@@ -1,0 +1,108 @@
+/// Where Tpetra meets the kernels: residual and condensed tangent of the whole structure, gathered row by row (each row is
+/// written by one thread in a fixed order, so results do not depend on the number of threads, and there are no atomics).
+#pragma once
+
+#include "discretization/conditions.hpp"
+#include "discretization/mixed_vector.hpp"
+#include "discretization/phase_timer.hpp"
+#include "discretization/residual_scales.hpp"
+#include "discretization/structure.hpp"
+#include "discretization/tpetra_types.hpp"
+
+#include <string>
+
+namespace mixbeam {
+
+struct AssemblerOptions {
+  double force_stiffness_cap = 1e10;   ///< tangent only: force stiffness limited to cap * EI / L^2
+  double residual_tolerance = 1e-10;   ///< see residual_scales
+};
+
+class Assembler {
+ public:
+  Assembler(const Scene& scene, const Communicator& comm, const AssemblerOptions& options);
+
+  const Scene& scene() const { return scene_; }
+  const Mesh& mesh() const { return mesh_; }
+  const Structure& structure() const { return structure_; }
+  const Teuchos::RCP<const DofMap>& map() const { return row_map_; }
+  const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
+  const ElementEquations& equations() const { return equations_; }
+  PhaseTimes& times() { return times_; }
+
+  State reference_state() const { return mixbeam::reference_state(structure_, mesh_); }
+  MixedVector create_vector() const;
+
+  /// Mixed residual, every row divided by its scale.
+  void residual(const State& state, double load_factor, MixedVector& out);
+
+  /// Element tangents, the global matrix and the condensed residual of `state`; call residual() of the same state first.
+  void tangent(const State& state, double load_factor);
+  /// Condensed (unscaled) residual of the last tangent().
+  DofVector& condensed_residual() const { return *condensed_residual_; }
+
+  /// Newton increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
+  void recover(const State& state, MixedVector& increment);
+
+  /// Condenses a scaled right-hand side (rows as residual() returns them) at the state of the last tangent(): afterwards
+  /// condensed_residual() and recover() refer to it.
+  void condense(const State& state, double load_factor, const MixedVector& scaled_rhs);
+
+  /// to = from moved by step * increment: displacements and interior added, rotations composed.
+  void apply(const State& from, const MixedVector& increment, double step, const State& to);
+
+  /// d(scaled residual)/d(load factor).
+  void load_derivative(const State& state, double load_factor, MixedVector& out);
+
+  /// Matrix times a vertex vector, as assembled.
+  void apply_matrix(const DofVector& x, DofVector& y) const { matrix_->apply(x, y); }
+
+  /// Row scales of the last residual(), or those of another state that is to be worked on.
+  const ResidualScales& scales() const { return scales_; }
+  void use_scales(const ResidualScales& scales) { scales_ = scales; }
+  /// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
+  double equilibrium_norm(const MixedVector& scaled_residual) const;
+  /// Largest relative rotation between an element and its vertices in the last residual (all ranks), and where.
+  struct EndAngle {
+    double angle = 0.0;
+    std::string member;
+    int element = 0;
+  };
+  EndAngle largest_end_angle() const;
+
+ private:
+  void build_maps(const Communicator& comm);
+  void build_graph();
+  void set_load_factor(double load_factor);
+  StateMagnitude magnitude(const State& state) const;
+  void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
+  void add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const;
+  void set_support_rows(const State& state, double load_factor, const KernelView<double*>& rows) const;
+  void scale_rows(MixedVector& v, bool inverse) const;
+  void assemble_matrix();
+  void add_load_tangents(const State& state, double load_factor);
+  void set_support_identity();
+  KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
+
+  Scene scene_;
+  Mesh mesh_;
+  Structure structure_;
+  Conditions conditions_;
+  AssemblerOptions options_;
+  Teuchos::RCP<const DofMap> row_map_, column_map_;
+  Teuchos::RCP<DofImport> import_;              ///< null on one rank
+  Teuchos::RCP<DofMatrix> matrix_;
+  Teuchos::RCP<DofVector> condensed_residual_, ghosted_increment_;
+  ElementEquations equations_;
+  KernelView<unsigned char*> owned_interior_;
+  KernelView<unsigned char*> fixed_;            ///< (6 * owned vertex + component)
+  // adjacency of each owned vertex: entries [adjacency_start(v), adjacency_start(v + 1))
+  KernelView<int*> adjacency_start_;
+  KernelView<int* [4]> adjacency_;              ///< local element, its end here, column slot of this vertex, of the other
+  ResidualScales scales_;
+  double load_factor_ = 0.0;
+  bool line_loads_set_ = false;
+  PhaseTimes times_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,192 @@
+#include "discretization/mixed_vector.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+using Entries = KernelView<double*>;
+using ConstEntries = KernelView<const double*>;
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+template <class Action>
+void for_each_entry(const char* label, size_t n, const Action& action) {
+  Kokkos::parallel_for(label, Range(0, n), action);
+}
+
+/// Not-a-number compares false with everything, so it is carried as infinity.
+KOKKOS_INLINE_FUNCTION double magnitude(double x) {
+  const double a = x < 0.0 ? -x : x;
+  return a == a ? a : HUGE_VAL;
+}
+
+double largest_magnitude(const ConstEntries& x) {
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::vector::maximum", Range(0, x.extent(0)),
+      KOKKOS_LAMBDA(size_t i, double& m) {
+        const double a = magnitude(x(i));
+        if (a > m) m = a;
+      },
+      Kokkos::Max<double>(largest));
+  return largest;
+}
+
+}  // namespace
+
+double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
+  if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
+  if (comm.getSize() == 1) return value;
+  double result = value;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, value, Teuchos::outArg(result));
+  return result;
+}
+
+MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
+                         const KernelView<const unsigned char*>& owned_interior)
+    : vertex_dofs_(Teuchos::rcp(new DofVector(map))), interior_("mixbeam::mixed_vector", interior_size),
+      owned_interior_(owned_interior) {}
+
+MixedVector MixedVector::clone(bool copy_values) const {
+  MixedVector copy(vertex_dofs_->getMap(), interior_.extent(0), owned_interior_);
+  if (copy_values) copy.assign(*this);
+  return copy;
+}
+
+KernelView<double*> MixedVector::view_of(DofVector& v) {
+  auto local = v.getLocalViewHost(Tpetra::Access::ReadWrite);
+  return KernelView<double*>(local.data(), local.extent(0));
+}
+
+void MixedVector::fill(double value) {
+  Kokkos::deep_copy(vertex(), value);
+  Kokkos::deep_copy(interior_, value);
+}
+
+void MixedVector::assign(const MixedVector& other) {
+  Kokkos::deep_copy(vertex(), other.vertex());
+  Kokkos::deep_copy(interior_, other.interior_);
+}
+
+void MixedVector::scale(double factor) {
+  for (const Entries& part : {vertex(), interior_}) {
+    const Entries y = part;
+    for_each_entry("mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
+  }
+}
+
+void MixedVector::update(double a, const MixedVector& x, double gamma) { update(a, x, 0.0, x, gamma); }
+
+void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
+  const Entries out[2] = {vertex(), interior_}, first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_};
+  for (int part = 0; part < 2; ++part) {
+    const Entries z = out[part], p = first[part], q = second[part];
+    for_each_entry("mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
+      double value = gamma == 0.0 ? 0.0 : gamma * z(i);  // a zero factor must not spread a not-a-number
+      if (a != 0.0) value += a * p(i);
+      if (b != 0.0) value += b * q(i);
+      z(i) = value;
+    });
+  }
+}
+
+void MixedVector::absolute_values_of(const MixedVector& other) {
+  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part], x = in[part];
+    for_each_entry("mixbeam::vector::abs", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = x(i) < 0.0 ? -x(i) : x(i); });
+  }
+}
+
+void MixedVector::reciprocals_of(const MixedVector& other) {
+  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part], x = in[part];
+    for_each_entry("mixbeam::vector::reciprocal", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 1.0 / x(i); });
+  }
+}
+
+void MixedVector::multiply_by(const MixedVector& other) {
+  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part], x = in[part];
+    for_each_entry("mixbeam::vector::multiply", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= x(i); });
+  }
+}
+
+double MixedVector::maximum_norm() const {
+  return maximum_over_ranks(*vertex_dofs_->getMap()->getComm(),
+                            std::max(largest_magnitude(vertex()), largest_magnitude(interior_)));
+}
+
+namespace {
+
+/// Sum over the entries of this rank, in a fixed order: one thread, so it does not depend on the number of threads.
+template <class Term>
+double ordered_sum(const Teuchos::Comm<int>& comm, size_t vertex_entries, size_t interior_entries,
+                   const KernelView<const unsigned char*>& owned, const Term& term) {
+  double sum = 0.0;
+  for (size_t i = 0; i < vertex_entries; ++i) sum += term(0, i);
+  for (size_t i = 0; i < interior_entries; ++i)
+    if (owned.extent(0) == 0 || owned(i)) sum += term(1, i);
+  double total = sum;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, sum, Teuchos::outArg(total));
+  return total;
+}
+
+}  // namespace
+
+double MixedVector::one_norm() const {
+  const Entries x[2] = {vertex(), interior_};
+  return ordered_sum(*vertex_dofs_->getMap()->getComm(), x[0].extent(0), x[1].extent(0), owned_interior_,
+                     [&](int part, size_t i) { return std::abs(x[part](i)); });
+}
+
+double MixedVector::inner_product(const MixedVector& other) const {
+  const Entries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
+  return ordered_sum(*vertex_dofs_->getMap()->getComm(), x[0].extent(0), x[1].extent(0), owned_interior_,
+                     [&](int part, size_t i) { return x[part](i) * y[part](i); });
+}
+
+GlobalOrdinal MixedVector::global_length() const {
+  const auto one = [](int, size_t) { return 1.0; };
+  return static_cast<GlobalOrdinal>(ordered_sum(*vertex_dofs_->getMap()->getComm(), vertex().extent(0),
+                                                interior_.extent(0), owned_interior_, one));
+}
+
+bool MixedVector::same_values(const MixedVector& other) const {
+  const Entries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
+  double different = 0.0;
+  for (int part = 0; part < 2; ++part) {
+    const ConstEntries a = x[part], b = y[part];
+    double found = 0.0;
+    Kokkos::parallel_reduce(
+        "mixbeam::vector::compare", Range(0, a.extent(0)),
+        KOKKOS_LAMBDA(size_t i, double& m) {
+          if (!(a(i) == b(i))) m = 1.0;
+        },
+        Kokkos::Max<double>(found));
+    different = std::max(different, found);
+  }
+  return maximum_over_ranks(*vertex_dofs_->getMap()->getComm(), different) == 0.0;
+}
+
+double MixedVector::largest_vertex_spin() const {
+  const ConstEntries x = vertex();
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::vector::largest_spin", Range(0, x.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(size_t v, double& m) {
+        const double* spin = &x(kVertexDofs * v + 3);
+        const double square = magnitude(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]);
+        if (square > m) m = square;
+      },
+      Kokkos::Max<double>(largest));
+  return std::sqrt(maximum_over_ranks(*vertex_dofs_->getMap()->getComm(), largest));
+}
+
+}  // namespace mixbeam

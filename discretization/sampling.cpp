@@ -1,0 +1,218 @@
+#include "discretization/sampling.hpp"
+
+#include "kernels/element_kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kMaximumPoints = kMaximumOrder + 1;
+
+/// Value at xi of the polynomial through `count` Gauss points; `values(q)` is the vector at point q.
+template <class Values>
+Vec interpolate_gauss(int count, double xi, const Values& values) {
+  double points[kMaximumPoints], weights[kMaximumPoints];
+  gauss_rule(count, points, weights);
+  Vec sum{{0.0, 0.0, 0.0}};
+  for (int q = 0; q < count; ++q) {
+    double lagrange = 1.0;
+    for (int p = 0; p < count; ++p)
+      if (p != q) lagrange *= (xi - points[p]) / (points[q] - points[p]);
+    sum += lagrange * values(q);
+  }
+  return sum;
+}
+
+Vec force_at(const ElementBlock& block, const double* interior, double xi) {
+  const int axial = axial_points(block.order, block.force_integration), shear = shear_points(block.order, block.force_integration);
+  const int first_shear = axial == shear ? 0 : axial;
+  Vec force = interpolate_gauss(axial, xi, [&](int q) { return load_vector(interior + block.interior.force(q)); });
+  const Vec sideways =
+      interpolate_gauss(shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
+  force[1] = sideways[1];
+  force[2] = sideways[2];
+  return force;
+}
+
+const double* interior_of(const ElementBlock& block, const State& state, int e) {
+  return state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
+}
+
+/// Elements that this rank answers for: those that start at one of its vertices.
+bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
+  return block.vertices(e, 0) < structure.owned_vertices;
+}
+
+void append(const PointSample& sample, int element, MemberSamples& out) {
+  const auto array = [](const Vec& v) { return std::array<double, 3>{v[0], v[1], v[2]}; };
+  out.arc_length.push_back(sample.arc_length);
+  out.element.push_back(element);
+  out.reference_position.push_back(array(sample.reference_position));
+  out.position.push_back(array(sample.position));
+  out.displacement.push_back(array(sample.displacement));
+  out.triad.push_back({sample.triad.w, sample.triad.x, sample.triad.y, sample.triad.z});
+  out.force_strain.push_back(array(sample.force_strain));
+  out.moment_strain.push_back(array(sample.moment_strain));
+  out.material_force.push_back(array(sample.force));
+  out.material_moment.push_back(array(sample.moment));
+}
+
+/// PointSample as plain numbers, for the exchange between ranks.
+constexpr int kSampleNumbers = sizeof(PointSample) / sizeof(double);
+static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
+
+}  // namespace
+
+PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element, double xi) {
+  const ElementBlock& block = structure.block_of(local_element);
+  const int e = local_element - block.first_element, k = block.order;
+  const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local_element]];
+  const MeshMember& member = mesh.members[element.member];
+  const double h = block.reference(e, 0);
+  const double* interior = interior_of(block, state, e);
+  PointSample sample;
+  sample.arc_length = h * (element.index + 0.5 * (1.0 + xi));
+  sample.reference_position = member.curve.position(sample.arc_length);
+  const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(e, 0), 0));
+  const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(e, 1), 0));
+  sample.displacement = (0.5 * (1.0 - xi)) * a + (0.5 * (1.0 + xi)) * b;
+  double P[kMaximumOrder + 1], B[kMaximumOrder + 1];
+  legendre(k, xi, P);
+  integrated_legendre(k, xi, B);
+  Vec psi{{0.0, 0.0, 0.0}};
+  for (int j = 1; j < k; ++j) {
+    sample.displacement += (0.5 * h * B[j]) * load_vector(interior + block.interior.bubble(j));
+    psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
+  }
+  sample.position = sample.reference_position + sample.displacement;
+  sample.triad = load_quaternion(&state.views.element_triad(local_element, 0)) * exp_quaternion(psi);
+  sample.force = force_at(block, interior, xi);
+  sample.moment = Vec{{0.0, 0.0, 0.0}};
+  for (int j = 0; j <= k; ++j) sample.moment += P[j] * load_vector(interior + block.interior.moment(j));
+  const SectionConstants& section = structure.views.member_section(element.member);
+  for (int i = 0; i < 3; ++i) {
+    sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
+    sample.moment_strain[i] = section.moment_compliance[i] * sample.moment[i];
+  }
+  return sample;
+}
+
+std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+                                          int points_per_element) {
+  const Structure& structure = assembler.structure();
+  const Mesh& mesh = assembler.mesh();
+  const auto& comm = *assembler.map()->getComm();
+  // every sample has one place in the order of the mesh; a rank fills its own and zeros elsewhere, rank 0 adds them up
+  const size_t n = mesh.elements.size() * points_per_element;
+  std::vector<double> mine(n * kSampleNumbers, 0.0);
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const int local = block.first_element + e;
+      for (int i = 0; i < points_per_element; ++i) {
+        const double xi = -1.0 + 2.0 * i / (points_per_element - 1);
+        const PointSample sample = sample_element(structure, mesh, state, local, xi);
+        const size_t place = static_cast<size_t>(structure.local_element_to_mesh[local]) * points_per_element + i;
+        std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine.begin() + place * kSampleNumbers);
+      }
+    }
+  std::vector<double> all(comm.getSize() > 1 ? mine.size() : 0);
+  if (comm.getSize() > 1)
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all.data());
+  const std::vector<double>& numbers = comm.getSize() > 1 ? all : mine;
+  std::vector<MemberSamples> members(scene.members.size());
+  for (size_t m = 0; m < members.size(); ++m) members[m].name = scene.members[m].name;
+  if (comm.getRank() != 0) return members;
+  for (size_t place = 0; place < n; ++place) {
+    PointSample sample;
+    std::copy_n(numbers.begin() + place * kSampleNumbers, kSampleNumbers, reinterpret_cast<double*>(&sample));
+    const MeshElement& element = mesh.elements[place / points_per_element];
+    append(sample, element.index, members[element.member]);
+  }
+  return members;
+}
+
+double l2_norm(const Assembler& assembler, const State& state, int points,
+               const std::function<Vec3<double>(const PointSample&, int member)>& field) {
+  const Structure& structure = assembler.structure();
+  std::vector<double> xi(points), weight(points);
+  gauss_rule(points, xi.data(), weight.data());
+  double sum[2] = {0.0, 0.0}, total[2];
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const double h = block.reference(e, 0);
+      sum[1] += h;
+      for (int q = 0; q < points; ++q) {
+        const Vec value =
+            field(sample_element(structure, assembler.mesh(), state, block.first_element + e, xi[q]), block.member(e));
+        sum[0] += 0.5 * h * weight[q] * dot(value, value);
+      }
+    }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  return std::sqrt(total[0] / total[1]);
+}
+
+namespace {
+
+StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h, const SectionConstants& section) {
+  StrainEnergy energy;
+  const int axial = axial_points(block.order, block.force_integration), shear = shear_points(block.order, block.force_integration);
+  const auto add_force = [&](int first, int count, int begin, int end) {
+    double points[kMaximumPoints], weights[kMaximumPoints];
+    gauss_rule(count, points, weights);
+    for (int q = 0; q < count; ++q)
+      for (int i = begin; i < end; ++i) {
+        const double n = interior[block.interior.force(first + q) + i];
+        energy.force += 0.25 * h * weights[q] * section.force_compliance[i] * n * n;
+      }
+  };
+  add_force(0, axial, 0, 1);
+  add_force(axial == shear ? 0 : axial, shear, 1, 3);
+  for (int j = 0; j <= block.order; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const double m = interior[block.interior.moment(j) + i];
+      energy.moment += 0.5 * h / (2 * j + 1) * section.moment_compliance[i] * m * m;
+    }
+  return energy;
+}
+
+}  // namespace
+
+StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
+  const Structure& structure = assembler.structure();
+  double sum[2] = {0.0, 0.0}, total[2];
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const StrainEnergy energy = element_energy(block, interior_of(block, state, e), block.reference(e, 0),
+                                                 structure.views.member_section(block.member(e)));
+      sum[0] += energy.force;
+      sum[1] += energy.moment;
+    }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  return {total[0], total[1]};
+}
+
+std::array<double, 6> vertex_motion(const Assembler& assembler, const State& state, int vertex) {
+  const VertexPartition& partition = assembler.structure().partition;
+  std::array<double, 6> mine{}, all{};
+  if (partition.owns(vertex)) {
+    const int local = vertex - partition.owned_first();
+    const Vec rotation = log_quaternion(load_quaternion(&state.views.vertex_rotation(local, 0)));
+    for (int i = 0; i < 3; ++i) {
+      mine[i] = state.views.vertex_displacement(local, i);
+      mine[3 + i] = rotation[i];
+    }
+  }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 6, mine.data(), all.data());
+  return all;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,218 @@
+#include "discretization/structure.hpp"
+
+#include "discretization/errors.hpp"
+#include "kernels/element_kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace mixbeam {
+
+namespace {
+
+SectionConstants section_constants(const Section& section, double stiffness_cap) {
+  SectionConstants c{};
+  const double force[3] = {section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1]};
+  const double moment[3] = {section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
+  for (int i = 0; i < 3; ++i) {
+    c.force_compliance[i] = std::isinf(force[i]) ? 0.0 : 1.0 / force[i];
+    c.tangent_force_stiffness[i] = std::min(force[i], stiffness_cap);
+    c.moment_stiffness[i] = moment[i];
+    c.moment_compliance[i] = 1.0 / moment[i];
+  }
+  return c;
+}
+
+double largest_bending_stiffness(const Scene& scene) {
+  double largest = 0.0;
+  for (const Section& s : scene.sections)
+    for (double value : {s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]})
+      largest = std::max(largest, value);
+  return largest;
+}
+
+/// Elements of one kind: those with the same order and integration rule share their kernels.
+using BlockKey = std::pair<int, int>;
+
+BlockKey block_key(const Member& member) { return {member.order, static_cast<int>(member.force_integration)}; }
+
+bool is_local(const MeshElement& element, const VertexPartition& partition) {
+  return partition.owns(element.vertex[0]) || partition.owns(element.vertex[1]);
+}
+
+void number_local_vertices(Structure& structure, const std::vector<MeshElement>& elements) {
+  const VertexPartition& partition = structure.partition;
+  std::set<int> ghosts;
+  for (int e : structure.local_element_to_mesh)
+    for (int vertex : elements[e].vertex)
+      if (!partition.owns(vertex)) ghosts.insert(vertex);
+  structure.owned_vertices = partition.owned_end() - partition.owned_first();
+  for (int v = partition.owned_first(); v < partition.owned_end(); ++v) structure.local_vertex_to_global.push_back(v);
+  structure.local_vertex_to_global.insert(structure.local_vertex_to_global.end(), ghosts.begin(), ghosts.end());
+}
+
+int local_vertex(const Structure& structure, int global) {
+  const VertexPartition& partition = structure.partition;
+  if (partition.owns(global)) return global - partition.owned_first();
+  const auto ghosts = structure.local_vertex_to_global.begin() + structure.owned_vertices;
+  const auto entry = std::lower_bound(ghosts, structure.local_vertex_to_global.end(), global);
+  return static_cast<int>(entry - structure.local_vertex_to_global.begin());
+}
+
+/// Reference data of one element, see ReferenceLayout.
+template <int K>
+void fill_reference(const ReferenceCurve& curve, double start, double length, const ElementTables<K>& tables,
+                    const ReferenceLayout& layout, double* row) {
+  row[layout.length()] = length;
+  for (int end = 0; end < 2; ++end)
+    store_quaternion(curve.triad(start + end * length), row + layout.end_triad(end));
+  for (int q = 0; q < layout.force_points; ++q)
+    store_vector(curve.tangent(start + 0.5 * length * (1.0 + tables.force_xi[q])), row + layout.tangent(q));
+  for (int q = 0; q <= K; ++q) store_vector(curve.curvature, row + layout.curvature(q));
+}
+
+template <int K>
+void fill_block(ElementBlock& block, const Structure& structure, const Mesh& mesh) {
+  const ElementTables<K> tables(block.force_integration);
+  for (int e = 0; e < block.count; ++e) {
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
+    const MeshMember& member = mesh.members[element.member];
+    const double h = member.element_length();
+    const double start = member.curve.length * element.index / member.elements;
+    fill_reference(member.curve, start, h, tables, block.reference_layout, &block.reference(e, 0));
+    for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
+    block.member(e) = element.member;
+  }
+}
+
+template <int K = 1>
+void fill_block_of_order(ElementBlock& block, const Structure& structure, const Mesh& mesh) {
+  if (block.order == K) return fill_block<K>(block, structure, mesh);
+  if constexpr (K < kMaximumOrder)
+    fill_block_of_order<K + 1>(block, structure, mesh);
+  else
+    throw InputError("element order " + std::to_string(block.order) + " is outside 1..8");
+}
+
+void add_block(Structure& structure, const BlockKey& key, const std::vector<int>& elements) {
+  ElementBlock block;
+  block.order = key.first;
+  block.force_integration = static_cast<ForceIntegration>(key.second);
+  block.first_element = structure.local_elements();
+  block.count = static_cast<int>(elements.size());
+  const int points = force_point_count(block.order, block.force_integration);
+  block.interior = {block.order, points};
+  block.reference_layout = {block.order, points};
+  block.interior_offset = structure.interior_size;
+  block.increment_offset = structure.increment_size;
+  block.response_offset = structure.response_size;
+  const size_t n = elements.size();
+  structure.interior_size += n * block.interior.unknowns();
+  structure.increment_size += n * block.interior.increments();
+  structure.response_size += n * block.interior.increments() * kResponseColumns;
+  block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
+  block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
+  block.member = KernelView<int*>("mixbeam::element_member", n);
+  for (int e : elements) {
+    structure.mesh_element_to_local[e] = structure.local_elements();
+    structure.local_element_to_mesh.push_back(e);
+  }
+  structure.blocks.push_back(block);
+}
+
+void fill_structure_views(Structure& structure, const Scene& scene, double stiffness_cap) {
+  structure.views.member_section = KernelView<SectionConstants*>("mixbeam::member_section", scene.members.size());
+  std::map<std::string, SectionConstants> constants;
+  for (const Section& section : scene.sections) constants[section.name] = section_constants(section, stiffness_cap);
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const auto section = constants.find(scene.members[m].section);
+    if (section == constants.end())
+      throw InputError("member \"" + scene.members[m].name + "\": there is no section named \"" + scene.members[m].section + "\"");
+    structure.views.member_section(m) = section->second;
+  }
+  if (!scene.distributed_loads.empty())
+    structure.views.member_load = KernelView<LineLoad*>("mixbeam::member_load", scene.members.size());
+}
+
+}  // namespace
+
+const ElementBlock& Structure::block_of(int local_element) const {
+  for (const ElementBlock& block : blocks)
+    if (local_element < block.first_element + block.count) return block;
+  throw std::out_of_range("no block holds local element " + std::to_string(local_element));
+}
+
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks, double force_stiffness_cap) {
+  Structure structure;
+  structure.partition = {rank, ranks, mesh.vertices()};
+  structure.length = characteristic_length(mesh);
+  structure.bending_reference = largest_bending_stiffness(scene);
+  structure.shortest_element = std::numeric_limits<double>::max();
+  for (const MeshMember& member : mesh.members)
+    structure.shortest_element = std::min(structure.shortest_element, member.element_length());
+  std::map<BlockKey, std::vector<int>> kinds;
+  for (size_t e = 0; e < mesh.elements.size(); ++e)
+    if (is_local(mesh.elements[e], structure.partition))
+      kinds[block_key(scene.members[mesh.elements[e].member])].push_back(static_cast<int>(e));
+  structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
+  for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
+  number_local_vertices(structure, mesh.elements);
+  for (ElementBlock& block : structure.blocks) fill_block_of_order(block, structure, mesh);
+  const double cap = force_stiffness_cap * structure.bending_reference / (structure.length * structure.length);
+  fill_structure_views(structure, scene, cap);
+  return structure;
+}
+
+State allocate_state(const Structure& structure) {
+  State state;
+  state.views.vertex_displacement = KernelView<double* [3]>("mixbeam::vertex_displacement", structure.local_vertices());
+  state.views.vertex_rotation = KernelView<double* [4]>("mixbeam::vertex_rotation", structure.local_vertices());
+  state.views.element_triad = KernelView<double* [4]>("mixbeam::element_triad", structure.local_elements());
+  state.views.interior = KernelView<double*>("mixbeam::interior", structure.interior_size);
+  return state;
+}
+
+State reference_state(const Structure& structure, const Mesh& mesh) {
+  State state = allocate_state(structure);
+  for (int v = 0; v < structure.local_vertices(); ++v)
+    store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(v, 0));
+  for (const ElementBlock& block : structure.blocks) {
+    for (int e = 0; e < block.count; ++e) {
+      const int local = block.first_element + e;
+      const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
+      const MeshMember& member = mesh.members[element.member];
+      const double h = member.element_length();
+      store_quaternion(member.curve.triad(h * (element.index + 0.5)), &state.views.element_triad(local, 0));
+      if (block.order > 1) {
+        // constant curvature: Lambda_0 = Lambda_mid exp(xi h/2 kappa0), exactly the first Legendre mode
+        double* interior = &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
+        store_vector((0.5 * h) * member.curve.curvature, interior + block.interior.relative_rotation(1));
+      }
+    }
+  }
+  return state;
+}
+
+void copy_state(const State& from, const State& to) {
+  Kokkos::deep_copy(to.views.vertex_displacement, from.views.vertex_displacement);
+  Kokkos::deep_copy(to.views.vertex_rotation, from.views.vertex_rotation);
+  Kokkos::deep_copy(to.views.element_triad, from.views.element_triad);
+  Kokkos::deep_copy(to.views.interior, from.views.interior);
+}
+
+ElementEquations allocate_equations(const Structure& structure) {
+  const int n = structure.local_elements();
+  ElementEquations equations;
+  equations.residual = KernelView<double* [12]>("mixbeam::element_residual", n);
+  equations.interior_residual = KernelView<double*>("mixbeam::interior_residual", structure.increment_size);
+  equations.condensed_residual = KernelView<double* [12]>("mixbeam::condensed_residual", n);
+  equations.condensed_tangent = KernelView<double* [144]>("mixbeam::condensed_tangent", n);
+  equations.response = KernelView<double*>("mixbeam::response", structure.response_size);
+  equations.largest_end_angle = KernelView<double*>("mixbeam::largest_end_angle", n);
+  return equations;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,59 @@
+/// The part of a structure that one rank works on: its own vertices, every element that touches one of them, and the ghost
+/// vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entry travels.
+#pragma once
+
+#include "discretization/mesh.hpp"
+#include "kernels/element_block.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// State with deep-copy semantics on request: current configuration as quaternions and additive interior unknowns.
+struct State {
+  StateViews views;
+};
+
+/// Contiguous share of the global vertices.
+struct VertexPartition {
+  int rank = 0, ranks = 1, vertices = 0;
+  int first(int r) const { return static_cast<int>(static_cast<long long>(vertices) * r / ranks); }
+  int owned_first() const { return first(rank); }
+  int owned_end() const { return first(rank + 1); }
+  bool owns(int vertex) const { return vertex >= owned_first() && vertex < owned_end(); }
+};
+
+struct Structure {
+  VertexPartition partition;
+  std::vector<int> local_vertex_to_global;         ///< owned vertices first, then ghosts in ascending order
+  int owned_vertices = 0;
+  std::vector<ElementBlock> blocks;
+  std::vector<int> local_element_to_mesh;          ///< mesh element of each local element
+  std::vector<int> mesh_element_to_local;          ///< -1 where the element is not on this rank
+  StructureViews views;
+  double shortest_element = 0.0;                   ///< of the whole mesh
+  double length = 0.0;                             ///< characteristic length of the whole mesh
+  double bending_reference = 0.0;                  ///< largest finite bending or torsional stiffness of the scene
+  size_t interior_size = 0, increment_size = 0, response_size = 0;
+
+  int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
+  int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }
+  /// Block of a local element.
+  const ElementBlock& block_of(int local_element) const;
+};
+
+/// Distributes elements and vertices and fills the reference data. `force_stiffness_cap` limits the force stiffness of the
+/// tangent (only) to cap * EI / L^2; see SectionConstants.
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks, double force_stiffness_cap);
+
+/// Undeformed state: vertex rotations identity, element triads at mid element, relative rotations from the reference curve,
+/// stress free.
+State reference_state(const Structure& structure, const Mesh& mesh);
+
+State allocate_state(const Structure& structure);
+void copy_state(const State& from, const State& to);
+
+/// Arrays that one evaluation of all elements writes.
+ElementEquations allocate_equations(const Structure& structure);
+
+}  // namespace mixbeam

@@ -1,0 +1,31 @@
+/// What all groups of one run share: the assembled equations, the linear solver and the record of the work done.
+#pragma once
+
+#include "discretization/assembler.hpp"
+#include "nonlinear/linear_solver.hpp"
+#include "nonlinear/solver_parameters.hpp"
+
+#include <memory>
+#include <string>
+
+namespace mixbeam {
+
+struct WorkCount {
+  int residuals = 0, tangents = 0, newton_iterations = 0;
+};
+
+class BeamProblem {
+ public:
+  BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
+      : assembler(scene, comm, {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance}),
+        linear_solver(make_direct_solver(assembler.matrix(), parameters.linear.method, parameters.linear.residual_tolerance,
+                                         assembler.times())) {}
+
+  Assembler assembler;
+  std::unique_ptr<LinearSolver> linear_solver;
+  WorkCount work;
+  const void* tangent_owner = nullptr;   ///< the group whose state the matrix and the interior responses belong to
+  std::string last_failure;              ///< why the last linear solve failed; empty when it did not
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,245 @@
+#include "nonlinear/linear_solver.hpp"
+
+#include "discretization/mixed_vector.hpp"
+
+#include <Amesos2.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
+
+#include <mpi.h>
+
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+using DofMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
+using Amesos2Solver = Amesos2::Solver<DofMatrix, DofMultiVector>;
+
+/// How many entries each rank contributes, and where they go on rank 0.
+struct GatherPlan {
+  std::vector<int> counts, offsets;
+  int total() const { return counts.empty() ? 0 : counts.back() + offsets.back(); }
+
+  GatherPlan() = default;
+  GatherPlan(MPI_Comm comm, int mine) {
+    int ranks = 0;
+    MPI_Comm_size(comm, &ranks);
+    counts.resize(ranks);
+    offsets.assign(ranks, 0);
+    MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+    std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
+  }
+};
+
+/// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by rank.
+class RootCopy {
+ public:
+  explicit RootCopy(const Teuchos::RCP<DofMatrix>& matrix) : distributed_(matrix) {
+    const auto comm = matrix->getRowMap()->getComm();
+    mpi_ = *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
+    is_root_ = comm->getRank() == 0;
+    copy_structure();
+  }
+  bool is_root() const { return is_root_; }
+  const Teuchos::RCP<DofMatrix>& matrix() const { return root_; }
+  MPI_Comm communicator() const { return mpi_; }
+
+  void gather_values() const {
+    const auto mine = distributed_->getLocalMatrixHost().values;
+    double* all = is_root_ ? root_->getLocalMatrixHost().values.data() : nullptr;
+    MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, all, entries_.counts.data(),
+                entries_.offsets.data(), MPI_DOUBLE, 0, mpi_);
+  }
+  void gather(const DofVector& from, double* to) const {
+    const auto mine = from.getLocalViewHost(Tpetra::Access::ReadOnly);
+    MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(), rows_.offsets.data(),
+                MPI_DOUBLE, 0, mpi_);
+  }
+  void scatter(const double* from, DofVector& to) const {
+    const auto mine = to.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    MPI_Scatterv(from, rows_.counts.data(), rows_.offsets.data(), MPI_DOUBLE, mine.data(),
+                 static_cast<int>(mine.extent(0)), MPI_DOUBLE, 0, mpi_);
+  }
+
+ private:
+  void copy_structure() {
+    const auto graph = distributed_->getCrsGraph()->getLocalGraphHost();
+    const auto columns = distributed_->getColMap();
+    const int rows = static_cast<int>(graph.numRows()), entries = static_cast<int>(graph.entries.extent(0));
+    rows_ = GatherPlan(mpi_, rows);
+    entries_ = GatherPlan(mpi_, entries);
+    std::vector<int> lengths(rows), column(entries);
+    for (int i = 0; i < rows; ++i) lengths[i] = static_cast<int>(graph.row_map(i + 1) - graph.row_map(i));
+    for (int k = 0; k < entries; ++k) column[k] = static_cast<int>(columns->getGlobalElement(graph.entries(k)));
+    const int n = is_root_ ? rows_.total() : 0;
+    using Graph = DofMatrix::local_graph_host_type;
+    Graph::row_map_type::non_const_type start("mixbeam::root_row_start", n + 1);
+    Graph::entries_type::non_const_type all_columns("mixbeam::root_column", is_root_ ? entries_.total() : 0);
+    std::vector<int> all_lengths(n);
+    MPI_Gatherv(lengths.data(), rows, MPI_INT, all_lengths.data(), rows_.counts.data(), rows_.offsets.data(), MPI_INT, 0, mpi_);
+    MPI_Gatherv(column.data(), entries, MPI_INT, all_columns.data(), entries_.counts.data(), entries_.offsets.data(), MPI_INT,
+                0, mpi_);
+    if (!is_root_) return;
+    for (int i = 0; i < n; ++i) start(i + 1) = start(i) + all_lengths[i];
+    const Communicator self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
+    const auto map = Teuchos::rcp(new DofMap(n, 0, self));
+    DofMatrix::local_matrix_host_type::values_type::non_const_type values("mixbeam::root_values", all_columns.extent(0));
+    root_ = Teuchos::rcp(new DofMatrix(map, map, start, all_columns, values));
+    root_->expertStaticFillComplete(map, map);
+  }
+
+  Teuchos::RCP<DofMatrix> distributed_, root_;
+  MPI_Comm mpi_ = MPI_COMM_NULL;
+  bool is_root_ = false;
+  GatherPlan rows_, entries_;
+};
+
+class DirectSolver : public LinearSolver {
+ public:
+  DirectSolver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, double tolerance, PhaseTimes& times)
+      : matrix_(matrix), method_(method), tolerance_(tolerance), times_(times),
+        correction_(Teuchos::rcp(new DofVector(matrix->getDomainMap()))),
+        residual_(Teuchos::rcp(new DofVector(matrix->getRangeMap()))) {
+    if (!Amesos2::query(method)) throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
+    if (matrix->getRowMap()->getComm()->getSize() > 1) root_ = std::make_unique<RootCopy>(matrix);
+  }
+
+  void factorize() override {
+    if (root_ != nullptr) {
+      PhaseTimer timer(times_, "gather matrix");
+      root_->gather_values();
+    }
+    std::string problem;
+    if (root_ == nullptr || root_->is_root()) problem = factorize_here();
+    int failed = problem.empty() ? 0 : 1;
+    if (root_ != nullptr) MPI_Bcast(&failed, 1, MPI_INT, 0, root_->communicator());
+    if (failed) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
+  }
+
+  double solve(const DofVector& b, DofVector& x) override {
+    solve_once(b, x);
+    double error = backward_error(*matrix_, x, b);
+    if (!(error <= tolerance_)) {
+      refine(b, x);
+      error = backward_error(*matrix_, x, b);
+    }
+    if (!(error <= tolerance_))
+      throw LinearSolverError("the linear solver returned a vector that does not solve the equations: backward error " +
+                              std::to_string(error) + ", allowed " + std::to_string(tolerance_));
+    return error;
+  }
+
+ private:
+  const Teuchos::RCP<DofMatrix>& factored_matrix() const { return root_ == nullptr ? matrix_ : root_->matrix(); }
+
+  std::string factorize_here() {
+    try {
+      if (solver_.is_null()) {
+        PhaseTimer timer(times_, "symbolic factorisation");
+        const auto map = factored_matrix()->getRowMap();
+        x_ = Teuchos::rcp(new DofVector(map));
+        b_ = Teuchos::rcp(new DofVector(map));
+        solver_ = Amesos2::create<DofMatrix, DofMultiVector>(method_, factored_matrix(), x_, b_);
+        solver_->symbolicFactorization();
+      }
+      PhaseTimer timer(times_, "numeric factorisation");
+      solver_->numericFactorization();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  void solve_once(const DofVector& b, DofVector& x) {
+    PhaseTimer timer(times_, "solve");
+    if (root_ == nullptr) {
+      solver_->solve(&x, &b);
+      return;
+    }
+    double* rhs = root_->is_root() ? b_->getLocalViewHost(Tpetra::Access::OverwriteAll).data() : nullptr;
+    root_->gather(b, rhs);
+    const double* solution = nullptr;
+    if (root_->is_root()) {
+      solver_->solve(x_.get(), b_.get());
+      solution = x_->getLocalViewHost(Tpetra::Access::ReadOnly).data();
+    }
+    root_->scatter(solution, x);
+  }
+
+  void refine(const DofVector& b, DofVector& x) {
+    matrix_->apply(x, *residual_);
+    residual_->update(1.0, b, -1.0);
+    solve_once(*residual_, *correction_);
+    x.update(1.0, *correction_, 1.0);
+  }
+
+  Teuchos::RCP<DofMatrix> matrix_;
+  std::string method_;
+  double tolerance_;
+  PhaseTimes& times_;
+  std::unique_ptr<RootCopy> root_;   ///< several ranks only
+  Teuchos::RCP<Amesos2Solver> solver_;
+  Teuchos::RCP<DofVector> x_, b_, correction_, residual_;
+};
+
+/// Largest displacement (first = 0) or rotation (first = 3) component of a vertex vector.
+double largest_of_kind(const Teuchos::Comm<int>& comm, const KernelView<const double*>& x, int first) {
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::backward_error::scale", Kokkos::RangePolicy<ExecutionSpace>(0, x.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(int v, double& m) {
+        for (int c = 0; c < 3; ++c) {
+          const double value = x(kVertexDofs * v + first + c), a = value < 0.0 ? -value : value;
+          if (a > m) m = a;
+        }
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
+}
+
+}  // namespace
+
+double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b) {
+  const auto importer = matrix.getGraph()->getImporter();
+  DofVector ghosted(matrix.getColMap());
+  const DofVector* columns = &x;
+  if (!importer.is_null()) {
+    ghosted.doImport(x, *importer, Tpetra::REPLACE);
+    columns = &ghosted;
+  }
+  const auto xv = columns->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto bv = b.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto local = matrix.getLocalMatrixHost();
+  const KernelView<const double*> xs(xv.data(), xv.extent(0)), bs(bv.data(), bv.extent(0));
+  const Teuchos::Comm<int>& comm = *matrix.getRowMap()->getComm();
+  const double displacement = largest_of_kind(comm, xs, 0), rotation = largest_of_kind(comm, xs, 3);
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::backward_error", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()),
+      KOKKOS_LAMBDA(int i, double& m) {
+        double residual = bs(i), size = bs(i) < 0.0 ? -bs(i) : bs(i);
+        for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k) {
+          const int j = local.graph.entries(k);
+          const double a = local.values(k);
+          residual -= a * xs(j);
+          size += (a < 0.0 ? -a : a) * (j % kVertexDofs < 3 ? displacement : rotation);
+        }
+        if (residual < 0.0) residual = -residual;
+        const double error = residual == 0.0 ? 0.0 : residual / size;
+        if (!(error <= m)) m = error == error ? error : HUGE_VAL;
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
+}
+
+std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
+                                                 double residual_tolerance, PhaseTimes& times) {
+  return std::make_unique<DirectSolver>(matrix, method, residual_tolerance, times);
+}
+
+}  // namespace mixbeam
