@@ -50,4 +50,14 @@ Problem parse_number(const std::string& text, double& value) {
   return "value \"" + excerpt(number) + "\" is not a number; allowed: like 12, 0.5 or 1.5e-3 (decimal point, no units)";
 }
 
+std::string shortest(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return std::string(buffer.data(), end);
+}
+
+std::string to_text(const std::array<double, 3>& vector) {
+  return "(" + shortest(vector[0]) + ", " + shortest(vector[1]) + ", " + shortest(vector[2]) + ")";
+}
+
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
-/// Strict reading of numbers: the whole text must be one number, independent of the locale.
+/// Numbers as text and back, independent of the locale.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace mixbeam {
@@ -8,11 +9,17 @@ namespace mixbeam {
 /// What went wrong; empty if nothing.
 using Problem = std::string;
 
-/// `12`, `+12`, `-12`.
+/// `12`, `+12`, `-12`; the whole text must be the number.
 Problem parse_number(const std::string& text, int& value);
 
 /// `1`, `1.5`, `-1e-3`, `inf`, `nan`: whether the last two make sense is decided by the parameter's range.
 Problem parse_number(const std::string& text, double& value);
+
+/// Shortest text that reads back as the same number.
+std::string shortest(double value);
+
+/// `(1, 0, 0.5)`
+std::string to_text(const std::array<double, 3>& vector);
 
 /// Without blanks at both ends.
 std::string trimmed(const std::string& text);

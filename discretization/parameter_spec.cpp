@@ -1,9 +1,8 @@
 #include "discretization/parameter_spec.hpp"
 
 #include "discretization/message_text.hpp"
+#include "discretization/number_text.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -224,12 +223,6 @@ std::string allowed_values(const ParameterSpec& parameter) {
     text += quoted_list(parameter.choices);
   }
   return text;
-}
-
-std::string shortest(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return std::string(buffer.data(), end);
 }
 
 std::string to_text(const ParameterValue& value) {

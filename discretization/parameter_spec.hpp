@@ -112,9 +112,6 @@ struct SublistSpec {
 /// `double, value > 0, or inf`: what may be written for this parameter.
 std::string allowed_values(const ParameterSpec& parameter);
 
-/// Shortest text that reads back as the same number.
-std::string shortest(double value);
-
 /// `"text"`, `0.5`, `true`, `{1, 2, 3}`.
 std::string to_text(const ParameterValue& value);
 

@@ -9,7 +9,8 @@ constexpr int kMostStages = 1000;
 constexpr double kLargestCoordinate = 1e100;  // squares of lengths must not overflow
 constexpr double kLargestAngle = 1e6;         // beyond that sine and cosine lose the digits that ends are compared with
 
-ParameterSpec position(const std::string& name) {
+/// A position or a direction.
+ParameterSpec bounded_vector(const std::string& name) {
   return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
 }
 
@@ -44,8 +45,8 @@ ListSpec curve_spec() {
   spec.add(choice("Shape", {"line", "arc", "helix"})
                .by_default("line")
                .means("line: straight; arc: part of a circle; helix: part of a circular helix."));
-  spec.add(position("Center").means("arc: centre of the circle; helix: a point of its axis [length]."));
-  spec.add(vector3("Axis").means(
+  spec.add(bounded_vector("Center").means("arc: centre of the circle; helix: a point of its axis [length]."));
+  spec.add(bounded_vector("Axis").means(
       "arc: normal of its plane; helix: direction of its axis; the curve turns right-handed about it (any length)."));
   spec.add(real("Angle").above(0.0).at_most(kLargestAngle).means("arc, helix: angle swept about the axis [radian]."));
   spec.add(real("Rise")
@@ -72,7 +73,7 @@ ListSpec member_spec() {
                .by_default("both reduced")
                .means("Which part of the force-strain energy takes k instead of k + 1 Gauss points; only 'both "
                       "reduced' is free of locking."));
-  spec.add(vector3("Second Axis")
+  spec.add(bounded_vector("Second Axis")
                .means("Direction that section axis 2 takes at the start, as nearly as the tangent permits; the program "
                       "chooses one "
                       "if it is absent."));
@@ -134,10 +135,11 @@ ListSpec scene_spec() {
       "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
   spec.add_list("Sections", ListSpec("Cross sections.").with_named_lists("section", section_spec(), 1),
                 Presence::required);
-  spec.add_list("Points",
-                ListSpec("Points of the undeformed structure.")
-                    .with_named_parameters("point", position("").required().means("Global coordinates [length]."), 1),
-                Presence::required);
+  spec.add_list(
+      "Points",
+      ListSpec("Points of the undeformed structure.")
+          .with_named_parameters("point", bounded_vector("").required().means("Global coordinates [length]."), 1),
+      Presence::required);
   spec.add_list("Members", ListSpec("Beams.").with_named_lists("member", member_spec(), 1), Presence::required);
   spec.add_list("Supports", ListSpec("Supports.").with_named_lists("support", support_spec(), 1), Presence::required);
   spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", point_load_spec()));

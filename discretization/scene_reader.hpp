@@ -38,6 +38,7 @@ class SceneReader {
   Curve read_curve(const List& list, const ParameterPath& path) const;
   void place_curve_end(std::size_t member_index);
   void check_curve(const Member& member) const;
+  void check_line(const Member& member) const;
   void check_second_axis(const Member& member) const;
   void check_support(const Support& support, const List& list, const ParameterPath& path);
   void check_follower(const PointLoad& load, const ParameterPath& path) const;

@@ -16,6 +16,9 @@ inline Vector3 cross(const Vector3& a, const Vector3& b) {
 }
 /// Without overflow or underflow of the squares.
 inline double norm(const Vector3& a) { return std::hypot(a[0], a[1], a[2]); }
+/// Shorter vectors have no direction: the squares of their components underflow.
+inline constexpr double kShortestLength = 1e-100;
+
 inline bool is_zero(const Vector3& a) { return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0; }
 
 }  // namespace mixbeam::vector_algebra
