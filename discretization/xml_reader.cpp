@@ -245,9 +245,9 @@ class ListBuilder {
   void claim_name(const std::string& name, int line_number) {
     const auto [earlier, is_new] = open_.back().first_line.emplace(name, line_number);
     if (is_new) return;
-    throw result_.source.error(child(path_, name), "given twice in this list, in line " +
-                                                       std::to_string(earlier->second) + " and again in line " +
-                                                       std::to_string(line_number));
+    throw InputError(result_.source.file() + ":" + std::to_string(line_number) + ": XML path \"" +
+                     to_string(child(path_, name)) + "\": given twice in this list, in line " +
+                     std::to_string(earlier->second) + " and again in line " + std::to_string(line_number));
   }
 
   xmlParserCtxtPtr parser_;
