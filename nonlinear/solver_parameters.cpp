@@ -1,0 +1,200 @@
+#include "nonlinear/solver_parameters.hpp"
+
+#include "discretization/number_text.hpp"
+#include "discretization/validate.hpp"
+#include "nonlinear/nox_spec.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace mixbeam {
+namespace {
+
+using Teuchos::ParameterList;
+using Teuchos::RCP;
+
+constexpr int kMostSteps = 1'000'000;
+constexpr int kMostIterations = 10'000;
+constexpr int kMostThreads = 1024;
+
+const SolverParameters kDefaults;
+
+ListSpec load_path_spec() {
+  const LoadPathParameters& defaults = kDefaults.load_path;
+  ListSpec spec("Steps of the load factor, which runs from 0 to the number of stages; sizes are fractions of a stage.");
+  spec.add(choice("Method", {"fixed", "adaptive"})
+               .by_default("adaptive")
+               .means("fixed: equal steps; adaptive: larger after easy steps, smaller after failed ones."));
+  spec.add(
+      integer("Steps").at_least(1).at_most(kMostSteps).by_default(defaults.steps).means("fixed: steps per stage."));
+  spec.add(real("Initial Step")
+               .above(0.0)
+               .at_most(1.0)
+               .by_default(defaults.initial_step)
+               .means("adaptive: first size tried."));
+  spec.add(real("Minimum Step")
+               .above(0.0)
+               .at_most(1.0)
+               .by_default(defaults.minimum_step)
+               .means("adaptive: the run is given up when a smaller one would be needed."));
+  spec.add(
+      real("Maximum Step").above(0.0).at_most(1.0).by_default(defaults.maximum_step).means("adaptive: largest size."));
+  spec.add(integer("Maximum Steps")
+               .at_least(1)
+               .at_most(kMostSteps)
+               .by_default(defaults.maximum_steps)
+               .means("The run is given up after this many steps."));
+  spec.add(
+      real("Aggressiveness")
+          .at_least(0.0)
+          .at_most(1.0)
+          .by_default(defaults.aggressiveness)
+          .means(
+              "adaptive: how fast steps grow; a step that takes no iteration lengthens the next one by this share."));
+  return spec;
+}
+
+ListSpec newton_spec() {
+  const NewtonParameters& defaults = kDefaults.newton;
+  ListSpec spec("Newton's method in each step.");
+  spec.add(real("Residual Tolerance")
+               .above(0.0)
+               .below(1.0)
+               .by_default(defaults.residual_tolerance)
+               .means("Converged when the scaled residual (without dimension) is smaller."));
+  spec.add(integer("Maximum Iterations")
+               .at_least(1)
+               .at_most(kMostIterations)
+               .by_default(defaults.maximum_iterations)
+               .means("The step has failed after this many iterations."));
+  spec.add(
+      real("Maximum Rotation")
+          .above(0.0)
+          .at_most(3.0)
+          .by_default(defaults.maximum_rotation)
+          .means("Largest rotation of a vertex in one iteration [radian]; longer Newton steps are shortened to it."));
+  return spec;
+}
+
+ListSpec linear_solver_spec() {
+  const LinearSolverParameters& defaults = kDefaults.linear;
+  ListSpec spec("Solution of the linear systems.");
+  spec.add(choice("Method", {"KLU2", "MUMPS"})
+               .by_default(defaults.method)
+               .means("KLU2: sparse direct solver, on one rank whatever their number; MUMPS: sparse direct solver on "
+                      "all ranks."));
+  spec.add(real("Residual Tolerance")
+               .above(0.0)
+               .below(1.0)
+               .by_default(defaults.residual_tolerance)
+               .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
+  spec.add(real("Force Stiffness Cap")
+               .at_least(1e6)
+               .at_most(1e14)
+               .by_default(defaults.force_stiffness_cap)
+               .means("Force stiffness in the tangent, relative to bending stiffness / length^2, is cut off here; "
+                      "results do not depend "
+                      "on it."));
+  return spec;
+}
+
+bool is_given(const ParameterList& list, const std::string& name) { return !list.getEntry(name).isDefault(); }
+
+/// A parameter of the other method would silently have no effect.
+void refuse_meaningless(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+  const auto& method = list.get<std::string>("Method");
+  const std::vector<std::string> of_fixed = {"Steps"};
+  const std::vector<std::string> of_adaptive = {"Initial Step", "Minimum Step", "Maximum Step", "Aggressiveness"};
+  for (const std::string& name : method == "fixed" ? of_adaptive : of_fixed) {
+    if (!is_given(list, name)) continue;
+    throw source.error(child(path, name), "given, but has no meaning for \"Method\" = \"" + method +
+                                              "\"; allowed: with \"" + (method == "fixed" ? "adaptive" : "fixed") +
+                                              "\"");
+  }
+}
+
+LoadPathParameters read_load_path(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+  refuse_meaningless(list, source, path);
+  LoadPathParameters parameters;
+  parameters.method = list.get<std::string>("Method") == "fixed" ? LoadPathMethod::fixed : LoadPathMethod::adaptive;
+  parameters.steps = list.get<int>("Steps");
+  parameters.minimum_step = list.get<double>("Minimum Step");
+  parameters.maximum_step = list.get<double>("Maximum Step");
+  parameters.initial_step = list.get<double>("Initial Step");
+  parameters.maximum_steps = list.get<int>("Maximum Steps");
+  parameters.aggressiveness = list.get<double>("Aggressiveness");
+  if (parameters.minimum_step > parameters.maximum_step) {
+    throw source.error(child(path, "Minimum Step"),
+                       "value " + shortest(parameters.minimum_step) +
+                           "; allowed: at most \"Maximum Step\" = " + shortest(parameters.maximum_step));
+  }
+  const double nearest = std::clamp(parameters.initial_step, parameters.minimum_step, parameters.maximum_step);
+  if (is_given(list, "Initial Step") && parameters.initial_step != nearest) {
+    throw source.error(child(path, "Initial Step"),
+                       "value " + shortest(parameters.initial_step) +
+                           "; allowed: from \"Minimum Step\" = " + shortest(parameters.minimum_step) +
+                           " to \"Maximum Step\" = " + shortest(parameters.maximum_step));
+  }
+  parameters.initial_step = nearest;  // the default follows the bounds
+  return parameters;
+}
+
+NewtonParameters read_newton(const ParameterList& list) {
+  NewtonParameters parameters;
+  parameters.residual_tolerance = list.get<double>("Residual Tolerance");
+  parameters.maximum_iterations = list.get<int>("Maximum Iterations");
+  parameters.maximum_rotation = list.get<double>("Maximum Rotation");
+  return parameters;
+}
+
+LinearSolverParameters read_linear_solver(const ParameterList& list) {
+  LinearSolverParameters parameters;
+  parameters.method = list.get<std::string>("Method");
+  parameters.residual_tolerance = list.get<double>("Residual Tolerance");
+  parameters.force_stiffness_cap = list.get<double>("Force Stiffness Cap");
+  return parameters;
+}
+
+/// A copy that does not depend on the list it was found in; null if the user gave none.
+RCP<ParameterList> given_list(const ParameterList& list, const std::string& name) {
+  if (!list.isSublist(name)) return Teuchos::null;
+  return Teuchos::rcp(new ParameterList(list.sublist(name)));
+}
+
+}  // namespace
+
+ListSpec solver_spec() {
+  ListSpec spec("How the equations are solved.");
+  spec.add_list("Load Path", load_path_spec());
+  spec.add_list("Newton", newton_spec());
+  spec.add_list("Linear Solver", linear_solver_spec());
+  spec.add(integer("Threads")
+               .at_least(0)
+               .at_most(kMostThreads)
+               .by_default(kDefaults.threads)
+               .means("OpenMP threads; 0: as the environment variable OMP_NUM_THREADS says."));
+  spec.add_list("NOX", nox_spec(), Presence::optional);
+  spec.add_list(
+      "Status Tests",
+      ListSpec("Convergence tests in place of the program's own, in the form of NOX (NOX_StatusTest_Factory.H), "
+               "which checks this list itself.")
+          .without_checks(),
+      Presence::optional);
+  spec.add_list("LOCA", loca_spec(), Presence::optional);
+  return spec;
+}
+
+SolverParameters read_solver_parameters(ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+  validate(list, solver_spec(), source, path);
+  SolverParameters parameters;
+  parameters.load_path = read_load_path(list.sublist("Load Path"), source, child(path, "Load Path"));
+  parameters.newton = read_newton(list.sublist("Newton"));
+  parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
+  parameters.threads = list.get<int>("Threads");
+  parameters.nox = given_list(list, "NOX");
+  parameters.status_tests = given_list(list, "Status Tests");
+  parameters.loca = given_list(list, "LOCA");
+  return parameters;
+}
+
+}  // namespace mixbeam
