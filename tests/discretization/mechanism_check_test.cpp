@@ -1,0 +1,147 @@
+#include "discretization/mechanism_check.hpp"
+
+#include "input_text.hpp"
+
+#include <chrono>
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+constexpr std::array<bool, 3> kAll = {true, true, true};
+constexpr std::array<bool, 3> kNone = {false, false, false};
+
+Point point(const std::string& name, const Vector3& position) { return Point{name, position}; }
+
+Member line(const std::string& start, const std::string& end) {
+  Member member;
+  member.name = start + "-" + end;
+  member.start_point = start;
+  member.end_point = end;
+  return member;
+}
+
+Support support(const std::string& at, const std::array<bool, 3>& displacement, const std::array<bool, 3>& rotation) {
+  Support result;
+  result.point = at;
+  result.displacement_fixed = displacement;
+  result.rotation_fixed = rotation;
+  return result;
+}
+
+/// A straight beam from a to b along (1, 2, 2), of length 3.
+Scene beam(const std::vector<Support>& supports) {
+  Scene scene;
+  scene.points = {point("a", {5, 0, 0}), point("b", {6, 2, 2})};
+  scene.members = {line("a", "b")};
+  scene.supports = supports;
+  return scene;
+}
+
+std::string refusal(const Scene& scene) {
+  return message_of([&] { check_supports(scene, ParameterSource("scene.xml")); });
+}
+
+TEST(MechanismCheck, AcceptsWhatIsHeld) {
+  const ParameterSource source("scene.xml");
+  EXPECT_NO_THROW(check_supports(beam({support("a", kAll, kAll)}), source));
+  // Two ball joints leave the spin about the beam's own axis, which one more rotation component stops.
+  EXPECT_NO_THROW(check_supports(beam({support("a", kAll, {true, true, false}), support("b", kAll, kNone)}), source));
+}
+
+TEST(MechanismCheck, AcceptsThreeBallJointsThatAreNotInALine) {
+  Scene scene = beam({support("a", kAll, kNone), support("b", kAll, kNone), support("c", kAll, kNone)});
+  scene.points.push_back(point("c", {0, 0, 1}));
+  scene.members.push_back(line("b", "c"));
+  EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
+}
+
+TEST(MechanismCheck, NamesATranslation) {
+  expect_parts(refusal(beam({support("a", {true, false, true}, kAll)})),
+               {"scene.xml", "XML path \"Scene / Supports\"", "member \"a-b\"", "1 way", "translation along (0, 1, 0)",
+                "point \"a\" moves most"});
+}
+
+TEST(MechanismCheck, NamesARotationAndThePointThatMoves) {
+  // A hinge about z at a: the other end swings.
+  expect_parts(refusal(beam({support("a", kAll, {true, true, false})})),
+               {"1 way", "rotation about (0, 0, 1) through (5, 0, ", "point \"b\" moves most"});
+}
+
+TEST(MechanismCheck, NamesASpinAboutTheLineOfAllPoints) {
+  expect_parts(refusal(beam({support("a", kAll, kNone), support("b", kAll, kNone)})),
+               {"1 way", "rotation about (0.333333, 0.666667, 0.666667)", "all its points lie on this axis"});
+}
+
+TEST(MechanismCheck, CountsAllFreeMotions) {
+  expect_parts(refusal(beam({})),
+               {"6 ways", "rotation about (1, 0, 0)", "rotation about (0, 1, 0)", "rotation about (0, 0, 1)",
+                "translation along (1, 0, 0)", "translation along (0, 0, 1)"});
+  expect_parts(refusal(beam({support("a", kAll, kNone)})), {"3 ways"});
+}
+
+TEST(MechanismCheck, NamesThePartThatIsNotHeld) {
+  Scene scene = beam({support("a", kAll, kAll)});
+  scene.points.push_back(point("c", {5, 0, 0}));  // at the same place as a, but another point: not joined
+  scene.points.push_back(point("d", {5, 0, 9}));
+  scene.points.push_back(point("e", {5, 3, 9}));
+  scene.members.push_back(line("c", "d"));
+  scene.members.push_back(line("d", "e"));
+  expect_parts(refusal(scene), {"connected members \"c-d\", \"d-e\"", "6 ways"});
+}
+
+TEST(MechanismCheck, DoesNotDependOnScaleOrPlace) {
+  for (const double scale : {1e-9, 1.0, 1e9}) {
+    for (const double shift : {0.0, 1e3}) {
+      const std::vector<Support> balls = {support("a", kAll, kNone), support("b", kAll, kNone)};
+      Scene free_to_spin = beam(balls);
+      Scene held = beam({support("a", kAll, kAll)});
+      for (Scene* const scene : {&free_to_spin, &held}) {
+        for (Point& p : scene->points) {
+          for (double& x : p.position) x = scale * (x + shift);
+        }
+      }
+      SCOPED_TRACE("scale " + std::to_string(scale) + ", shift " + std::to_string(shift));
+      expect_parts(refusal(free_to_spin), {"1 way", "rotation about (0.333333, 0.666667, 0.666667)"});
+      EXPECT_NO_THROW(check_supports(held, ParameterSource("scene.xml")));
+    }
+  }
+}
+
+TEST(MechanismCheck, ChecksAClosedRingOfOnePoint) {
+  Scene scene;
+  scene.points = {point("a", {1, 0, 0})};
+  scene.members = {line("a", "a")};
+  scene.members[0].curve = Curve{CurveShape::circular_arc, {0, 0, 0}, {0, 0, 1}, 2.0 * M_PI, 0.0};
+  scene.supports = {support("a", kAll, kAll)};
+  EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
+  scene.supports = {support("a", kAll, kNone)};
+  expect_parts(refusal(scene), {"3 ways"});
+}
+
+TEST(MechanismCheck, TakesAHundredThousandMembers) {
+  constexpr int kMembers = 100000;
+  Scene scene;
+  for (int i = 0; i <= kMembers; ++i) {
+    scene.points.push_back(point("p" + std::to_string(i), {static_cast<double>(i), std::sin(i), std::cos(i)}));
+    if (i > 0) scene.members.push_back(line(scene.points[i - 1].name, scene.points[i].name));
+  }
+  scene.supports = {support("p0", kAll, {true, true, false})};
+  const auto begin = std::chrono::steady_clock::now();
+  expect_parts(refusal(scene), {"and 99976 more", "rotation about (0, 0, 1)", "point \"p100000\" moves most"});
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  EXPECT_LT(seconds.count(), 10.0);  // far above the 0.2 s that it takes; quadratic time would need minutes
+}
+
+TEST(MechanismCheck, FindsTheLineOfTheSupportsInTheFile) {
+  XmlParameters xml = parse_xml(replaced(kBowScene, "name=\"Point\" type=\"string\" value=\"foot\"/>",
+                                         "name=\"Point\" type=\"string\" value=\"foot\"/><Parameter name=\"Fixed "
+                                         "Rotation\" type=\"Array(string)\" value=\"{}\"/>"),
+                                "scene.xml");
+  const Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
+  expect_parts(message_of([&] { check_supports(scene, xml.source); }),
+               {"scene.xml:39: XML path \"Scene / Supports\"", "\"shaft\", \"arch\"", "3 ways"});
+}
+
+}  // namespace
+}  // namespace mixbeam

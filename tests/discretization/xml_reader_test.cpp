@@ -1,0 +1,153 @@
+#include "discretization/xml_reader.hpp"
+
+#include "input_text.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+namespace mixbeam {
+namespace {
+
+std::string in_list(const std::string& inside) {
+  return "<ParameterList name=\"root\">\n" + inside + "\n</ParameterList>\n";
+}
+
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+}
+
+std::string error_in(const std::string& inside) {
+  return message_of([&] { parse_xml(in_list(inside), "file.xml"); });
+}
+
+TEST(XmlReader, ReadsEveryType) {
+  const std::string text =
+      in_list(parameter("yes", "bool", "true") + parameter("count", "int", "-12") + parameter("plus", "int", "+3") +
+              parameter("length", "double", " 1.5e-3 ") + parameter("whole", "double", "7") +
+              parameter("rigid", "double", "inf") + parameter("word", "string", "a &amp; b &lt; c") +
+              parameter("ints", "Array(int)", "{1, 2,3}") + parameter("reals", "Array(double)", "{0.1, -2, 3e4}") +
+              parameter("words", "Array(string)", "{x, long name}") + parameter("none", "Array(string)", "{}"));
+  const auto list = parse_xml(text, "file.xml").list;
+  EXPECT_EQ(list->name(), "root");
+  EXPECT_TRUE(list->get<bool>("yes"));
+  EXPECT_EQ(list->get<int>("count"), -12);
+  EXPECT_EQ(list->get<int>("plus"), 3);
+  EXPECT_EQ(list->get<double>("length"), 1.5e-3);
+  EXPECT_EQ(list->get<double>("whole"), 7.0);
+  EXPECT_TRUE(std::isinf(list->get<double>("rigid")));
+  EXPECT_EQ(list->get<std::string>("word"), "a & b < c");
+  EXPECT_EQ(list->get<Teuchos::Array<int>>("ints").toVector(), (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(list->get<Teuchos::Array<double>>("reals").toVector(), (std::vector<double>{0.1, -2.0, 3e4}));
+  EXPECT_EQ(list->get<Teuchos::Array<std::string>>("words").toVector(), (std::vector<std::string>{"x", "long name"}));
+  EXPECT_EQ(list->get<Teuchos::Array<std::string>>("none").size(), 0);
+}
+
+TEST(XmlReader, KnowsTheLineOfEveryEntry) {
+  const XmlParameters xml = parse_xml(kBowScene, "scene.xml");
+  EXPECT_EQ(xml.source.line({"Scene"}), 3);
+  EXPECT_EQ(xml.source.line({"Scene", "Members", "shaft", "Elements"}), 24);
+  EXPECT_EQ(xml.source.where({"Scene", "Members", "shaft", "Missing"}), "scene.xml:19");
+  EXPECT_EQ(xml.text, kBowScene);
+}
+
+TEST(XmlReader, ReportsTheFirstLineOfATagOverSeveralLines) {
+  const XmlParameters xml = parse_xml(in_list("<Parameter\n name=\"a\"\n type=\"int\"\n value=\"1\"/>"), "file.xml");
+  EXPECT_EQ(xml.source.line({"a"}), 2);
+}
+
+TEST(XmlReader, KnowsLinesBeyondSixteenBits) {
+  constexpr int kLines = 70000;
+  const XmlParameters xml = parse_xml(in_list(std::string(kLines, '\n') + parameter("a", "int", "1")), "file.xml");
+  EXPECT_EQ(xml.source.line({"a"}), kLines + 2);
+}
+
+TEST(XmlReader, RefusesWhatIsNotANumber) {
+  for (const std::string value : {"abc", "1.0.0", "", "1,5", "0x10", "1 2", "1e", "--1", "+-1", "2 m"}) {
+    expect_parts(error_in("\n" + parameter("a", "double", value)),
+                 {"file.xml:3: ", "XML path \"a\"", "\"" + value + "\"", "not a number", "allowed"});
+    expect_parts(error_in(parameter("a", "int", value)), {"file.xml:2: ", "not a whole number"});
+  }
+  expect_parts(error_in(parameter("a", "int", "1.0")), {"\"1.0\" is not a whole number"});
+}
+
+TEST(XmlReader, RefusesNumbersThatDoNotFit) {
+  expect_parts(error_in(parameter("a", "int", "2147483648")), {"does not fit an int", "2147483647"});
+  expect_parts(error_in(parameter("a", "double", "1e999")), {"does not fit a double"});
+}
+
+TEST(XmlReader, RefusesBadArraysAndSwitches) {
+  expect_parts(error_in(parameter("a", "Array(double)", "1, 2, 3")), {"not an array", "{1, 2, 3}"});
+  expect_parts(error_in(parameter("a", "Array(double)", "{1, abc}")), {"in an array", "\"abc\" is not a number"});
+  expect_parts(error_in(parameter("a", "Array(double)", "{1,, 2}")), {"empty entry"});
+  expect_parts(error_in(parameter("a", "Array(int)", "{{1}, {2}}")), {"not an array"});
+  expect_parts(error_in(parameter("a", "bool", "yes")), {"\"yes\"", "\"true\", \"false\""});
+}
+
+TEST(XmlReader, RefusesDuplicateNamesNamingBothLines) {
+  const std::string twice = parameter("a", "int", "1") + "\n" + parameter("b", "int", "1") + "\n";
+  expect_parts(error_in(twice + parameter("a", "int", "2")),
+               {"file.xml:4: ", "\"a\"", "given twice", "line 2", "line 4"});
+  expect_parts(error_in(twice + "<ParameterList name=\"b\"/>"), {"file.xml:4: ", "\"b\"", "line 3", "line 4"});
+  const std::string list = "<ParameterList name=\"inner\">\n</ParameterList>\n";
+  expect_parts(error_in(list + list), {"\"inner\"", "line 2", "line 4"});
+}
+
+TEST(XmlReader, RefusesUnknownTypesTagsAndAttributes) {
+  expect_parts(error_in(parameter("a", "real", "1")), {"unknown type \"real\"", "\"double\"", "\"Array(string)\""});
+  expect_parts(error_in(parameter("a", "duoble", "1")), {"did you mean \"double\"?"});
+  expect_parts(error_in("<Paramter name=\"a\"/>"), {"file.xml:2: ", "<Paramter>", "did you mean \"Parameter\"?"});
+  expect_parts(error_in("<Parameter nmae=\"a\" type=\"int\" value=\"1\"/>"), {"\"nmae\"", "did you mean \"name\"?"});
+  expect_parts(error_in("<Parameter name=\"a\" type=\"int\"/>"), {"without the attribute \"value\""});
+  expect_parts(error_in("<ParameterList/>"), {"without the attribute \"name\""});
+  expect_parts(error_in("<Parameter name=\" \" type=\"int\" value=\"1\"/>"), {"empty name"});
+}
+
+TEST(XmlReader, RefusesEverythingThatIsNotAList) {
+  expect_parts(error_in("some text"), {"file.xml:", "some text"});
+  expect_parts(error_in("<![CDATA[1]]>"), {"outside of tags"});
+  expect_parts(
+      error_in("<Parameter name=\"a\" type=\"int\" value=\"1\"><Parameter name=\"b\" type=\"int\" value=\"1\"/>"
+               "</Parameter>"),
+      {"inside a <Parameter>"});
+  expect_parts(message_of([] { parse_xml("<Parameter name=\"a\" type=\"int\" value=\"1\"/>", "f"); }),
+               {"outside of a list"});
+  expect_parts(message_of([] { parse_xml("<html/>", "f"); }), {"unknown tag <html>"});
+  expect_parts(message_of([] { parse_xml("  \n", "empty.xml"); }), {"empty.xml:1: ", "empty"});
+}
+
+TEST(XmlReader, ReportsSyntaxErrorsWithTheirLine) {
+  expect_parts(error_in("\n\n<Parameter name=\"a\" type=\"int\" value=\"1\">"), {"file.xml:", "not well-formed XML"});
+  expect_parts(error_in("<ParameterList name=\"a\"><Parameter name=b/></ParameterList>"), {"file.xml:2: "});
+  expect_parts(message_of([] { parse_xml("<ParameterList name=\"a\">", "f.xml"); }), {"f.xml:1: ", "not well-formed"});
+  expect_parts(message_of([] { parse_xml("not xml at all", "f.xml"); }), {"f.xml:1: "});
+  expect_parts(error_in("<Parameter name=\"\xff\" type=\"int\" value=\"1\"/>"), {"file.xml:2: "});
+}
+
+TEST(XmlReader, LoadsNothingElse) {
+  const std::string bomb =
+      "<!DOCTYPE l [<!ENTITY a \"aaaa\"><!ENTITY b \"&a;&a;&a;\"><!ENTITY f SYSTEM \"file:///etc/passwd\">]>\n" +
+      in_list(parameter("a", "string", "&b;&f;"));
+  expect_parts(message_of([&] { parse_xml(bomb, "file.xml"); }), {"file.xml:1: ", "DOCTYPE"});
+  expect_parts(error_in(parameter("a", "string", "&undefined;")), {"file.xml:2: "});
+}
+
+TEST(XmlReader, LimitsTheDepthOfLists) {
+  std::string text;
+  for (int i = 0; i < 1000; ++i) text += "<ParameterList name=\"a\">";
+  expect_parts(message_of([&] { parse_xml(text, "deep.xml"); }), {"deep.xml:1: ", "nested deeper"});
+}
+
+TEST(XmlReader, ReadsAFileAndNamesTheFilesItCannotRead) {
+  const std::string file = testing::TempDir() + "mixbeam_xml_reader_test.xml";
+  std::ofstream(file) << in_list(parameter("a", "int", "5"));
+  EXPECT_EQ(read_xml(file).list->get<int>("a"), 5);
+  std::ofstream(file) << "";
+  expect_parts(message_of([&] { read_xml(file); }), {file, "empty"});
+  std::remove(file.c_str());
+  expect_parts(message_of([&] { read_xml(file); }), {file, "no such file"});
+  expect_parts(message_of([] { read_xml(testing::TempDir()); }), {"is a directory"});
+}
+
+}  // namespace
+}  // namespace mixbeam

@@ -1,0 +1,127 @@
+#include "nonlinear/solver_parameters.hpp"
+
+#include "discretization/print_parameters.hpp"
+#include "tests/discretization/input_text.hpp"
+
+#include <sstream>
+
+namespace mixbeam {
+namespace {
+
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>\n";
+}
+
+std::string entry(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>\n";
+}
+
+SolverParameters solver_from(const std::string& inside) {
+  XmlParameters xml = parse_xml(
+      "<ParameterList name=\"root\"><ParameterList name=\"Solver\">\n" + inside + "</ParameterList></ParameterList>",
+      "scene.xml");
+  return read_solver_parameters(xml.list->sublist("Solver"), xml.source);
+}
+
+std::string refusal(const std::string& inside) {
+  return message_of([&] { solver_from(inside); });
+}
+
+TEST(SolverParameters, AnEmptyListMeansTheDefaults) {
+  const SolverParameters read = solver_from("");
+  const SolverParameters defaults;
+  EXPECT_EQ(read.load_path.method, defaults.load_path.method);
+  EXPECT_EQ(read.load_path.steps, defaults.load_path.steps);
+  EXPECT_EQ(read.load_path.initial_step, defaults.load_path.initial_step);
+  EXPECT_EQ(read.load_path.minimum_step, defaults.load_path.minimum_step);
+  EXPECT_EQ(read.load_path.maximum_step, defaults.load_path.maximum_step);
+  EXPECT_EQ(read.load_path.maximum_steps, defaults.load_path.maximum_steps);
+  EXPECT_EQ(read.load_path.aggressiveness, defaults.load_path.aggressiveness);
+  EXPECT_EQ(read.newton.residual_tolerance, defaults.newton.residual_tolerance);
+  EXPECT_EQ(read.newton.maximum_iterations, defaults.newton.maximum_iterations);
+  EXPECT_EQ(read.newton.maximum_rotation, defaults.newton.maximum_rotation);
+  EXPECT_EQ(read.linear.method, defaults.linear.method);
+  EXPECT_EQ(read.linear.residual_tolerance, defaults.linear.residual_tolerance);
+  EXPECT_EQ(read.linear.force_stiffness_cap, defaults.linear.force_stiffness_cap);
+  EXPECT_EQ(read.threads, defaults.threads);
+  EXPECT_TRUE(read.nox.is_null());
+  EXPECT_TRUE(read.status_tests.is_null());
+  EXPECT_TRUE(read.loca.is_null());
+}
+
+TEST(SolverParameters, AreRead) {
+  const SolverParameters read = solver_from(
+      list("Load Path", entry("Method", "string", "fixed") + entry("Steps", "int", "7")) +
+      list("Newton", entry("Residual Tolerance", "double", "1e-8") + entry("Maximum Rotation", "double", "0.25")) +
+      list("Linear Solver", entry("Method", "string", "MUMPS")) + entry("Threads", "int", "2"));
+  EXPECT_EQ(read.load_path.method, LoadPathMethod::fixed);
+  EXPECT_EQ(read.load_path.steps, 7);
+  EXPECT_EQ(read.newton.residual_tolerance, 1e-8);
+  EXPECT_EQ(read.newton.maximum_rotation, 0.25);
+  EXPECT_EQ(read.linear.method, "MUMPS");
+  EXPECT_EQ(read.threads, 2);
+}
+
+TEST(SolverParameters, StepSizesMustFitTogether) {
+  const auto path = [](const std::string& inside) { return list("Load Path", inside); };
+  EXPECT_EQ(solver_from(path(entry("Maximum Step", "double", "0.1"))).load_path.initial_step, 0.1);
+  expect_parts(refusal(path(entry("Maximum Step", "double", "0.1") + entry("Initial Step", "double", "0.5"))),
+               {"scene.xml:3: ", "\"Solver / Load Path / Initial Step\"", "value 0.5", "\"Maximum Step\" = 0.1"});
+  expect_parts(refusal(path(entry("Maximum Step", "double", "0.1") + entry("Minimum Step", "double", "0.2"))),
+               {"Minimum Step", "value 0.2"});
+  expect_parts(refusal(path(entry("Steps", "int", "3"))), {"Steps", "no meaning for \"Method\" = \"adaptive\""});
+  expect_parts(refusal(path(entry("Method", "string", "fixed") + entry("Aggressiveness", "double", "1"))),
+               {"Aggressiveness", "no meaning for \"Method\" = \"fixed\""});
+}
+
+TEST(SolverParameters, AreRefusedWithAPlaceAndTheNearestName) {
+  expect_parts(
+      refusal(list("Newton", "\n" + entry("Maximum Iteration", "int", "3"))),
+      {"scene.xml:3: XML path \"Solver / Newton / Maximum Iteration\"", "did you mean \"Maximum Iterations\"?"});
+  expect_parts(refusal(list("Newtn", "")), {"did you mean \"Newton\"?"});
+  expect_parts(refusal(list("Linear Solver", entry("Method", "string", "KLU"))), {"\"KLU\"", "did you mean \"KLU2\"?"});
+  expect_parts(refusal(list("Linear Solver", entry("Force Stiffness Cap", "double", "1e20"))),
+               {"value 1e+20", "<= 1e+14"});
+  expect_parts(refusal(entry("Threads", "int", "-1")), {"value -1"});
+}
+
+TEST(SolverParameters, HandOverWhatWasGivenToNoxAndLoca) {
+  const SolverParameters read = solver_from(
+      list("NOX", list("Line Search",
+                       entry("Method", "string", "Backtrack") + list("Backtrack", entry("Max Iters", "int", "4"))) +
+                      list("Printing", list("Output Information", entry("Outer Iteration", "bool", "true")))) +
+      list("LOCA", list("Stepper", entry("Continuation Method", "string", "Natural"))) +
+      list("Status Tests", entry("Test Type", "string", "Combo") + list("Test 0", "")));
+  ASSERT_FALSE(read.nox.is_null());
+  EXPECT_EQ(read.nox->sublist("Line Search").sublist("Backtrack").get<int>("Max Iters"), 4);
+  EXPECT_TRUE(read.nox->sublist("Printing").sublist("Output Information").get<bool>("Outer Iteration"));
+  EXPECT_FALSE(read.nox->isSublist("Direction"));  // nothing that was not given
+  EXPECT_EQ(read.nox->sublist("Line Search").numParams(), 2);
+  ASSERT_FALSE(read.loca.is_null());
+  EXPECT_EQ(read.loca->sublist("Stepper").get<std::string>("Continuation Method"), "Natural");
+  ASSERT_FALSE(read.status_tests.is_null());
+  EXPECT_TRUE(read.status_tests->isSublist("Test 0"));
+}
+
+TEST(SolverParameters, CatchMisspeltNamesOfNoxAndLoca) {
+  const auto step_size = [](const std::string& inside) { return list("LOCA", list("Step Size", inside)); };
+  expect_parts(refusal(step_size(entry("Failed Step Reduction Facter", "double", "0.5"))),
+               {"\"Solver / LOCA / Step Size / ", "did you mean \"Failed Step Reduction Factor\"?"});
+  expect_parts(refusal(list("NOX", list("Line Search", entry("Method", "string", "Full-Step")))),
+               {"\"Rotation Limited\"", "did you mean \"Full Step\"?"});
+  expect_parts(
+      refusal(list("NOX", list("Direction", list("Newton", entry("Forcing Term Methd", "string", "Constant"))))),
+      {"did you mean \"Forcing Term Method\"?"});
+  expect_parts(refusal(list("LOCA", list("Stepper", entry("Bordered Solver Method", "string", "Nested")))),
+               {"\"Nested\"", "\"Bordering\""});
+}
+
+TEST(SolverParameters, ManualNamesEveryList) {
+  std::ostringstream out;
+  print_parameters(out, solver_spec(), "Solver");
+  expect_parts(out.str(), {"[Load Path]", "[Newton]", "[Linear Solver]", "[NOX] optional", "[Status Tests] optional",
+                           "(any parameters and lists)", "[LOCA] optional", "Maximum Rotation: double, 0 < value"});
+}
+
+}  // namespace
+}  // namespace mixbeam
