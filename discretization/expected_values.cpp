@@ -21,7 +21,7 @@ void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& s
   const bool absolute = list.isParameter("Absolute Tolerance");
   if (absolute == list.isParameter("Relative Tolerance")) {
     throw source.error(path, std::string(absolute ? "both" : "neither") +
-                                 " of \"Absolute Tolerance\" and \"Relative Tolerance\" given; allowed: exactly one");
+                                 R"( of "Absolute Tolerance" and "Relative Tolerance" given; allowed: exactly one)");
   }
   expected.kind = absolute ? ToleranceKind::absolute : ToleranceKind::relative;
   expected.tolerance = list.get<double>(absolute ? "Absolute Tolerance" : "Relative Tolerance");

@@ -52,8 +52,8 @@ Problem parse_number(const std::string& text, double& value) {
 
 std::string shortest(double value) {
   std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return std::string(buffer.data(), end);
+  const char* const end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
 }
 
 std::string to_text(const std::array<double, 3>& vector) {

@@ -48,7 +48,7 @@ std::string ParameterSource::where(const ParameterPath& path) const {
 
 InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {
   const std::string name = path.empty() ? excerpt(root_name_) : to_string(path);
-  return InputError(where(path) + ": XML path \"" + name + "\": " + problem);
+  return InputError{where(path) + ": XML path \"" + name + "\": " + problem};
 }
 
 }  // namespace mixbeam

@@ -4,7 +4,7 @@ namespace mixbeam {
 namespace {
 
 const Teuchos::Array<std::string> kAllAxes = Teuchos::tuple<std::string>("x", "y", "z");
-const Teuchos::Array<double> kZero = Teuchos::tuple<double>(0.0, 0.0, 0.0);
+const Teuchos::Array<double> kZero(3, 0.0);
 constexpr int kMostStages = 1000;
 constexpr double kLargestCoordinate = 1e100;  // squares of lengths must not overflow
 constexpr double kLargestAngle = 1e6;         // beyond that sine and cosine lose the digits that ends are compared with

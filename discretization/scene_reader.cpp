@@ -159,8 +159,8 @@ Curve SceneReader::read_curve(const List& list, const ParameterPath& path) const
     const bool wanted = std::find(names.begin(), names.end(), name) != names.end();
     if (wanted == list.isParameter(name)) continue;
     const std::string problem = wanted ? "missing; needed for" : "given, but has no meaning for";
-    throw source_.error(child(path, name), problem + " \"Shape\" = \"" + shape + "\"; allowed with it: " +
-                                               (names.empty() ? "nothing else" : quoted_list(names)));
+    const std::string allowed = names.empty() ? "nothing else" : quoted_list(names);
+    throw source_.error(child(path, name), problem + R"( "Shape" = ")" + shape + "\"; allowed with it: " + allowed);
   }
   Curve curve;
   curve.shape = kShapes.at(shape);
@@ -330,11 +330,8 @@ void SceneReader::check_touched_point(const std::string& point, const ParameterP
 
 InputError SceneReader::unknown(const ParameterPath& path, const std::string& what, const std::string& name,
                                 const Index& known) const {
-  std::vector<std::pair<std::size_t, std::string>> by_position;
-  for (const auto& [known_name, index] : known) by_position.emplace_back(index, known_name);
-  std::sort(by_position.begin(), by_position.end());
-  std::vector<std::string> names;
-  for (const auto& entry : by_position) names.push_back(entry.second);
+  std::vector<std::string> names(known.size());  // in the order of the scene
+  for (const auto& [known_name, index] : known) names[index] = known_name;
   return source_.error(path, "value \"" + excerpt(name) + "\" is not a " + what +
                                  " of the scene; allowed: " + quoted_list(names) + did_you_mean(name, names));
 }

@@ -28,7 +28,7 @@ constexpr std::size_t kMaximumDepth = 64;      // nested lists; real files need 
 
 Problem parse_text(const std::string& text, bool& value) {
   const std::string word = trimmed(text);
-  if (word != "true" && word != "false") return "value \"" + excerpt(word) + "\"; allowed: \"true\", \"false\"";
+  if (word != "true" && word != "false") return "value \"" + excerpt(word) + R"("; allowed: "true", "false")";
   value = word == "true";
   return "";
 }
@@ -175,7 +175,7 @@ class ListBuilder {
 
   InputError at_line(int line_number, const std::string& problem) const {
     const std::string inside = path_.empty() ? "" : "XML path \"" + to_string(path_) + "\": ";
-    return InputError(result_.source.file() + ":" + std::to_string(line_number) + ": " + inside + problem);
+    return InputError{result_.source.file() + ":" + std::to_string(line_number) + ": " + inside + problem};
   }
 
   void check_attributes(const Attributes& attributes, const std::vector<std::string>& allowed, int line_number) const {

@@ -107,8 +107,8 @@ void refuse_meaningless(const ParameterList& list, const ParameterSource& source
   const std::vector<std::string> of_adaptive = {"Initial Step", "Minimum Step", "Maximum Step", "Aggressiveness"};
   for (const std::string& name : method == "fixed" ? of_adaptive : of_fixed) {
     if (!is_given(list, name)) continue;
-    throw source.error(child(path, name), "given, but has no meaning for \"Method\" = \"" + method +
-                                              "\"; allowed: with \"" + (method == "fixed" ? "adaptive" : "fixed") +
+    throw source.error(child(path, name), R"(given, but has no meaning for "Method" = ")" + method +
+                                              R"("; allowed: with ")" + (method == "fixed" ? "adaptive" : "fixed") +
                                               "\"");
   }
 }
