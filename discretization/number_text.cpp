@@ -53,7 +53,7 @@ Problem parse_number(const std::string& text, double& value) {
 std::string shortest(double value) {
   std::array<char, 32> buffer{};
   const char* const end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
+  return {buffer.data(), static_cast<std::size_t>(end - buffer.data())};
 }
 
 std::string to_text(const std::array<double, 3>& vector) {
