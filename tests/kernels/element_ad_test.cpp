@@ -6,6 +6,8 @@
 namespace mixbeam::element_test {
 namespace {
 
+/// Some roundings of quaternions; the logarithm loses nothing at zero or pi.
+constexpr double kAngleTolerance = 1e-14;
 /// Condensing a large force stiffness loses digits in proportion to it (section and length are of order 1; measured:
 /// 2e-17).
 constexpr double kLossPerStiffness = 2e-16;
@@ -15,6 +17,10 @@ void expect_derivatives_of_the_energy(const SampleRecipe& recipe) {
   const SampleBlock samples({sample});
   const std::vector<double> gradient = energy_gradient(sample.element, sample.state);
   evaluate_residual(samples.block, samples.structure, samples.state, samples.equations);
+  if (recipe.exact_end_angle) {
+    EXPECT_NEAR(samples.equations.largest_end_angle(samples.element_row(0)), recipe.end_angle, kAngleTolerance)
+        << recipe;
+  }
   EXPECT_LE(difference(weighted_rows(samples, 0, sample.element), gradient, kinds_of(sample.state)), kGradientTolerance)
       << recipe;
   const Dense hessian = energy_hessian(sample.element, sample.state);

@@ -110,6 +110,58 @@ inline ElementSample random_sample(const SampleRecipe& recipe) {
   return sample;
 }
 
+/// Legendre coefficients of r0' as far as the element can rotate it: the interpolant of degree k - 1 at k Gauss points.
+/// A straight reference is its own interpolant. A curved one integrated with k + 1 points is not: rigid rotations of
+/// such an element are rigid only up to its approximation of the curve, and no exact statement holds.
+inline std::vector<Vec3<double>> interpolated_tangent(const EnergyElement& element) {
+  const int k = element.order;
+  std::vector<double> xi(k), weight(k), p(k + 1);
+  gauss_rule(k, xi.data(), weight.data());
+  std::vector<Vec3<double>> coefficient(k, Vec3<double>{{0.0, 0.0, 0.0}});
+  for (int q = 0; q < k; ++q) {
+    legendre(k, xi[q], p.data());
+    for (int j = 0; j < k; ++j) coefficient[j] += (0.5 * (2 * j + 1) * weight[q] * p[j]) * element.curve.tangent(xi[q]);
+  }
+  return coefficient;
+}
+
+/// The state after rotation about the origin and translation of the whole element.
+inline EnergyState<double> moved(const EnergyElement& element, const EnergyState<double>& state,
+                                 const Quaternion<double>& rotation, const Vec3<double>& translation) {
+  const Mat3<double> turn = rotation_matrix(rotation);
+  const std::vector<Vec3<double>> tangent = interpolated_tangent(element);
+  const double h = element.curve.length;
+  EnergyState<double> result = state;
+  const Vec3<double> chord = h * tangent[0] + state.displacement[1] - state.displacement[0];
+  result.displacement[0] = turn * state.displacement[0] + translation;
+  result.displacement[1] = result.displacement[0] + turn * chord - h * tangent[0];
+  for (size_t j = 0; j < state.slope.size(); ++j)
+    result.slope[j] = turn * (tangent[j + 1] + state.slope[j]) - tangent[j + 1];
+  for (int end = 0; end < 2; ++end) result.vertex_rotation[end] = normalized(rotation * state.vertex_rotation[end]);
+  result.element_triad = normalized(rotation * state.element_triad);
+  return result;
+}
+
+/// A stress-free element: straight, or of constant curvature, where psi_ho is linear in s and the element represents it
+/// exactly. Moved by a large rigid motion.
+inline ElementSample stress_free_sample(const SampleRecipe& recipe) {
+  ElementSample sample = random_sample(recipe);
+  EnergyElement& element = sample.element;
+  EnergyState<double>& state = sample.state;
+  element.curve.bend = Vec3<double>{{0.0, 0.0, 0.0}};
+  for (auto* field : {&state.force, &state.moment, &state.relative_rotation, &state.slope})
+    for (auto& coefficient : *field) coefficient = Vec3<double>{{0.0, 0.0, 0.0}};
+  if (element.order > 1) state.relative_rotation[0] = (0.5 * element.curve.length) * element.curve.turn;
+  for (int end = 0; end < 2; ++end) {
+    state.displacement[end] = Vec3<double>{{0.0, 0.0, 0.0}};
+    state.vertex_rotation[end] = identity_quaternion<double>();
+  }
+  state.element_triad = element.curve.triad(0.0);
+  RandomNumbers random(recipe.seed);
+  state = moved(element, state, exp_quaternion(5.0 * random.direction()), random.vector(1.0));
+  return sample;
+}
+
 /// Elements of one order and rule as the kernels see them. Offsets and numbers are not those of a block alone in the
 /// world.
 class SampleBlock {
@@ -164,6 +216,7 @@ class SampleBlock {
 
   /// Vertices are numbered backwards: a kernel that takes element numbers for vertex numbers fails.
   int vertex(int e, int end) const { return 2 * (block.count - e) - 1 - end; }
+  void set_vertex_rotation(int v, const Quaternion<double>& q) const { set(q, &state.vertex_rotation(v, 0)); }
   double* interior(int e) const {
     return state.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
   }
