@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Sacado.hpp>
+#include <Sacado_No_Kokkos.hpp>
 
 #include <array>
 #include <cmath>
@@ -162,8 +162,7 @@ ReferenceCurve curve_of(const Description& given, const Vector3& second_axis = {
   return make_reference_curve(given.member(second_axis), given.start, {});
 }
 
-// ----------------------------------------------------------------------------------------------------------------
-// points
+// ---- points
 
 /// Distance from the classic parametrisation, relative to the size of the coordinates.
 WorstError position_error(const ClassicCurve& exact, const ReferenceCurve& curve) {
@@ -202,8 +201,7 @@ TEST(ReferenceCurve, EndPosition) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------------
-// triads
+// ---- triads
 
 TEST(ReferenceCurve, TriadIsFrenetsFrameWithoutSecondAxis) {
   for (const Description& given : descriptions()) {
@@ -253,8 +251,7 @@ TEST(ReferenceCurve, TriadIsOrthonormalAndRightHanded) {
   }
 }
 
-// -------------------------------------------------------------------------------------------------------------
-// curvature
+// ---- curvature
 
 /// Frenet's frame turned about the tangent by a constant angle, with its derivative: Lambda^T Lambda' = hat(kappa0).
 Vec3<double> curvature_by_differentiation(const ClassicCurve& exact, double turn, double s) {
@@ -306,8 +303,7 @@ TEST(ReferenceCurve, CurvatureAndTorsionOfTheTextbook) {
   }
 }
 
-// ----------------------------------------------------------------------------------------------------------- second
-// axis
+// ---- second axis
 
 TEST(ReferenceCurve, SecondAxisIsProjected) {
   std::mt19937_64 random(kSeed);
@@ -345,8 +341,7 @@ TEST(ReferenceCurve, SecondAxisOfAnArcKeepsItsAngleToTheNormal) {
   }
 }
 
-// ------------------------------------------------------------------------------------------------------------------
-// lines
+// ---- lines
 
 Mat3<double> line_triad(const Vector3& direction) {
   return rotation_matrix(make_reference_curve(Member{}, {0, 0, 0}, direction).start_triad);
@@ -400,8 +395,7 @@ TEST(ReferenceCurve, RandomLines) {
   EXPECT_TRUE(direction.at_most(kDirectionError));
 }
 
-// ------------------------------------------------------------------------------------------------------- degenerate
-// input
+// ---- degenerate input
 
 /// The message of the std::invalid_argument that `action` throws.
 std::string refusal(const std::function<void()>& action) {
