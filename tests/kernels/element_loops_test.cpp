@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -155,7 +156,8 @@ TEST_P(ElementLoops, OwnResidualAsRightHandSide) {
 
 /// interior + scale * increment, and Lambda_lo exp(scale w) for the triad.
 TEST_P(ElementLoops, ApplyInteriorIncrement) {
-  constexpr double a_few_roundings = 1e-15;
+  constexpr double a_few_roundings =
+      2e-15;  // for each radian: sine and cosine of large angles see the rounding of the angle
   const SampleBlock samples = many_elements(GetParam(), ForceIntegration::both_reduced);
   const KernelView<double*> increment = random_increments(samples, 4);
   for (const double scale : {0.0, 1e-12, 0.3, 1.0, -1.0, 20.0}) {
@@ -176,7 +178,8 @@ TEST_P(ElementLoops, ApplyInteriorIncrement) {
         triad.add(0, found.*component, expected.*component);
     }
     EXPECT_LE(interior.relative(), a_few_roundings) << "order " << GetParam() << ", scale " << scale;
-    EXPECT_LE(triad.relative(), a_few_roundings) << "order " << GetParam() << ", scale " << scale;
+    EXPECT_LE(triad.relative(), a_few_roundings * (1.0 + std::fabs(scale)))
+        << "order " << GetParam() << ", scale " << scale;
   }
 }
 
