@@ -50,7 +50,7 @@ double largest_interior(const ElementBlock& block, const KernelView<const double
 
 Assembler::Assembler(const Scene& scene, const Communicator& comm, const AssemblerOptions& options)
     : scene_(scene), mesh_(build_mesh(scene)),
-      structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize(), options.force_stiffness_cap)),
+      structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
       conditions_(build_conditions(scene, mesh_, structure_)), options_(options),
       equations_(allocate_equations(structure_)) {
   PhaseTimer timer(times_, "setup");
@@ -311,8 +311,25 @@ void Assembler::residual(const State& state, double load_factor, MixedVector& ou
   scale_rows(out, false);
 }
 
+/// The residual keeps the true compliance, so the cap costs accuracy nowhere; it only decides how fast Newton's method
+/// contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
+/// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
+void Assembler::cap_force_stiffness() {
+  const double bending = structure_.bending_reference / (structure_.length * structure_.length);
+  const double cap = options_.force_stiffness_cap * std::max(bending, scales_.force);
+  if (cap == stiffness_cap_) return;
+  stiffness_cap_ = cap;
+  for (size_t m = 0; m < structure_.views.member_section.extent(0); ++m) {
+    SectionConstants& section = structure_.views.member_section(m);
+    for (int i = 0; i < 3; ++i)
+      section.tangent_force_stiffness[i] =
+          section.force_compliance[i] > 1.0 / cap ? 1.0 / section.force_compliance[i] : cap;
+  }
+}
+
 void Assembler::tangent(const State& state, double load_factor) {
   set_load_factor(load_factor);
+  cap_force_stiffness();
   {
     PhaseTimer timer(times_, "element tangent");
     for (const ElementBlock& block : structure_.blocks) evaluate_tangent(block, structure_.views, state.views, equations_);
@@ -330,6 +347,7 @@ void Assembler::tangent(const State& state, double load_factor) {
 void Assembler::condense(const State& state, double load_factor, const MixedVector& scaled_rhs) {
   PhaseTimer timer(times_, "condense right-hand side");
   set_load_factor(load_factor);
+  cap_force_stiffness();
   MixedVector rhs = scaled_rhs.clone(true);
   scale_rows(rhs, true);
   for (const ElementBlock& block : structure_.blocks)

@@ -14,8 +14,8 @@
 namespace mixbeam {
 
 struct AssemblerOptions {
-  double force_stiffness_cap = 1e10;   ///< tangent only: force stiffness limited to cap * EI / L^2
-  double residual_tolerance = 1e-10;   ///< see residual_scales
+  double force_stiffness_cap = 1e5;    ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
+  double residual_tolerance = 1e-11;   ///< see residual_scales
 };
 
 class Assembler {
@@ -74,6 +74,7 @@ class Assembler {
   void build_maps(const Communicator& comm);
   void build_graph();
   void set_load_factor(double load_factor);
+  void cap_force_stiffness();
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const;
@@ -102,6 +103,7 @@ class Assembler {
   ResidualScales scales_;
   double load_factor_ = 0.0;
   bool line_loads_set_ = false;
+  double stiffness_cap_ = 0.0;
   PhaseTimes times_;
 };
 

@@ -83,8 +83,8 @@ std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, co
   return expected;
 }
 
-Comparison compare(const ExpectedValue& expected, double actual) {
-  Comparison comparison;
+ExpectationResult compare(const ExpectedValue& expected, double actual) {
+  ExpectationResult comparison;
   comparison.difference = actual - expected.value;
   if (expected.kind == ToleranceKind::relative) comparison.difference /= std::abs(expected.value);
   comparison.pass = std::abs(comparison.difference) <= expected.tolerance;  // false for NaN

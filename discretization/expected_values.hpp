@@ -30,7 +30,7 @@ struct ExpectedValue {
   std::string source;  ///< where the value comes from: paper and table, formula, program
 };
 
-struct Comparison {
+struct ExpectationResult {
   bool pass = false;
   double difference = 0.0;  ///< actual - value, divided by |value| if the tolerance is relative
 };
@@ -47,6 +47,6 @@ std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, co
                                                 const ParameterPath& path = {"Expected"});
 
 /// A value that is not a number never passes.
-Comparison compare(const ExpectedValue& expected, double actual);
+ExpectationResult compare(const ExpectedValue& expected, double actual);
 
 }  // namespace mixbeam

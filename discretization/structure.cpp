@@ -13,13 +13,13 @@ namespace mixbeam {
 
 namespace {
 
-SectionConstants section_constants(const Section& section, double stiffness_cap) {
+SectionConstants section_constants(const Section& section) {
   SectionConstants c{};
   const double force[3] = {section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1]};
   const double moment[3] = {section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
   for (int i = 0; i < 3; ++i) {
     c.force_compliance[i] = std::isinf(force[i]) ? 0.0 : 1.0 / force[i];
-    c.tangent_force_stiffness[i] = std::min(force[i], stiffness_cap);
+    c.tangent_force_stiffness[i] = force[i];  // the assembler caps it where it is rigid or nearly so
     c.moment_stiffness[i] = moment[i];
     c.moment_compliance[i] = 1.0 / moment[i];
   }
@@ -123,10 +123,10 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   structure.blocks.push_back(block);
 }
 
-void fill_structure_views(Structure& structure, const Scene& scene, double stiffness_cap) {
+void fill_structure_views(Structure& structure, const Scene& scene) {
   structure.views.member_section = KernelView<SectionConstants*>("mixbeam::member_section", scene.members.size());
   std::map<std::string, SectionConstants> constants;
-  for (const Section& section : scene.sections) constants[section.name] = section_constants(section, stiffness_cap);
+  for (const Section& section : scene.sections) constants[section.name] = section_constants(section);
   for (size_t m = 0; m < scene.members.size(); ++m) {
     const auto section = constants.find(scene.members[m].section);
     if (section == constants.end())
@@ -145,7 +145,7 @@ const ElementBlock& Structure::block_of(int local_element) const {
   throw std::out_of_range("no block holds local element " + std::to_string(local_element));
 }
 
-Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks, double force_stiffness_cap) {
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks) {
   Structure structure;
   structure.partition = {rank, ranks, mesh.vertices()};
   structure.length = characteristic_length(mesh);
@@ -161,8 +161,7 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
   number_local_vertices(structure, mesh.elements);
   for (ElementBlock& block : structure.blocks) fill_block_of_order(block, structure, mesh);
-  const double cap = force_stiffness_cap * structure.bending_reference / (structure.length * structure.length);
-  fill_structure_views(structure, scene, cap);
+  fill_structure_views(structure, scene);
   return structure;
 }
 

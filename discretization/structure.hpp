@@ -42,9 +42,8 @@ struct Structure {
   const ElementBlock& block_of(int local_element) const;
 };
 
-/// Distributes elements and vertices and fills the reference data. `force_stiffness_cap` limits the force stiffness of the
-/// tangent (only) to cap * EI / L^2; see SectionConstants.
-Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks, double force_stiffness_cap);
+/// Distributes elements and vertices and fills the reference data.
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
 
 /// Undeformed state: vertex rotations identity, element triads at mid element, relative rotations from the reference curve,
 /// stress free.

@@ -26,7 +26,7 @@ constexpr double kLargestPrescribedTurn = 0.5 * kPi;
 class IterationCounter : public NOX::Observer {
  public:
   explicit IterationCounter(BeamProblem& problem) : problem_(problem) {}
-  void runPreIterate(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
+  void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
 
  private:
   BeamProblem& problem_;

@@ -79,22 +79,20 @@ ListSpec newton_spec() {
 ListSpec linear_solver_spec() {
   const LinearSolverParameters& defaults = kDefaults.linear;
   ListSpec spec("Solution of the linear systems.");
-  spec.add(choice("Method", {"KLU2", "MUMPS"})
+  spec.add(choice("Method", {"KLU2"})
                .by_default(defaults.method)
-               .means("KLU2: sparse direct solver, on one rank whatever their number; MUMPS: sparse direct solver on "
-                      "all ranks."));
+               .means("KLU2: sparse direct solver of Amesos2, on rank 0 whatever the number of ranks."));
   spec.add(real("Residual Tolerance")
                .above(0.0)
                .below(1.0)
                .by_default(defaults.residual_tolerance)
                .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
   spec.add(real("Force Stiffness Cap")
-               .at_least(1e6)
+               .at_least(1e3)
                .at_most(1e14)
                .by_default(defaults.force_stiffness_cap)
-               .means("Force stiffness in the tangent, relative to bending stiffness / length^2, is cut off here; "
-                      "results do not depend "
-                      "on it."));
+               .means("Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of "
+                      "EI / L^2 and the forces at work; results do not depend on it."));
   return spec;
 }
 

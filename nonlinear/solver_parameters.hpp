@@ -28,15 +28,15 @@ struct LoadPathParameters {
 };
 
 struct NewtonParameters {
-  double residual_tolerance = 1e-10;  ///< scaled residual, without dimension
+  double residual_tolerance = 1e-11;  ///< scaled residual, without dimension
   int maximum_iterations = 50;
-  double maximum_rotation = 0.5;  ///< of any vertex in one iteration
+  double maximum_rotation = 0.4;  ///< of any vertex in one iteration
 };
 
 struct LinearSolverParameters {
   std::string method = "KLU2";
   double residual_tolerance = 1e-8;   ///< |b - A x| / (|A| |x| + |b|), checked after every solve
-  double force_stiffness_cap = 1e10;  ///< in the tangent only; the residual keeps the true stiffness
+  double force_stiffness_cap = 1e5;  ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only
 };
 
 struct SolverParameters {

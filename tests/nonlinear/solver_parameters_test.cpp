@@ -53,12 +53,12 @@ TEST(SolverParameters, AreRead) {
   const SolverParameters read = solver_from(
       list("Load Path", entry("Method", "string", "fixed") + entry("Steps", "int", "7")) +
       list("Newton", entry("Residual Tolerance", "double", "1e-8") + entry("Maximum Rotation", "double", "0.25")) +
-      list("Linear Solver", entry("Method", "string", "MUMPS")) + entry("Threads", "int", "2"));
+      list("Linear Solver", entry("Method", "string", "KLU2")) + entry("Threads", "int", "2"));
   EXPECT_EQ(read.load_path.method, LoadPathMethod::fixed);
   EXPECT_EQ(read.load_path.steps, 7);
   EXPECT_EQ(read.newton.residual_tolerance, 1e-8);
   EXPECT_EQ(read.newton.maximum_rotation, 0.25);
-  EXPECT_EQ(read.linear.method, "MUMPS");
+  EXPECT_EQ(read.linear.method, "KLU2");
   EXPECT_EQ(read.threads, 2);
 }
 

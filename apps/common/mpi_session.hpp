@@ -1,0 +1,29 @@
+/// MPI, Kokkos and Tpetra for the life of a program.
+#pragma once
+
+#include "discretization/tpetra_types.hpp"
+
+#include <memory>
+
+namespace Tpetra {
+class ScopeGuard;
+}
+
+namespace mixbeam {
+
+class MpiSession {
+ public:
+  /// Starts MPI for use by the main thread beside OpenMP threads, then Kokkos and Tpetra.
+  MpiSession(int& argc, char**& argv);
+  ~MpiSession();
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+
+  const Communicator& communicator() const { return communicator_; }
+
+ private:
+  std::unique_ptr<Tpetra::ScopeGuard> guard_;
+  Communicator communicator_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,48 @@
+/// One scene, solved: the facade that applications and tests use.
+#pragma once
+
+#include "discretization/sampling.hpp"
+#include "nonlinear/load_path.hpp"
+
+namespace mixbeam {
+
+class Simulation {
+ public:
+  /// Builds mesh, equations and the undeformed state. Throws InputError.
+  Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+
+  /// Follows the load path to its end, or as far as it goes; then state() is the last converged state and
+  /// result().finished tells which. May be called once.
+  const LoadPathResult& run(const PathObserver& observer = {});
+
+  const LoadPathResult& result() const { return result_; }
+  const State& state() const { return state_; }
+  const Scene& scene() const { return problem_->assembler.scene(); }
+  const Assembler& assembler() const { return problem_->assembler; }
+  const PhaseTimes& times() const { return problem_->assembler.times(); }
+  const WorkCount& work() const { return problem_->work; }
+
+  // All of the following are collective and give the same on every rank (samples: complete on rank 0).
+  Vector3 displacement(const std::string& point) const;
+  Vector3 position(const std::string& point) const;
+  /// Rotation vector of Lambda_V, norm at most pi.
+  Vector3 rotation(const std::string& point) const;
+  std::vector<MemberSamples> samples(int points_per_element) const;
+  StrainEnergy strain_energy() const { return mixbeam::strain_energy(assembler(), state_); }
+  /// See l2_norm in sampling.hpp.
+  double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {
+    return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
+  }
+  /// Record of the present state for a result file.
+  StepRecord record(const StepReport& report, int points_per_element, const std::vector<std::string>& monitored_points) const;
+
+ private:
+  std::array<double, 6> motion(const std::string& point) const;
+
+  SolverParameters parameters_;
+  Teuchos::RCP<BeamProblem> problem_;
+  State state_;
+  LoadPathResult result_;
+};
+
+}  // namespace mixbeam
