@@ -251,7 +251,7 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
         rows(i) *= fixed(i) ? (is_force ? length : 1.0) : (is_force ? force : moment);
       });
   const double strain = factor(scales_.strain), rotation = factor(scales_.rotation), bubble = factor(scales_.bubble);
-  const KernelView<double*> interior = v.interior();
+  const KernelView<double*> interior = v.writable_interior(true);
   for (const ElementBlock& block : structure_.blocks) {
     const InteriorLayout layout = block.interior;
     const size_t offset = block.increment_offset;
@@ -268,7 +268,7 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
 }
 
 double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
-  const KernelView<double*> rows = scaled_residual.vertex(), interior = scaled_residual.interior();
+  const KernelView<const double*> rows = scaled_residual.vertex(), interior = scaled_residual.interior();
   const auto fixed = fixed_;
   double largest = 0.0;
   Kokkos::parallel_reduce(
@@ -297,15 +297,21 @@ double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
   return maximum_over_ranks(*row_map_->getComm(), largest);
 }
 
+/// Unscaled element residuals, interior rows straight into `out`.
+void Assembler::evaluate_elements(const State& state, MixedVector& out) {
+  equations_.interior_residual = out.writable_interior(false);
+  for (const ElementBlock& block : structure_.blocks) evaluate_residual(block, structure_.views, state.views, equations_);
+  equations_.interior_residual = KernelView<double*>();
+  gather_rows(equations_.residual, out.vertex());
+}
+
 void Assembler::residual(const State& state, double load_factor, MixedVector& out) {
   PhaseTimer timer(times_, "residual");
   set_load_factor(load_factor);
-  for (const ElementBlock& block : structure_.blocks) evaluate_residual(block, structure_.views, state.views, equations_);
+  evaluate_elements(state, out);
   const KernelView<double*> rows = out.vertex();
-  gather_rows(equations_.residual, rows);
   add_vertex_loads(state, load_factor, rows);
   set_support_rows(state, load_factor, rows);
-  Kokkos::deep_copy(out.interior(), equations_.interior_residual);
   scales_ = residual_scales(magnitude(state), structure_.length, structure_.shortest_element, structure_.bending_reference,
                             options_.residual_tolerance);
   scale_rows(out, false);
@@ -431,12 +437,14 @@ KernelView<const double* [6]> Assembler::local_increment(const MixedVector& incr
 void Assembler::recover(const State& state, MixedVector& increment) {
   PhaseTimer timer(times_, "recover");
   const KernelView<const double* [6]> vertex = local_increment(increment);
+  const KernelView<double*> interior = increment.writable_interior(false);
   for (const ElementBlock& block : structure_.blocks)
-    recover_interior(block, state.views, equations_, vertex, increment.interior());
+    recover_interior(block, state.views, equations_, vertex, interior);
 }
 
-void Assembler::apply(const State& from, const MixedVector& increment, double step, const State& to) {
+State Assembler::apply(const State& from, const MixedVector& increment, double step) {
   PhaseTimer timer(times_, "update");
+  const State to = allocate_state(structure_);
   const KernelView<const double* [6]> d = local_increment(increment);
   const KernelView<const double* [3]> from_u = from.views.vertex_displacement;
   const KernelView<const double* [4]> from_q = from.views.vertex_rotation;
@@ -450,6 +458,7 @@ void Assembler::apply(const State& from, const MixedVector& increment, double st
       });
   for (const ElementBlock& block : structure_.blocks)
     apply_interior_increment(block, from.views, increment.interior(), step, to.views);
+  return to;
 }
 
 void Assembler::load_derivative(const State& state, double load_factor, MixedVector& out) {
@@ -460,10 +469,7 @@ void Assembler::load_derivative(const State& state, double load_factor, MixedVec
     for (int pass = 0; pass < 2; ++pass) {
       MixedVector& target = pass == 0 ? unloaded : out;
       set_line_loads(conditions_, pass == 0 ? 0.0 : load_factor, pass == 1, structure_.views);
-      for (const ElementBlock& block : structure_.blocks)
-        evaluate_residual(block, structure_.views, state.views, equations_);
-      gather_rows(equations_.residual, target.vertex());
-      Kokkos::deep_copy(target.interior(), equations_.interior_residual);
+      evaluate_elements(state, target);
     }
     out.update(-1.0, unloaded, 1.0);
     line_loads_set_ = false;

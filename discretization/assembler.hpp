@@ -48,8 +48,8 @@ class Assembler {
   /// condensed_residual() and recover() refer to it.
   void condense(const State& state, double load_factor, const MixedVector& scaled_rhs);
 
-  /// to = from moved by step * increment: displacements and interior added, rotations composed.
-  void apply(const State& from, const MixedVector& increment, double step, const State& to);
+  /// `from` moved by step * increment, as a new state: displacements and interior added, rotations composed.
+  State apply(const State& from, const MixedVector& increment, double step);
 
   /// d(scaled residual)/d(load factor).
   void load_derivative(const State& state, double load_factor, MixedVector& out);
@@ -75,6 +75,7 @@ class Assembler {
   void build_graph();
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
+  void evaluate_elements(const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const;

@@ -24,6 +24,10 @@ KOKKOS_INLINE_FUNCTION double magnitude(double x) {
   return a == a ? a : HUGE_VAL;
 }
 
+void copy_entries(const ConstEntries& from, const Entries& to) {
+  for_each_entry("mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
+}
+
 double largest_magnitude(const ConstEntries& x) {
   double largest = 0.0;
   Kokkos::parallel_reduce(
@@ -52,9 +56,19 @@ MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_
       owned_interior_(owned_interior) {}
 
 MixedVector MixedVector::clone(bool copy_values) const {
-  MixedVector copy(vertex_dofs_->getMap(), interior_.extent(0), owned_interior_);
-  if (copy_values) copy.assign(*this);
+  MixedVector copy(vertex_dofs_->getMap(), 0, owned_interior_);
+  copy.interior_ = interior_;
+  if (copy_values) copy_entries(vertex(), copy.vertex());
   return copy;
+}
+
+KernelView<double*> MixedVector::writable_interior(bool keep_values) {
+  if (interior_.use_count() > 1) {
+    const Entries shared = interior_;
+    interior_ = Entries(Kokkos::ViewAllocateWithoutInitializing("mixbeam::mixed_vector"), shared.extent(0));
+    if (keep_values) copy_entries(shared, interior_);
+  }
+  return interior_;
 }
 
 KernelView<double*> MixedVector::view_of(DofVector& v) {
@@ -63,17 +77,19 @@ KernelView<double*> MixedVector::view_of(DofVector& v) {
 }
 
 void MixedVector::fill(double value) {
-  Kokkos::deep_copy(vertex(), value);
-  Kokkos::deep_copy(interior_, value);
+  for (const Entries& part : {vertex(), writable_interior(false)}) {
+    const Entries y = part;
+    for_each_entry("mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
+  }
 }
 
 void MixedVector::assign(const MixedVector& other) {
-  Kokkos::deep_copy(vertex(), other.vertex());
-  Kokkos::deep_copy(interior_, other.interior_);
+  copy_entries(other.vertex(), vertex());
+  interior_ = other.interior_;
 }
 
 void MixedVector::scale(double factor) {
-  for (const Entries& part : {vertex(), interior_}) {
+  for (const Entries& part : {vertex(), writable_interior(true)}) {
     const Entries y = part;
     for_each_entry("mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
   }
@@ -82,11 +98,14 @@ void MixedVector::scale(double factor) {
 void MixedVector::update(double a, const MixedVector& x, double gamma) { update(a, x, 0.0, x, gamma); }
 
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
-  const Entries out[2] = {vertex(), interior_}, first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_};
+  // the sources first: writing may part this vector from one of them
+  const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_}, old[2] = {vertex(), interior_};
+  const Entries out[2] = {vertex(), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
-    const Entries z = out[part], p = first[part], q = second[part];
+    const Entries z = out[part];
+    const ConstEntries p = first[part], q = second[part], before = old[part];
     for_each_entry("mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
-      double value = gamma == 0.0 ? 0.0 : gamma * z(i);  // a zero factor must not spread a not-a-number
+      double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
       if (a != 0.0) value += a * p(i);
       if (b != 0.0) value += b * q(i);
       z(i) = value;
@@ -94,28 +113,28 @@ void MixedVector::update(double a, const MixedVector& x, double b, const MixedVe
   }
 }
 
-void MixedVector::absolute_values_of(const MixedVector& other) {
-  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
+/// this_i = action(this_i, other_i)
+template <class Action>
+void MixedVector::combine_with(const MixedVector& other, const Action& action) {
+  const ConstEntries in[2] = {other.vertex(), other.interior_}, old[2] = {vertex(), interior_};
+  const Entries out[2] = {vertex(), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part], x = in[part];
-    for_each_entry("mixbeam::vector::abs", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = x(i) < 0.0 ? -x(i) : x(i); });
+    const Entries y = out[part];
+    const ConstEntries x = in[part], own = old[part];
+    for_each_entry("mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
   }
+}
+
+void MixedVector::absolute_values_of(const MixedVector& other) {
+  combine_with(other, KOKKOS_LAMBDA(double, double x) { return x < 0.0 ? -x : x; });
 }
 
 void MixedVector::reciprocals_of(const MixedVector& other) {
-  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
-  for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part], x = in[part];
-    for_each_entry("mixbeam::vector::reciprocal", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 1.0 / x(i); });
-  }
+  combine_with(other, KOKKOS_LAMBDA(double, double x) { return 1.0 / x; });
 }
 
 void MixedVector::multiply_by(const MixedVector& other) {
-  const Entries out[2] = {vertex(), interior_}, in[2] = {other.vertex(), other.interior_};
-  for (int part = 0; part < 2; ++part) {
-    const Entries y = out[part], x = in[part];
-    for_each_entry("mixbeam::vector::multiply", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= x(i); });
-  }
+  combine_with(other, KOKKOS_LAMBDA(double own, double x) { return own * x; });
 }
 
 double MixedVector::maximum_norm() const {
@@ -163,6 +182,7 @@ bool MixedVector::same_values(const MixedVector& other) const {
   double different = 0.0;
   for (int part = 0; part < 2; ++part) {
     const ConstEntries a = x[part], b = y[part];
+    if (a.data() == b.data()) continue;
     double found = 0.0;
     Kokkos::parallel_reduce(
         "mixbeam::vector::compare", Range(0, a.extent(0)),

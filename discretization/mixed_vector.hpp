@@ -14,12 +14,15 @@ class MixedVector {
   /// `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on two ranks).
   MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size, const KernelView<const unsigned char*>& owned_interior);
 
-  /// Same shape; entries copied when asked.
+  /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy vectors
+  /// far more often than they change them.
   MixedVector clone(bool copy_values) const;
 
   KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }   ///< (6 * owned vertex + component)
   static KernelView<double*> view_of(DofVector& v);        ///< the local entries of a Tpetra vector, not owned
-  const KernelView<double*>& interior() const { return interior_; }
+  KernelView<const double*> interior() const { return interior_; }
+  /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
+  KernelView<double*> writable_interior(bool keep_values);
   DofVector& vertex_dofs() const { return *vertex_dofs_; }
 
   void fill(double value);
@@ -41,6 +44,9 @@ class MixedVector {
   double largest_vertex_spin() const;
 
  private:
+  template <class Action>
+  void combine_with(const MixedVector& other, const Action& action);
+
   Teuchos::RCP<DofVector> vertex_dofs_;
   KernelView<double*> interior_;
   KernelView<const unsigned char*> owned_interior_;        ///< empty: all

@@ -166,16 +166,22 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
 }
 
 State allocate_state(const Structure& structure) {
+  using Kokkos::ViewAllocateWithoutInitializing;
   State state;
-  state.views.vertex_displacement = KernelView<double* [3]>("mixbeam::vertex_displacement", structure.local_vertices());
-  state.views.vertex_rotation = KernelView<double* [4]>("mixbeam::vertex_rotation", structure.local_vertices());
-  state.views.element_triad = KernelView<double* [4]>("mixbeam::element_triad", structure.local_elements());
-  state.views.interior = KernelView<double*>("mixbeam::interior", structure.interior_size);
+  state.views.vertex_displacement =
+      KernelView<double* [3]>(ViewAllocateWithoutInitializing("mixbeam::vertex_displacement"), structure.local_vertices());
+  state.views.vertex_rotation =
+      KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::vertex_rotation"), structure.local_vertices());
+  state.views.element_triad =
+      KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::element_triad"), structure.local_elements());
+  state.views.interior = KernelView<double*>(ViewAllocateWithoutInitializing("mixbeam::interior"), structure.interior_size);
   return state;
 }
 
 State reference_state(const Structure& structure, const Mesh& mesh) {
   State state = allocate_state(structure);
+  Kokkos::deep_copy(state.views.vertex_displacement, 0.0);
+  Kokkos::deep_copy(state.views.interior, 0.0);
   for (int v = 0; v < structure.local_vertices(); ++v)
     store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(v, 0));
   for (const ElementBlock& block : structure.blocks) {
@@ -195,18 +201,10 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
   return state;
 }
 
-void copy_state(const State& from, const State& to) {
-  Kokkos::deep_copy(to.views.vertex_displacement, from.views.vertex_displacement);
-  Kokkos::deep_copy(to.views.vertex_rotation, from.views.vertex_rotation);
-  Kokkos::deep_copy(to.views.element_triad, from.views.element_triad);
-  Kokkos::deep_copy(to.views.interior, from.views.interior);
-}
-
 ElementEquations allocate_equations(const Structure& structure) {
   const int n = structure.local_elements();
   ElementEquations equations;
   equations.residual = KernelView<double* [12]>("mixbeam::element_residual", n);
-  equations.interior_residual = KernelView<double*>("mixbeam::interior_residual", structure.increment_size);
   equations.condensed_residual = KernelView<double* [12]>("mixbeam::condensed_residual", n);
   equations.condensed_tangent = KernelView<double* [144]>("mixbeam::condensed_tangent", n);
   equations.response = KernelView<double*>("mixbeam::response", structure.response_size);

@@ -9,7 +9,8 @@
 
 namespace mixbeam {
 
-/// State with deep-copy semantics on request: current configuration as quaternions and additive interior unknowns.
+/// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others may
+/// hold is never written to: a new one is allocated (Assembler::apply).
 struct State {
   StateViews views;
 };
@@ -49,8 +50,8 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
 /// stress free.
 State reference_state(const Structure& structure, const Mesh& mesh);
 
+/// Room for a state, not initialised.
 State allocate_state(const Structure& structure);
-void copy_state(const State& from, const State& to);
 
 /// Arrays that one evaluation of all elements writes.
 ElementEquations allocate_equations(const Structure& structure);

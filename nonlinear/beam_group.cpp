@@ -11,20 +11,17 @@ namespace mixbeam {
 BeamGroup::BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                      const State& initial, double load_factor, StepObserver observer)
     : LOCA::Abstract::Group(global), global_(global), problem_(problem),
-      state_(allocate_state(problem->assembler.structure())),
-      x_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
+      state_(initial), x_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
       f_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
       newton_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))), observer_(std::move(observer)) {
   parameters_.addParameter(kLoadFactor, load_factor);
-  copy_state(initial, state_);
 }
 
 BeamGroup::BeamGroup(const BeamGroup& other, NOX::CopyType type)
     : LOCA::Abstract::Group(other, type), global_(other.global_), problem_(other.problem_), parameters_(other.parameters_),
-      state_(allocate_state(other.problem_->assembler.structure())), x_(Teuchos::rcp(new BeamVector(*other.x_, type))),
+      state_(other.state_), x_(Teuchos::rcp(new BeamVector(*other.x_, type))),
       f_(Teuchos::rcp(new BeamVector(*other.f_, type))), newton_(Teuchos::rcp(new BeamVector(*other.newton_, type))),
       scales_(other.scales_), observer_(other.observer_) {
-  copy_state(other.state_, state_);
   if (type == NOX::DeepCopy) {
     valid_f_ = other.valid_f_;
     valid_newton_ = other.valid_newton_;
@@ -46,7 +43,7 @@ void BeamGroup::copy(const NOX::Abstract::Group& source) {
   if (this == &other) return;
   LOCA::Abstract::Group::copy(source);
   parameters_ = other.parameters_;
-  copy_state(other.state_, state_);
+  state_ = other.state_;
   *x_ = *other.x_;
   reset();
   if (other.valid_f_) {
@@ -75,7 +72,7 @@ void BeamGroup::setX(const NOX::Abstract::Vector& y) {
   MixedVector difference = BeamVector::of(y).clone(true);
   difference.update(-1.0, x_->values(), 1.0);
   if (difference.maximum_norm() == 0.0) return;
-  problem_->assembler.apply(state_, difference, 1.0, state_);
+  state_ = problem_->assembler.apply(state_, difference, 1.0);
   *x_ = y;
   reset();
 }
@@ -84,7 +81,7 @@ void BeamGroup::computeX(const NOX::Abstract::Group& from, const NOX::Abstract::
   const BeamGroup& source = of(from);
   const MixedVector& d = BeamVector::of(direction);
   reset();
-  problem_->assembler.apply(source.state_, d, step, state_);
+  state_ = problem_->assembler.apply(source.state_, d, step);
   x_->values().update(1.0, source.x_->values(), step, d, 0.0);
 }
 

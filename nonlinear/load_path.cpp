@@ -111,7 +111,7 @@ class PathRecorder {
 
   void converged(const BeamGroup& group, double load_factor) {
     if (started_ && load_factor == result_.load_factor) return;  // the start of a later stage is the end of the one before
-    copy_state(group.state(), state_);
+    state_ = group.state();
     const int done = problem_->work.newton_iterations;
     StepReport report;
     report.step = started_ ? ++result_.steps : 0;

@@ -1,5 +1,6 @@
 #include "apps/common/mpi_session.hpp"
 
+#include <malloc.h>
 #include <mpi.h>
 
 #include <Tpetra_Core.hpp>
@@ -21,9 +22,20 @@ void tell_open_mpi_that_it_is_alone() {
   setenv("OMPI_MCA_mtl", "^ofi", keep_the_users_choice);
 }
 
+/// Vectors and states of large models come and go in every iteration. By default glibc returns such blocks to the system, and
+/// the page faults of getting them back cost as much as the arithmetic.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int kNever = 2'000'000'000;
+  mallopt(M_MMAP_THRESHOLD, kNever);
+  mallopt(M_TRIM_THRESHOLD, kNever);
+#endif
+}
+
 }  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv) {
+  keep_freed_memory();
   tell_open_mpi_that_it_is_alone();
   int provided = MPI_THREAD_SINGLE;
   // Tpetra would call plain MPI_Init; kernels run on threads, MPI is called by the main thread only.
