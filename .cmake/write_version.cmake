@@ -10,4 +10,4 @@ if(GIT AND EXISTS "${SOURCE_DIR}/.git")
     set(DATE "${CMAKE_MATCH_2}")
   endif()
 endif()
-configure_file("${SOURCE_DIR}/cmake/version.hpp.in" "${HEADER}" @ONLY) # writes only if the content changed
+configure_file("${SOURCE_DIR}/.cmake/version.hpp.in" "${HEADER}" @ONLY) # writes only if the content changed

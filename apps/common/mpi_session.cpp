@@ -1,10 +1,13 @@
 #include "apps/common/mpi_session.hpp"
 
+#include "kernels/execution_space.hpp"
+
 #include <malloc.h>
 #include <mpi.h>
 
 #include <Tpetra_Core.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace mixbeam {
@@ -32,6 +35,17 @@ void keep_freed_memory() {
 #endif
 }
 
+/// Several ranks on one node share its cores; OpenMP would give all of them to each rank, and waiting threads spin.
+void share_cores_between_ranks() {
+  if (std::getenv("OMP_NUM_THREADS") != nullptr) return;  // the user's choice
+  MPI_Comm node = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+  int ranks = 1;
+  MPI_Comm_size(node, &ranks);
+  MPI_Comm_free(&node);
+  if (ranks > 1) set_number_of_threads(std::max(1, number_of_threads() / ranks));
+}
+
 }  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv) {
@@ -42,6 +56,7 @@ MpiSession::MpiSession(int& argc, char**& argv) {
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   guard_ = std::make_unique<Tpetra::ScopeGuard>(&argc, &argv);
   communicator_ = Tpetra::getDefaultComm();
+  share_cores_between_ranks();
 }
 
 MpiSession::~MpiSession() {
