@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <fstream>
 #include <map>
 #include <ostream>
+#include <thread>
 
 namespace mixbeam {
 
@@ -65,6 +67,43 @@ std::map<int, PhaseSamples> measure(const Scene& scene, Application& app, const 
   return samples;
 }
 
+/// Newton iterations as a user's run has them: NOX and LOCA included, from the straight rod to equilibrium.
+void measure_whole_runs(const Scene& scene, Application& app, const std::vector<int>& threads, int repetitions,
+                        std::map<int, PhaseSamples>& samples) {
+  for (int round = 0; round <= repetitions; ++round)
+    for (int n : threads) {
+      set_number_of_threads(n);
+      SolverParameters parameters = app.solver;
+      parameters.threads = n;
+      Simulation simulation(scene, parameters, app.communicator);
+      const auto start = Clock::now();
+      const int iterations = simulation.run().newton_iterations;
+      const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      if (round > 0 && iterations > 0) samples[n]["run, per iteration"].push_back(seconds / iterations);
+    }
+}
+
+/// The processor as Linux names it; "unknown" elsewhere.
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+/// What the figures were measured with, beside them.
+void write_machine(Application& app) {
+  const std::vector<std::pair<std::string, std::string>> facts = {
+      {"processor", processor_name()}, {"cores", std::to_string(std::thread::hardware_concurrency())},
+      {"version", kVersion}, {"compiler", kCompiler}, {"flags", kFlags}};
+  std::unique_ptr<CsvTable> csv;
+  if (app.writes_files()) csv = std::make_unique<CsvTable>(app.output / "machine.csv", std::vector<std::string>{"name", "value"});
+  for (const auto& [name, value] : facts) {
+    app.out() << name << ": " << value << "\n";
+    if (csv != nullptr) csv->add_row({name, value});
+  }
+}
+
 void print_samples(std::ostream& out, int elements, int order, const std::map<int, PhaseSamples>& samples) {
   const PhaseSamples& one = samples.begin()->second;
   char text[200];
@@ -97,6 +136,8 @@ ListSpec scaling_spec() {
   spec.add(counts("Orders", {1, 2, 4}, "Element orders, 1 to 8."));
   spec.add(counts("Threads", {1, 2}, "Numbers of threads; the first is the reference of the speed-up."));
   spec.add(integer("Repetitions").at_least(1).at_most(1000).by_default(7).means("Timed iterations for each number of threads."));
+  spec.add(integer("Repetitions of Runs").at_least(0).at_most(1000).by_default(3).means(
+      "Timed runs from the straight rod to equilibrium for each number of threads."));
   return spec;
 }
 
@@ -107,7 +148,7 @@ void run_scaling_study(Application& app) {
   if (app.writes_files())
     csv = std::make_unique<CsvTable>(app.output / "thread_scaling.csv",
                                      std::vector<std::string>{"elements", "order", "threads", "phase", "median_seconds"});
-  app.out() << "mixbeam " << kVersion << ", " << kCompiler << ", " << kFlags << "\n";
+  write_machine(app);
   for (int elements : study.get<Teuchos::Array<int>>("Elements"))
     for (int order : study.get<Teuchos::Array<int>>("Orders")) {
       Scene scene = app.scene;
@@ -115,7 +156,8 @@ void run_scaling_study(Application& app) {
         member.elements = elements;
         member.order = order;
       }
-      const auto samples = measure(scene, app, threads, study.get<int>("Repetitions"));
+      auto samples = measure(scene, app, threads, study.get<int>("Repetitions"));
+      measure_whole_runs(scene, app, threads, study.get<int>("Repetitions of Runs"), samples);
       print_samples(app.out(), elements, order, samples);
       for (const auto& [n, phases] : samples)
         for (const auto& [phase, values] : phases)
