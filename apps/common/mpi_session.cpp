@@ -54,7 +54,9 @@ MpiSession::MpiSession(int& argc, char**& argv) {
   int provided = MPI_THREAD_SINGLE;
   // Tpetra would call plain MPI_Init; kernels run on threads, MPI is called by the main thread only.
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  guard_ = std::make_unique<Tpetra::ScopeGuard>(&argc, &argv);
+  // Kokkos would take "--threads 2" for one of its own options and abort: it sees the program's name only.
+  int names = std::min(argc, 1);
+  guard_ = std::make_unique<Tpetra::ScopeGuard>(&names, &argv);
   communicator_ = Tpetra::getDefaultComm();
   share_cores_between_ranks();
 }
