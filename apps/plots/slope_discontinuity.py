@@ -5,7 +5,7 @@ import numpy as np
 import style
 from results import Run, read_table
 
-SHAPES = 6  # loads 0, 2, ..., 10
+SHAPES = 6  # at 0, 0.2, ..., 1 of the full load
 PLANES = ((0, 2), (1, 2))  # of the side views: x1 x3 and x2 x3
 
 
@@ -14,24 +14,26 @@ def load_displacement_figure(folder):
     table = read_table(folder / "load_displacement.csv", ["force", "u1", "u2", "u3"]).sorted_by("force")
     canvas, axes = style.figure(6.6, 4.6)
     for i, (color, dashes) in enumerate(zip(style.COMPONENT_COLORS, style.COMPONENT_DASHES), start=1):
-        axes.plot(table["force"], table[f"u{i}"], color=color, linestyle=dashes, marker="o", markersize=4,
-                  label=f"$u_{i}$")
-    axes.set(xlabel="force $F$", ylabel="tip displacement $u_i(3L) \\, / \\, L$", xlim=(0, None))
+        axes.plot(table["force"], table[f"u{i}"], color=color, linestyle=dashes, linewidth=2, label=f"$u_{i}$")
+    axes.set(xlabel="force $F$", ylabel="tip displacement $u_i(3L) \\, / \\, L$", xlim=(0, table["force"].max()))
     axes.legend(loc="lower left")
     return canvas
 
 
 def configurations_figure(folder):
-    """Configurations under growing load from three sides, with the path of the free end."""
+    """Configurations under growing load from three sides, with the path of the free end (finer than the shapes)."""
     with Run(folder / "single.h5") as run:
         last = run.steps[-1].load_factor
         shares = np.linspace(0.0, 1.0, SHAPES)
         shapes = [run.reference()] + [run.step_at(share * last).field("position") for share in shares[1:]]
-        path = np.array([run.reference()[-1]] + [step.field("position")[-1] for step in run.steps])
+        tip = run.reference()[-1]
+    table = read_table(folder / "load_displacement.csv", ["force", "u1", "u2", "u3"]).sorted_by("force")
+    path = tip + np.column_stack([table[f"u{i}"] for i in (1, 2, 3)])
+    full = table["force"].max()
     canvas = style.plt.figure(figsize=(13, 4.6), constrained_layout=False)
     space = canvas.add_axes((0.0, 0.02, 0.32, 0.94), projection="3d")
     for share, shape in zip(shares, shapes):
-        style.line_3d(space, shape, color=style.blend(share), linewidth=2, label=f"$F={10 * share:g}$")
+        style.line_3d(space, shape, color=style.blend(share), linewidth=2, label=f"$F={full * share:g}$")
     style.line_3d(space, path, color=style.GREEN, linewidth=2, linestyle="--", label="path of the tip")
     style.equal_axes_3d(space, np.vstack(shapes), ticks=4)
     space.view_init(elev=22, azim=-60)
@@ -47,4 +49,4 @@ def configurations_figure(folder):
 
 
 FIGURES = {"load_displacement": (["load_displacement.csv"], load_displacement_figure),
-           "configurations": (["single.h5"], configurations_figure)}
+           "configurations": (["single.h5", "load_displacement.csv"], configurations_figure)}
