@@ -1,9 +1,10 @@
-"""Figure of the helix experiment."""
+"""Figures of the helix experiment."""
 
 import numpy as np
 
+import convergence
 import style
-from results import Run
+from results import Run, read_table
 
 RADIUS, HEIGHT, COILS = 10.0, 50.0, 2.0  # of the exact helix, as the paper has it
 
@@ -16,11 +17,12 @@ def exact_helix(points=400):
 def shapes_figure(folder):
     """Center lines of two very coarse meshes against the exact helix."""
     canvas, panels = style.figure_3d(8.4, 5.8, columns=2)
+    exact = exact_helix()
+    everything = [exact]
     for axes, order in zip(panels, (1, 3)):
-        exact = exact_helix()
         style.line_3d(axes, exact, color=style.GREY, linewidth=4, alpha=0.6, label="exact helix")
         with Run(folder / f"order{order}.h5") as run:
-            everything, elements = [exact], 0
+            elements = 0
             for member in run.members:
                 position = run.steps[-1].field("position", member)
                 vertices = position[member.vertices()]
@@ -28,10 +30,29 @@ def shapes_figure(folder):
                 style.line_3d(axes, position, color=style.BLUE, linewidth=2, label="computed")
                 axes.plot(*vertices.T, "o", color=style.RED, markersize=5, label="vertices")
                 everything.append(position)
-        style.equal_axes_3d(axes, np.vstack(everything))
         axes.set_title(f"{elements} elements of order $k={order}$")
+    for axes in panels:
+        style.equal_axes_3d(axes, np.vstack(everything))  # the same scale in both
     style.legend_below_3d(canvas, panels[0], 0.06)
     return canvas
 
 
-FIGURES = {"shapes": (["order1.h5", "order3.h5"], shapes_figure)}
+def convergence_figure(folder):
+    """Error between the vertices, and of the vertices themselves, over the number of elements."""
+    table = read_table(folder / "convergence.csv", ["slenderness", "order", "elements", "l2_error", "vertex_position"])
+    slenderness = table.values("slenderness")[0]
+    table = table.where(slenderness=slenderness)
+    canvas, axes = style.figure(9.5, 4.6, 1, 2, sharey=True)
+    convergence.panel(axes[0], table, "centerline")
+    convergence.slope_triangles(axes[0], table)
+    axes[0].set_ylabel(r"error $\mathrm{err}_{L^2}$ of the centerline, relative to $L$")
+    convergence.panel(axes[1], table, "vertices, rate $2k$", "vertex_position")
+    axes[1].set_ylabel("largest distance of a vertex, relative to $L$")
+    for panel in axes:
+        panel.tick_params(axis="y", labelleft=True)
+    axes[0].legend(ncol=2, loc="lower left")
+    canvas.suptitle(f"slenderness $\\rho={slenderness:g}$", fontsize=12)
+    return canvas
+
+
+FIGURES = {"shapes": (["order1.h5", "order3.h5"], shapes_figure), "convergence": (["convergence.csv"], convergence_figure)}

@@ -1,0 +1,326 @@
+#include "apps/helix/helix_study.hpp"
+
+#include "apps/common/csv_table.hpp"
+#include "apps/common/table_printer.hpp"
+#include "apps/common/variants.hpp"
+#include "apps/helix/exact_helix.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+#include <sstream>
+
+namespace mixbeam {
+
+namespace {
+
+const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Helix experiment\"";
+const std::string kGoal =
+    "goal of mixbeam: pure bending and twisting in 3 iterations of one load step, at any slenderness";
+
+/// "Exact up to the floating point accuracy": the roundings of some hundred operations on numbers of the size of L.
+/// Asked of the meshes that the paper names.
+constexpr double kExact = 1e-12;
+
+/// The same for angles up to two full turns, in radians.
+constexpr double kExactRotation = 1e-11;
+
+/// Of all other meshes, where Newton may stop anywhere below the default tolerance of the scaled residual (1e-11).
+constexpr double kConverged = 1e-11;
+
+/// Between vertices no polynomial of degree k can do better than k + 1.
+constexpr double kRateTolerance = 0.15;
+
+/// At vertices the rate is 2 k. High orders reach round-off on meshes of few elements for each coil, where it is up to
+/// one more.
+constexpr double kVertexRateTolerance = 1.0;
+
+/// Rates are judged where the finer mesh's error stands well above what Newton leaves.
+constexpr double kAboveRoundOff = 1e-11;
+
+/// Newton may leave this much of the centerline's error to the slenderness.
+constexpr double kSameError = 1e-11;
+
+constexpr int kGoalIterations = 3;
+constexpr int kStudyIterations =
+    4;  // ill-conditioned meshes (high order, slender) may need one more to reach the tolerance
+constexpr int kSmoothSamples = 65;  // of each element in order1.h5 and order3.h5, where an element is most of a coil
+
+struct MeshChoice {
+  int order = 0, elements = 0;
+};
+
+/// One row of the study.
+struct HelixRun {
+  double slenderness = 0.0;
+  int order = 0, elements = 0, load_steps = 0, iterations = 0;
+  HelixErrors errors;
+};
+
+template <class Number>
+std::vector<Number> list_of(Application& app, const char* name) {
+  return app.study().get<Teuchos::Array<Number>>(name).toVector();
+}
+
+ExactHelix exact_helix(Application& app) {
+  const Teuchos::ParameterList& study = app.study();
+  return {study.get<double>("Radius"), study.get<double>("Height"), study.get<double>("Coils")};
+}
+
+/// L / (2 r) of a rod of circular section, for which EI / EA = r^2 / 4.
+double slenderness_of(const Scene& scene, const ExactHelix& exact) {
+  const Section& section = scene.sections.front();
+  return exact.length() / (4.0 * std::sqrt(section.bending_stiffness[1] / section.axial_stiffness));
+}
+
+/// The same rod of another slenderness: its radius changes, E and G stay, and the moment that winds it grows with EI.
+Scene with_slenderness(Scene scene, double slenderness, const ExactHelix& exact) {
+  const double radius = slenderness_of(scene, exact) / slenderness;  // new over old
+  const double area = std::pow(radius, 2), inertia = std::pow(radius, 4);
+  for (Section& section : scene.sections) {
+    section.axial_stiffness *= area;
+    section.torsional_stiffness *= inertia;
+    for (double& stiffness : section.shear_stiffness) stiffness *= area;
+    for (double& stiffness : section.bending_stiffness) stiffness *= inertia;
+  }
+  for (PointLoad& load : scene.point_loads)
+    for (double& component : load.moment) component *= inertia;
+  return scene;
+}
+
+/// As the paper has it: the rod lies along e1 and its clamp turns by -arctan(c) about e2 while the moment grows.
+Scene with_turned_clamp(Scene scene, const ExactHelix& exact) {
+  const Member& rod = scene.members.front();
+  const auto point = [&scene](const std::string& name) -> Vector3& {
+    return std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& p) { return p.name == name; })
+        ->position;
+  };
+  point(rod.end_point) = point(rod.start_point);
+  point(rod.end_point)[0] += exact.length();
+  scene.supports.front().prescribed_rotation = {0.0, -std::atan(exact.slope()), 0.0};
+  return scene;
+}
+
+HelixRun measure(const Simulation& simulation, double slenderness, const ExactHelix& exact) {
+  const Member& rod = simulation.scene().members.front();
+  return {slenderness,
+          rod.order,
+          rod.elements,
+          simulation.result().steps,
+          simulation.result().newton_iterations,
+          compare(simulation, exact)};
+}
+
+/// "rho=10 k=1, 3 elements"
+std::string name_of(const HelixRun& run) {
+  std::ostringstream text;
+  text << "rho=" << run.slenderness << " k=" << run.order << ", " << run.elements << " elements";
+  return text.str();
+}
+
+ComparedValue exact_coordinate(double own, double exact, double length) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6f",
+                std::abs(exact) < kExact * length ? 0.0 : exact);  // sin(4 pi) is not quite zero
+  return {text, own, std::abs(own - exact) <= kExact * length ? Agreement::agrees : Agreement::differs};
+}
+
+/// Solves the scene, adds it to the table and checks its tip.
+HelixRun compare_tip(Application& app, const Scene& scene, double slenderness, const ExactHelix& exact,
+                     TablePrinter& table, const std::string& prefix) {
+  const Simulation simulation = app.solve(scene);
+  const HelixRun run = measure(simulation, slenderness, exact);
+  const Vector3 own = simulation.position(scene.members.front().end_point);
+  const Vec3<double> tip = exact.position(exact.length());
+  std::vector<ComparedValue> values;
+  for (int i = 0; i < 3; ++i) values.push_back(exact_coordinate(own[i], tip[i], exact.length()));
+  table.add_row({std::to_string(run.order), std::to_string(run.elements), std::to_string(run.iterations)}, values);
+  const std::string name = prefix + name_of(run);
+  app.summary.check_upper_bound(name + ": tip, distance to the exact helix / L", run.errors.tip_position, kExact,
+                                kPaper);
+  app.summary.check_upper_bound(name + ": tip, angle to the exact rotation", run.errors.tip_rotation, kExactRotation,
+                                kPaper);
+  return run;
+}
+
+/// The meshes that the paper names, at every slenderness, then the scene with its clamp turned.
+void compare_with_paper(Application& app, const ExactHelix& exact, const std::vector<double>& slendernesses) {
+  const std::vector<MeshChoice> meshes = {{1, 3}, {1, 5}, {2, 3}, {3, 3}};
+  TablePrinter table(
+      "Helix experiment: tip of the rod (paper: exact for 5 elements of order 1, and for 3 of order 2 and higher)",
+      {"k", "elements", "iterations"}, {"r1(L)", "r2(L)", "r3(L)"});
+  for (double slenderness : slendernesses) {
+    std::ostringstream heading;
+    heading << "slenderness " << slenderness;
+    table.add_group(heading.str());
+    for (const MeshChoice& mesh : meshes) {
+      const Scene scene = with_mesh(with_slenderness(app.scene, slenderness, exact), mesh.order, mesh.elements);
+      const HelixRun run = compare_tip(app, scene, slenderness, exact, table, "");
+      app.summary.check_absolute(name_of(run) + ": load steps", run.load_steps, 1, 0.0, kGoal);
+      app.summary.check_upper_bound(name_of(run) + ": Newton iterations", run.iterations, kGoalIterations, kGoal);
+    }
+  }
+  table.add_group(
+      "undeformed rod along e1, its clamp turned by -arctan(c) about e2 in the same load step (slenderness of the "
+      "scene)");
+  for (const MeshChoice& mesh : meshes) {
+    const Scene scene = with_turned_clamp(with_mesh(app.scene, mesh.order, mesh.elements), exact);
+    compare_tip(app, scene, slenderness_of(app.scene, exact), exact, table, "clamp turned, ");
+  }
+  table.print(app.out());
+}
+
+std::vector<HelixRun> run_all(Application& app, const ExactHelix& exact, const std::vector<double>& slendernesses) {
+  std::vector<HelixRun> runs;
+  for (double slenderness : slendernesses)
+    for (int order : list_of<int>(app, "Orders"))
+      for (int elements : list_of<int>(app, "Elements")) {
+        const Simulation simulation =
+            app.solve(with_mesh(with_slenderness(app.scene, slenderness, exact), order, elements));
+        runs.push_back(measure(simulation, slenderness, exact));
+      }
+  return runs;
+}
+
+void write_convergence(const Application& app, const std::vector<HelixRun>& runs) {
+  if (!app.writes_files()) return;
+  CsvTable csv(app.output / "convergence.csv",
+               {"slenderness", "order", "elements", "load_steps", "iterations", "l2_error", "tip_position",
+                "tip_rotation", "vertex_position", "vertex_rotation"});
+  for (const HelixRun& run : runs)
+    csv.add_row({run.slenderness, run.order, run.elements, run.load_steps, run.iterations, run.errors.centerline,
+                 run.errors.tip_position, run.errors.tip_rotation, run.errors.vertex_position,
+                 run.errors.vertex_rotation});
+}
+
+/// Largest errors and costs over all meshes of one slenderness and order.
+HelixRun worst_of(const std::vector<HelixRun>& runs, double slenderness, int order) {
+  HelixRun worst;
+  worst.slenderness = slenderness;
+  worst.order = order;
+  for (const HelixRun& run : runs) {
+    if (run.order != order || run.slenderness != slenderness) continue;
+    worst.load_steps = std::max(worst.load_steps, run.load_steps);
+    worst.iterations = std::max(worst.iterations, run.iterations);
+    worst.errors.tip_position = std::max(worst.errors.tip_position, run.errors.tip_position);
+    worst.errors.tip_rotation = std::max(worst.errors.tip_rotation, run.errors.tip_rotation);
+    worst.errors.vertex_rotation = std::max(worst.errors.vertex_rotation, run.errors.vertex_rotation);
+  }
+  return worst;
+}
+
+/// What is exact on every mesh: the tip, and the rotations of all vertices.
+void report_exact_values(Application& app, const std::vector<HelixRun>& runs,
+                         const std::vector<double>& slendernesses) {
+  char line[200];
+  app.out() << "\nLargest deviation from the exact helix over all meshes, and what the worst mesh took (position / L, "
+               "angles in radians)\n"
+            << "   slenderness  k   tip position   tip rotation   rotation of any vertex   load steps   iterations\n";
+  for (double slenderness : slendernesses)
+    for (int order : list_of<int>(app, "Orders")) {
+      const HelixRun worst = worst_of(runs, slenderness, order);
+      std::snprintf(line, sizeof line, "%14g %2d %14.1e %14.1e %24.1e %12d %12d\n", slenderness, order,
+                    worst.errors.tip_position, worst.errors.tip_rotation, worst.errors.vertex_rotation,
+                    worst.load_steps, worst.iterations);
+      app.out() << line;
+      std::ostringstream name;
+      name << "rho=" << slenderness << " k=" << order << ", all meshes: ";
+      app.summary.check_upper_bound(name.str() + "tip, distance to the exact helix / L", worst.errors.tip_position,
+                                    kConverged, kPaper);
+      app.summary.check_upper_bound(name.str() + "any vertex, angle to the exact rotation",
+                                    worst.errors.vertex_rotation, kConverged, kPaper);
+      app.summary.check_upper_bound(name.str() + "Newton iterations", worst.iterations, kStudyIterations, kGoal);
+    }
+}
+
+/// One line of errors and rates for each order, at one slenderness; the last rates are checked.
+void report_convergence(Application& app, const std::vector<HelixRun>& runs, double slenderness,
+                        const std::string& what, double HelixErrors::*error,
+                        const std::function<int(int)>& expected_rate, double tolerance, const std::string& reason) {
+  char cell[40];
+  std::ostream& out = app.out();
+  out << "\n" << what << ", slenderness " << slenderness << " (in brackets: rate since the mesh to the left)\n   k";
+  for (int elements : list_of<int>(app, "Elements")) {
+    std::snprintf(cell, sizeof cell, "%9d el.      ", elements);
+    out << cell;
+  }
+  for (int order : list_of<int>(app, "Orders")) {
+    out << "\n   " << order;
+    const HelixRun* coarse = nullptr;
+    double last_rate = 0.0;
+    for (const HelixRun& run : runs) {
+      if (run.order != order || run.slenderness != slenderness) continue;
+      const double value = run.errors.*error;
+      const bool judged = coarse != nullptr && value > kAboveRoundOff;
+      if (judged)
+        last_rate =
+            std::log(coarse->errors.*error / value) / std::log(static_cast<double>(run.elements) / coarse->elements);
+      std::snprintf(cell, sizeof cell, judged ? "%10.2e (%5.2f)" : "%10.2e        ", value, last_rate);
+      out << cell;
+      coarse = &run;
+    }
+    app.summary.check_absolute("k=" + std::to_string(order) + ": convergence rate, " + what, last_rate,
+                               expected_rate(order), tolerance, reason);
+  }
+  out << "\n";
+}
+
+/// The centerline's error belongs to the mesh, not to the slenderness: nothing locks.
+void check_same_at_every_slenderness(Application& app, const std::vector<HelixRun>& runs) {
+  double largest = 0.0;
+  for (const HelixRun& run : runs)
+    for (const HelixRun& other : runs)
+      if (run.order == other.order && run.elements == other.elements)
+        largest = std::max(largest, std::abs(run.errors.centerline - other.errors.centerline));
+  app.out() << "\nThe error of the centerline is the same at every slenderness within " << largest << "\n";
+  app.summary.check_upper_bound("error of the centerline, largest difference between slendernesses", largest,
+                                kSameError, kPaper + ": no locking with reduced integration");
+}
+
+}  // namespace
+
+ListSpec helix_study_spec() {
+  ListSpec spec("The exact helix, and the rods to compare with it.");
+  spec.add(real("Radius").above(0.0).by_default(10.0).means("R0 of the helix that the scene's moment winds [length]."));
+  spec.add(real("Height").above(0.0).by_default(50.0).means("h0, gained over all coils [length]."));
+  spec.add(real("Coils").above(0.0).by_default(2.0).means("n, the number of full turns."));
+  spec.add(array("Slenderness", ParameterType::real_array)
+               .above(0.0)
+               .by_default(Teuchos::tuple(10.0, 1e3, 1e6))
+               .means("L over the diameter of the circular section."));
+  spec.add(array("Orders", ParameterType::integer_array)
+               .at_least(1)
+               .at_most(8)
+               .by_default(Teuchos::tuple(1, 2, 3, 4, 5, 6))
+               .means("Element orders k."));
+  spec.add(array("Elements", ParameterType::integer_array)
+               .at_least(3)
+               .at_most(100000)
+               .by_default(Teuchos::tuple(3, 4, 5, 8, 16, 32, 64))
+               .means("Numbers of elements, ascending; two coils need at least three."));
+  return spec;
+}
+
+void run_helix_study(Application& app) {
+  const ExactHelix exact = exact_helix(app);
+  const auto slendernesses = list_of<double>(app, "Slenderness");
+  compare_with_paper(app, exact, slendernesses);
+  app.check_expected(app.solve(app.scene));
+  for (const MeshChoice& mesh : {MeshChoice{1, 5}, MeshChoice{3, 3}})
+    app.solve_and_record(with_mesh(app.scene, mesh.order, mesh.elements), app.solver,
+                         "order" + std::to_string(mesh.order), kSmoothSamples);
+  const std::vector<HelixRun> runs = run_all(app, exact, slendernesses);
+  write_convergence(app, runs);
+  report_exact_values(app, runs, slendernesses);
+  report_convergence(
+      app, runs, slendernesses.front(), "Error of the centerline, sqrt(1/L int |r - r_exact|^2 ds) / L",
+      &HelixErrors::centerline, [](int k) { return k + 1; }, kRateTolerance, "polynomials of degree k: rate k + 1");
+  report_convergence(
+      app, runs, slendernesses.front(), "Largest distance of a vertex to the exact helix / L",
+      &HelixErrors::vertex_position, [](int k) { return 2 * k; }, kVertexRateTolerance,
+      "Gauss rule of k points for the slope of the centerline, whose rotations are exact: rate 2 k");
+  check_same_at_every_slenderness(app, runs);
+}
+
+}  // namespace mixbeam
