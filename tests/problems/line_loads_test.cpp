@@ -1,0 +1,104 @@
+// Cantilevers under loads per length: closed forms and equilibrium.
+#include "kernels/gauss.hpp"
+#include "kernels/rotation.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+constexpr double kLength = 2.0, kBending = 3.0, kTorsion = 5.0, kShear = 7.0, kAxial = 11.0;
+
+// Loads of this size deflect by about their own size. Deflections deviate from linear theory by the square of it, what
+// follows from the deflection (the tip moves back, too) by its first power.
+constexpr double kSmallLoad = 1e-6;
+constexpr double kLinear = 1e-9;
+constexpr double kFirstOrder = 10.0 * kSmallLoad;
+
+// Solved to a scaled residual of 1e-11 at most.
+constexpr double kSolved = 1e-10;
+
+Section flexible() { return section(kAxial, kShear, kTorsion, kBending); }
+
+Scene line_loaded(const Vector3& force, const Vector3& couple, int order = 2) {
+  Scene scene = cantilever(flexible(), kLength, order, 4);
+  scene.distributed_loads = {{"beam", force, couple, 1}};
+  return scene;
+}
+
+TEST(LineLoads, SmallTransverseForceFollowsTimoshenko) {
+  const double q = kSmallLoad, L = kLength;
+  const double deflection = q * L * L * L * L / (8.0 * kBending) + q * L * L / (2.0 * kShear);
+  const double rotation = q * L * L * L / (6.0 * kBending);
+  for (int order : {2, 3, 4}) {
+    const Simulation in_plane = solved(line_loaded({0, q, 0}, {}, order));
+    EXPECT_NEAR(in_plane.displacement("tip")[1], deflection, kLinear * deflection) << order;
+    EXPECT_TRUE(agrees_relatively(in_plane.rotation("tip"), {0, 0, rotation}, kLinear)) << order;
+    const Simulation out_of_plane = solved(line_loaded({0, 0, q}, {}, order));
+    EXPECT_NEAR(out_of_plane.displacement("tip")[2], deflection, kLinear * deflection) << order;
+    EXPECT_TRUE(agrees_relatively(out_of_plane.rotation("tip"), {0, -rotation, 0}, kLinear)) << order;
+  }
+}
+
+TEST(LineLoads, AxialForceAndTorque) {
+  // both linear at any size: u = q L^2 / 2 EA, angle = c L^2 / 2 GIt
+  const Simulation beam = solved(line_loaded({0.3, 0, 0}, {0.8, 0, 0}));
+  EXPECT_TRUE(agrees(beam.displacement("tip"), {0.3 * kLength * kLength / (2.0 * kAxial), 0, 0}, kSolved));
+  EXPECT_TRUE(agrees(beam.rotation("tip"), {0.8 * kLength * kLength / (2.0 * kTorsion), 0, 0}, kSolved));
+}
+
+TEST(LineLoads, SmallLoadsSuperpose) {
+  const Vector3 force = {2e-6, -1e-6, 3e-6}, couple = {1e-6, 4e-6, -2e-6};
+  const Simulation both = solved(line_loaded(force, couple)), one = solved(line_loaded(force, {})),
+                   other = solved(line_loaded({}, couple));
+  const Vector3 a = one.displacement("tip"), b = other.displacement("tip");
+  EXPECT_TRUE(agrees_relatively(both.displacement("tip"), {a[0] + b[0], a[1] + b[1], a[2] + b[2]}, kFirstOrder));
+}
+
+// A dead couple about e3 bends in the plane with the moment c (L - s) whatever the shape: the angle is c (L s - s^2 /
+// 2) / EI, the centerline its integral.
+TEST(LineLoads, LargeCoupleGivesAClothoid) {
+  constexpr double kCouple = 4.5;  // tip angle 3
+  constexpr int kPanels = 40, kPoints = 8;
+  Scene scene = line_loaded({}, {0, 0, kCouple}, 4);
+  scene.members[0].elements = 32;
+  const Simulation beam = solved(scene);
+  double xi[kPoints], weight[kPoints];
+  gauss_rule(kPoints, xi, weight);
+  Vector3 tip{};
+  for (int panel = 0; panel < kPanels; ++panel)
+    for (int q = 0; q < kPoints; ++q) {
+      const double s = kLength / kPanels * (panel + 0.5 * (1.0 + xi[q]));
+      const double angle = kCouple * (kLength * s - 0.5 * s * s) / kBending;
+      tip[0] += 0.5 * kLength / kPanels * weight[q] * std::cos(angle);
+      tip[1] += 0.5 * kLength / kPanels * weight[q] * std::sin(angle);
+    }
+  EXPECT_TRUE(agrees(beam.position("tip"), tip, kSolved));
+  EXPECT_TRUE(agrees(beam.rotation("tip"), {0, 0, kCouple * kLength * kLength / (2.0 * kBending)}, kSolved));
+}
+
+// The spatial force at the Gauss points carries what acts beyond them, for large deformation, too.
+TEST(LineLoads, ForcesAreInEquilibriumAtGaussPoints) {
+  const Vector3 q = {-1.0, 2.0, 3.0}, tip = {0.5, -1.0, 2.0};
+  for (int order : {1, 2, 4}) {
+    Scene scene = line_loaded(q, {0.5, 0, 0.5}, order);
+    scene.point_loads = {dead_load("tip", tip)};
+    const Simulation beam = solved(scene);
+    std::vector<double> xi(order), weight(order);
+    gauss_rule(order, xi.data(), weight.data());
+    const Assembler& assembler = beam.assembler();
+    for (int e = 0; e < 4; ++e)
+      for (double x : xi) {
+        const PointSample p = sample_element(assembler.structure(), assembler.mesh(), beam.state(), e, x);
+        const Vec3<double> n = rotation_matrix(p.triad) * p.force;
+        const double beyond = kLength - p.arc_length;
+        EXPECT_TRUE(agrees({n[0], n[1], n[2]}, {tip[0] + beyond * q[0], tip[1] + beyond * q[1], tip[2] + beyond * q[2]},
+                           kSolved * 10))
+            << "order " << order << ", element " << e;
+      }
+  }
+}
+
+}  // namespace
+}  // namespace mixbeam::test

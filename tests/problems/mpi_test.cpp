@@ -1,0 +1,68 @@
+// The same answer on all ranks together as on one rank alone. ctest runs these on 1, 2 and 3 ranks.
+#include "tests/problems/solve.hpp"
+
+namespace mixbeam::test {
+namespace {
+
+constexpr double kRanksAgree = 1e-11;  // relative to the largest displacement of the scene
+
+void expect_same_answer(const Scene& scene, const SolverParameters& parameters = {}) {
+  const Simulation together = solved(scene, parameters, all_ranks()), alone = solved(scene, parameters, this_rank());
+  EXPECT_EQ(together.result().newton_iterations, alone.result().newton_iterations) << scene.name;
+  const Mesh& mesh = alone.assembler().mesh();
+  double largest = 0.0;
+  std::vector<std::array<double, 6>> expected, actual;
+  for (int v = 0; v < mesh.vertices(); ++v) {
+    expected.push_back(vertex_motion(alone.assembler(), alone.state(), v));
+    actual.push_back(vertex_motion(together.assembler(), together.state(), v));
+    largest = std::max(largest, largest_component({expected[v][0], expected[v][1], expected[v][2]}));
+  }
+  for (int v = 0; v < mesh.vertices(); ++v) {
+    const auto &a = actual[v], &e = expected[v];
+    EXPECT_TRUE(agrees({a[0], a[1], a[2]}, {e[0], e[1], e[2]}, kRanksAgree * largest))
+        << scene.name << ", vertex " << v;
+    EXPECT_TRUE(agrees({a[3], a[4], a[5]}, {e[3], e[4], e[5]}, kRanksAgree * kPi)) << scene.name << ", vertex " << v;
+  }
+  const StrainEnergy a = together.strain_energy(), e = alone.strain_energy();
+  EXPECT_NEAR(a.moment, e.moment, kRanksAgree * (e.force + e.moment)) << scene.name;
+  EXPECT_NEAR(a.force, e.force, kRanksAgree * (e.force + e.moment)) << scene.name;
+}
+
+/// Samples are complete on the first rank.
+void expect_same_samples(const Scene& scene) {
+  const Simulation together = solved(scene, {}, all_ranks()), alone = solved(scene);
+  const std::vector<MemberSamples> a = together.samples(3), e = alone.samples(3);
+  ASSERT_EQ(a.size(), e.size());
+  if (all_ranks()->getRank() != 0) return;
+  for (size_t m = 0; m < e.size(); ++m) {
+    ASSERT_EQ(a[m].size(), e[m].size()) << e[m].name;
+    for (size_t i = 0; i < e[m].size(); ++i) {
+      EXPECT_TRUE(agrees(a[m].position[i], e[m].position[i], kRanksAgree * 10)) << e[m].name << ", sample " << i;
+      EXPECT_EQ(a[m].element[i], e[m].element[i]);
+      EXPECT_EQ(a[m].arc_length[i], e[m].arc_length[i]);
+    }
+  }
+}
+
+TEST(MpiProblems, Arc) { expect_same_answer(arc_segment(1e3, 3, 8)); }
+
+TEST(MpiProblems, ArcOfTwoElements) { expect_same_answer(arc_segment(100, 2, 2)); }
+
+// Fewer vertices than ranks: one of three ranks owns nothing.
+TEST(MpiProblems, ArcOfOneElement) { expect_same_answer(arc_segment(100, 4, 1)); }
+
+TEST(MpiProblems, Fork) { expect_same_answer(fork(2, 3)); }
+
+TEST(MpiProblems, SlopeDiscontinuity) { expect_same_answer(slope_discontinuity(4, 2)); }
+
+TEST(MpiProblems, LineLoadsOnMembersOfSeveralOrders) {
+  Scene scene = slope_discontinuity(2, 3);
+  scene.members[1].order = 4;
+  scene.distributed_loads = {{"leg 2", {1, 2, -3}, {0.5, 0, 1}, 1}, {"leg 3", {0, 1, 0}, {}, 1}};
+  expect_same_answer(scene);
+}
+
+TEST(MpiProblems, Samples) { expect_same_samples(fork(2, 3)); }
+
+}  // namespace
+}  // namespace mixbeam::test

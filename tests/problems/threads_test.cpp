@@ -1,0 +1,62 @@
+// The number of threads does not change a single bit of the answer.
+#include "kernels/execution_space.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <cstring>
+
+namespace mixbeam::test {
+namespace {
+
+template <class View>
+bool same_bits(const View& a, const View& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+bool same_bits(const State& a, const State& b) {
+  return same_bits(a.views.vertex_displacement, b.views.vertex_displacement) &&
+         same_bits(a.views.vertex_rotation, b.views.vertex_rotation) &&
+         same_bits(a.views.element_triad, b.views.element_triad) && same_bits(a.views.interior, b.views.interior);
+}
+
+void expect_same_with_any_number_of_threads(const Scene& scene, SolverParameters parameters = {}) {
+  const int threads_before = number_of_threads();
+  parameters.threads = 1;
+  const Simulation alone = solved(scene, parameters);
+  for (int threads : {2, 4}) {
+    parameters.threads = threads;
+    const Simulation together = solved(scene, parameters);
+    EXPECT_TRUE(same_bits(alone.state(), together.state())) << scene.name << ", threads " << threads;
+    EXPECT_EQ(alone.result().newton_iterations, together.result().newton_iterations) << scene.name;
+    EXPECT_EQ(alone.strain_energy().moment, together.strain_energy().moment) << scene.name;
+  }
+  set_number_of_threads(threads_before);
+}
+
+TEST(Threads, Arc) { expect_same_with_any_number_of_threads(arc_segment(1e3, 3, 37)); }
+
+TEST(Threads, Fork) { expect_same_with_any_number_of_threads(fork(2, 11)); }
+
+TEST(Threads, HelicalRod) {
+  SolverParameters parameters = careful_path();
+  parameters.load_path.method = LoadPathMethod::fixed;
+  parameters.load_path.steps = 2;
+  expect_same_with_any_number_of_threads(helical_rod(3, 30, 0.1), parameters);
+}
+
+TEST(Threads, LineLoadsOnMembersOfSeveralOrders) {
+  Scene scene = slope_discontinuity(2, 7);
+  scene.members[1].order = 5;
+  scene.members[2].force_integration = ForceIntegration::axial_reduced;
+  scene.distributed_loads = {{"leg 2", {1, 2, -3}, {0.5, 0, 1}, 1}, {"leg 3", {0, 1, 0}, {}, 1}};
+  expect_same_with_any_number_of_threads(scene);
+}
+
+// The twin that must fail: another load is another answer, in many bits.
+TEST(Threads, ADifferenceWouldBeSeen) {
+  const Simulation one = solved(arc_segment(arc_section(100), 600.0, 1.0, 2, 4));
+  const Simulation other = solved(arc_segment(arc_section(100), 600.0 * (1.0 + 1e-14), 1.0, 2, 4));
+  EXPECT_FALSE(same_bits(one.state(), other.state()));
+}
+
+}  // namespace
+}  // namespace mixbeam::test
