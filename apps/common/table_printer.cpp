@@ -54,8 +54,12 @@ ComparedValue compare_printed(const std::string& paper, double own, int units_in
   return {paper, own, agrees ? Agreement::agrees : Agreement::differs};
 }
 
-TablePrinter::TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities)
-    : title_(std::move(title)), labels_(std::move(labels)), quantities_(std::move(quantities)) {}
+TablePrinter::TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities,
+                           std::string reference)
+    : title_(std::move(title)),
+      labels_(std::move(labels)),
+      quantities_(std::move(quantities)),
+      reference_(std::move(reference)) {}
 
 void TablePrinter::add_group(const std::string& heading) { rows_.push_back({heading, {}, false}); }
 
@@ -79,7 +83,7 @@ int TablePrinter::rows_out_of_tolerance() const {
 
 std::vector<std::size_t> TablePrinter::column_widths() const {
   std::vector<std::string> heads = labels_;
-  for (std::size_t i = 0; i < quantities_.size(); ++i) heads.insert(heads.end(), {"paper", "mixbeam", "difference  "});
+  for (std::size_t i = 0; i < quantities_.size(); ++i) heads.insert(heads.end(), {reference_, "mixbeam", "difference  "});
   std::vector<std::size_t> widths;
   for (std::size_t column = 0; column < heads.size(); ++column) {
     std::size_t width = heads[column].size();
@@ -102,7 +106,7 @@ void TablePrinter::print(std::ostream& stream) const {
     const std::size_t column = labels_.size() + kColumnsPerQuantity * q;
     names += aligned(quantities_[q], widths[column] + widths[column + 1]);
     names += std::string(widths[column + 2], ' ');
-    heads += aligned("paper", widths[column]) + aligned("mixbeam", widths[column + 1]);
+    heads += aligned(reference_, widths[column]) + aligned("mixbeam", widths[column + 1]);
     heads += aligned("difference  ", widths[column + 2]);
   }
   stream << title_ << '\n' << trimmed(names) << '\n' << trimmed(heads) << '\n';

@@ -14,7 +14,7 @@ enum class Agreement {
   informative  ///< shown beside the paper's value, no agreement asked for
 };
 
-/// The paper's value as printed there, and ours. An empty `paper` means that the paper has none.
+/// The paper's value as printed there (or that of another reference), and ours. An empty `paper` means that there is none.
 struct ComparedValue {
   std::string paper;
   double own = 0.0;
@@ -33,7 +33,9 @@ ComparedValue compare_printed(const std::string& paper, double own, int units_in
 ///       1         4    -23.7513  -23.7512     5.0e-05      54.0950  54.0950     3.0e-05
 class TablePrinter {
  public:
-  TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities);
+  /// `reference`: what stands over the column of the values to compare with.
+  TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities,
+               std::string reference = "paper");
 
   /// Starts a block of rows under a line of its own.
   void add_group(const std::string& heading);
@@ -59,6 +61,7 @@ class TablePrinter {
   std::string title_;
   std::vector<std::string> labels_;
   std::vector<std::string> quantities_;
+  std::string reference_;
   std::vector<Row> rows_;
 };
 

@@ -49,6 +49,15 @@ TEST(TablePrinter, MarksRowsOutOfTolerance) {
   EXPECT_EQ(line.find('*'), std::string::npos);
 }
 
+TEST(TablePrinter, NamesTheReferenceThatIsNotThePaper) {
+  TablePrinter table("Arc", {"k"}, {"u1"}, "shooting");
+  table.add_row({"1"}, {compare_printed("1.0", 1.0)});
+  std::stringstream lines(printed(table));
+  std::string line;
+  for (int i = 0; i < 3; ++i) std::getline(lines, line);
+  EXPECT_EQ(line, "  k    shooting  mixbeam  difference");
+}
+
 TEST(TablePrinter, RowsOfTheWrongLengthAreRefused) {
   TablePrinter table("Arc", {"k"}, {"u1"});
   EXPECT_THROW(table.add_row({}, {{"1.0", 1.0, Agreement::agrees}}), std::invalid_argument);
