@@ -23,14 +23,14 @@ def panel(axes, table, title, error="l2_error"):
     axes.set_xlabel("number of elements")
 
 
-def slope_triangles(axes, table, error="l2_error"):
-    """Beside each line a triangle of slope k+1, with that number."""
+def slope_triangles(axes, table, error="l2_error", rate=lambda order: order + 1):
+    """Beside each line a triangle of slope `rate(order)`, by default k+1, with that number."""
     floor = np.nanmin(table[error])
     for order in table.values("order"):
         line = table.where(order=order).sorted_by("elements")
-        place = _regular_segment(line["elements"], line[error], order + 1, floor)
+        place = _regular_segment(line["elements"], line[error], rate(order), floor)
         if place is not None:
-            _triangle(axes, *place, int(order) + 1, style.ORDER_COLORS[int(order)])
+            _triangle(axes, *place, int(rate(order)), style.ORDER_COLORS[int(order)])
 
 
 def _regular_segment(elements, errors, rate, floor):

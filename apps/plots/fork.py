@@ -58,16 +58,18 @@ def shapes_figure(folder):
 
 
 def convergence_figure(folder):
-    """Error at the tip of the first tine for each way of representing the semicircle."""
-    table = read_table(folder / "convergence.csv", ["representation", "order", "elements", "error"])
-    names = table.values("representation")
-    canvas, axes = style.figure(4.2 * len(names) + 0.6, 4.4, 1, len(names), sharey=True, squeeze=False)
-    for panel, name in zip(axes[0], names):
-        rows = table.where(representation=name)
-        convergence.panel(panel, rows, f"semicircle: {name}", error="error")
-        convergence.slope_triangles(panel, rows, error="error")
-    axes[0, 0].set_ylabel("error of the displacement of $P_1$, relative to $L$")
-    axes[0, 0].legend(loc="lower left")
+    """Mean error over the fork for each representation of the semicircle, and the error of a vertex for the exact one."""
+    table = read_table(folder / "convergence.csv", ["representation", "order", "elements", "error", "p1_error"])
+    exact, polygon = (table.where(representation=name) for name in ("exact arc", "polygon"))
+    panels = ((exact, "error", "exact semicircle, mean over the fork", lambda order: order + 1),
+              (polygon, "error", "polygon, mean over the fork: slope 2", lambda order: 2),
+              (exact, "p1_error", "exact semicircle, at $P_1$", lambda order: 2 * order))
+    canvas, axes = style.figure(13, 4.4, 1, len(panels), sharey=True)
+    for panel, (rows, error, title, rate) in zip(axes, panels):
+        convergence.panel(panel, rows, title, error=error)
+        convergence.slope_triangles(panel, rows, error=error, rate=rate)
+    axes[0].set_ylabel("error of the displacement, relative to $L$")
+    axes[0].legend(loc="lower left")
     return canvas
 
 

@@ -97,7 +97,7 @@ Vector3 trace_load_displacement(Application& app) {
     if (csv) csv->add_row({report.load_factor * force, tip[0], tip[1], tip[2]});
   };
   const int steps = app.study().get<int>("Curve Steps");
-  return app.solve(app.scene, with_fixed_steps(app.solver, steps), "load_displacement", add_row).displacement(kTip);
+  return app.solve(app.scene, with_fixed_steps(app.solver, steps), "", add_row).displacement(kTip);
 }
 
 /// The scene as it stands, with a shape for each of the paper's loads.

@@ -1,0 +1,189 @@
+// How the result depends on the representation of the semicircle, about which the paper is silent.
+#include "apps/common/convergence_table.hpp"
+#include "apps/common/csv_table.hpp"
+#include "apps/common/table_printer.hpp"
+#include "apps/common/variants.hpp"
+#include "apps/fork/displacement_error.hpp"
+#include "apps/fork/fork_study.hpp"
+#include "apps/fork/paper_table.hpp"
+#include "apps/fork/polygon.hpp"
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+const std::string kExact = "exact arc";
+const std::string kPolygon = "polygon";
+
+/// Places of each reference element at which displacements are compared, less one: enough to see the error inside
+/// elements.
+constexpr int kIntervalsPerReferenceElement = 16;
+
+/// Of an observed rate; the coarsest meshes are left out.
+constexpr double kRateTolerance = 0.15;
+
+/// A rate means something as long as the error is well above what round-off and Newton's tolerance leave.
+constexpr double kSmallestError = 1e-11;
+
+/// What the second-order extrapolation of the two finest polygons may miss the limit by: the rest of fourth order with
+/// 12 sides in a quarter of a circle, (pi/24)^4 = 3e-4, times displacements and constants of order 1.
+constexpr double kPolygonLimitTolerance = 3e-4;
+
+struct Solution {
+  Vector3 p1{};                ///< displacement under both forces
+  std::vector<Vector3> field;  ///< see displacement_field
+};
+
+/// Over the meshes of the study, for one representation and one order.
+struct Errors {
+  std::vector<double> fork, p1;       ///< mean over the whole fork; of P1
+  std::vector<Vector3> displacement;  ///< of P1
+};
+
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+int points_per_member(Application& app) {
+  return app.study().get<int>("Reference Elements per Member") * kIntervalsPerReferenceElement + 1;
+}
+
+Solution solve(Application& app, int order, int elements, const std::string& representation) {
+  const Scene scene = with_mesh(app.scene, order, elements);
+  const Simulation simulation = app.solve(representation == kPolygon ? with_polygons(scene) : scene);
+  return {simulation.displacement("P1"), displacement_field(simulation, elements, points_per_member(app))};
+}
+
+/// All meshes must have places in common with the reference.
+void check_meshes(Application& app) {
+  const int reference = app.study().get<int>("Reference Elements per Member");
+  for (const int elements : integers(app, "Convergence Elements per Member")) {
+    if (reference * kIntervalsPerReferenceElement % elements == 0) continue;
+    throw app.xml.source.error({"Study", "Convergence Elements per Member"},
+                               "value " + std::to_string(elements) + "; allowed: divisors of " +
+                                   std::to_string(reference * kIntervalsPerReferenceElement) +
+                                   " (16 times \"Reference Elements per Member\"), so that meshes share points");
+  }
+}
+
+Errors errors_of(Application& app, const std::string& representation, int order, const Solution& reference) {
+  Errors errors;
+  for (const int elements : integers(app, "Convergence Elements per Member")) {
+    const Solution solution = solve(app, order, elements, representation);
+    errors.fork.push_back(mean_difference(solution.field, reference.field, points_per_member(app), app.communicator));
+    errors.p1.push_back(distance(solution.p1, reference.p1));
+    errors.displacement.push_back(solution.p1);
+  }
+  return errors;
+}
+
+std::vector<int> total_elements(Application& app) {
+  std::vector<int> totals = integers(app, "Convergence Elements per Member");
+  for (int& elements : totals) elements *= static_cast<int>(app.scene.members.size());
+  return totals;
+}
+
+/// The exact semicircle converges in the mean with the order of the element; its vertices do better, with 2k. For
+/// polygons the corners, not the elements, set the rate.
+void check_rate(Application& app, const std::string& representation, int order, const std::optional<double>& rate) {
+  if (!rate) return;  // nothing but round-off, or a single mesh
+  const bool exact = representation == kExact;
+  app.summary.check_absolute("rate, " + representation + ", k=" + std::to_string(order), *rate, exact ? order + 1 : 2,
+                             kRateTolerance,
+                             exact ? "approximation order of degree k" : "distance of a polygon from its circle");
+}
+
+/// The two finest polygons, extrapolated with the rate that is due to the corners, must meet the limit of the arc.
+void check_polygon_limit(Application& app, int order, const Errors& errors, const Vector3& limit) {
+  const std::vector<int> elements = total_elements(app);
+  const std::size_t finest = elements.size() - 1;
+  if (finest == 0) return;
+  const double share = std::pow(static_cast<double>(elements[finest - 1]) / elements[finest], 2);
+  Vector3 extrapolated{};
+  for (std::size_t i = 0; i < 3; ++i)
+    extrapolated[i] = (errors.displacement[finest][i] - share * errors.displacement[finest - 1][i]) / (1.0 - share);
+  app.summary.check_upper_bound("distance of the limits of polygon and exact arc at P1, k=" + std::to_string(order),
+                                distance(extrapolated, limit), kPolygonLimitTolerance,
+                                "both represent the same structure");
+}
+
+/// k = 1 with 3 elements per member is what the prototype computed for both representations.
+void compare_with_prototype(Application& app) {
+  TablePrinter table("Fork: displacement of P1, k = 1, 9 elements, beside an independent prototype of the element",
+                     {"representation"}, {"u1 / L", "u2 / L", "u3 / L"}, "prototype");
+  for (const std::string& representation : {kExact, kPolygon}) {
+    const Scene scene = with_mesh(app.scene, 1, 3);
+    const ForkSolution solution = solve_fork(app, representation == kPolygon ? with_polygons(scene) : scene);
+    const auto prototype = prototype_p1_displacement(representation);
+    for (std::size_t c = 0; c < 2; ++c) {
+      const std::string label = representation + " (" + std::to_string(c + 1) + ")";
+      std::vector<ComparedValue> cells;
+      for (std::size_t i = 0; i < 3; ++i) {
+        app.summary.check_printed_digits("k=1 elements=9 " + label + ": u" + std::to_string(i + 1), solution.p1[c][i],
+                                         prototype[c][i], kPrototypeSource);
+        cells.push_back(compare_printed(prototype[c][i], solution.p1[c][i]));
+      }
+      table.add_row({label}, cells);
+    }
+  }
+  table.print(app.out());
+  app.out() << "\n";
+}
+
+/// The limit must be the paper's, whatever the meshes.
+void check_limit(Application& app, const Vector3& limit) {
+  const auto paper = paper_p1_displacement(4, 10)[1];
+  for (std::size_t i = 0; i < 3; ++i)
+    app.summary.check_printed_digits("limit of the exact arc: u" + std::to_string(i + 1) + "(2)", limit[i], paper[i],
+                                     std::string(kForkTableSource) + ", k=4, 30 elements");
+}
+
+void write_errors(Application& app, CsvTable* csv, const std::string& representation, int order, const Errors& errors) {
+  if (csv == nullptr) return;
+  const std::vector<int> elements = total_elements(app);
+  for (std::size_t i = 0; i < elements.size(); ++i)
+    csv->add_row({representation, order, elements[i], errors.fork[i], errors.p1[i]});
+}
+
+}  // namespace
+
+void compare_representations(Application& app) {
+  check_meshes(app);
+  compare_with_prototype(app);
+  const int order = app.study().get<int>("Reference Order"),
+            elements = app.study().get<int>("Reference Elements per Member");
+  const Solution reference = solve(app, order, elements, kExact);
+  check_limit(app, reference.p1);
+  std::unique_ptr<CsvTable> csv;
+  if (app.writes_files())
+    csv = std::make_unique<CsvTable>(
+        app.output / "convergence.csv",
+        std::vector<std::string>{"representation", "order", "elements", "error", "p1_error"});
+  ConvergenceTable of_fork("Fork: error of the displacement, mean over the fork, both forces, relative to L",
+                           total_elements(app), kSmallestError);
+  ConvergenceTable of_p1("Fork: error of the displacement of P1, both forces, relative to L", total_elements(app),
+                         kSmallestError);
+  for (const std::string& representation : {kExact, kPolygon}) {
+    of_fork.add_group("semicircle: " + representation);
+    of_p1.add_group("semicircle: " + representation);
+    for (const int k : integers(app, "Convergence Orders")) {
+      const Errors errors = errors_of(app, representation, k, reference);
+      check_rate(app, representation, k, of_fork.add_row(k, errors.fork));
+      of_p1.add_row(k, errors.p1);
+      if (representation == kPolygon) check_polygon_limit(app, k, errors, reference.p1);
+      write_errors(app, csv.get(), representation, k, errors);
+    }
+  }
+  of_fork.print(app.out());
+  app.out() << "The reference has the exact arc, k = " << order << " and " << elements
+            << " elements in each member. With the exact arc the\n"
+            << "rate is k+1. The polygon has the same limit, but with rate 2 at every order: its corners, not its\n"
+            << "elements, are what is left of the error.\n\n";
+  of_p1.print(app.out());
+  app.out() << "At vertices the exact arc converges with rate 2k.\n\n";
+}
+
+}  // namespace mixbeam
