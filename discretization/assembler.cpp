@@ -5,9 +5,6 @@
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
 
 namespace mixbeam {
 
@@ -28,24 +25,6 @@ SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& 
   return spatial;
 }
 
-double largest_component(const Vec& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
-
-/// Largest magnitude among entries [first, first + count) of every element of a block.
-double largest_interior(const ElementBlock& block, const KernelView<const double*>& interior, int first, int count) {
-  const size_t offset = block.interior_offset + first, stride = block.interior.unknowns();
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude", Range(0, block.count),
-      KOKKOS_LAMBDA(int e, double& m) {
-        for (int i = 0; i < count; ++i) {
-          const double x = interior(offset + e * stride + i), a = x < 0.0 ? -x : x;
-          if (a > m) m = a;
-        }
-      },
-      Kokkos::Max<double>(largest));
-  return largest;
-}
-
 }  // namespace
 
 Assembler::Assembler(const Scene& scene, const Communicator& comm, const AssemblerOptions& options)
@@ -55,94 +34,9 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
       equations_(allocate_equations(structure_)) {
   PhaseTimer timer(times_, "setup");
   build_maps(comm);
+  mark_fixed_rows();
+  mark_owned_interior();
   build_graph();
-}
-
-void Assembler::build_maps(const Communicator& comm) {
-  const Structure& s = structure_;
-  std::vector<GlobalOrdinal> dofs;
-  dofs.reserve(kVertexDofs * s.local_vertices());
-  for (int global : s.local_vertex_to_global)
-    for (int c = 0; c < kVertexDofs; ++c) dofs.push_back(static_cast<GlobalOrdinal>(kVertexDofs) * global + c);
-  const GlobalOrdinal total = static_cast<GlobalOrdinal>(kVertexDofs) * mesh_.vertices();
-  const size_t owned = static_cast<size_t>(kVertexDofs) * s.owned_vertices;
-  row_map_ = Teuchos::rcp(new DofMap(total, owned, 0, comm));
-  if (comm->getSize() == 1) {
-    column_map_ = row_map_;
-  } else {
-    const auto invalid = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
-    column_map_ = Teuchos::rcp(new DofMap(invalid, Teuchos::arrayViewFromVector(dofs), 0, comm));
-    import_ = Teuchos::rcp(new DofImport(row_map_, column_map_));
-    ghosted_increment_ = Teuchos::rcp(new DofVector(column_map_));
-  }
-  condensed_residual_ = Teuchos::rcp(new DofVector(row_map_));
-  fixed_ = KernelView<unsigned char*>("mixbeam::fixed", owned);
-  for (const VertexSupport& support : conditions_.supports)
-    for (int c = 0; c < kVertexDofs; ++c)
-      if (support.fixed[c]) fixed_(kVertexDofs * support.vertex + c) = 1;
-  if (comm->getSize() > 1) {
-    owned_interior_ = KernelView<unsigned char*>("mixbeam::owned_interior", s.increment_size);
-    for (const ElementBlock& block : s.blocks)
-      for (int e = 0; e < block.count; ++e) {
-        const bool owned_element = block.vertices(e, 0) < s.owned_vertices;
-        for (int i = 0; i < block.interior.increments(); ++i)
-          owned_interior_(block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i) = owned_element;
-      }
-  }
-}
-
-void Assembler::build_graph() {
-  const Structure& s = structure_;
-  const int n = s.owned_vertices;
-  std::vector<std::vector<std::array<int, 3>>> touching(n);  // element, its end here, the other vertex
-  for (const ElementBlock& block : s.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int end = 0; end < 2; ++end) {
-        const int v = block.vertices(e, end);
-        if (v < n) touching[v].push_back({block.first_element + e, end, block.vertices(e, 1 - end)});
-      }
-  // columns of a vertex row: itself and its neighbours, ascending; a pair joined by several members appears once
-  std::vector<std::vector<int>> columns(n);
-  adjacency_start_ = KernelView<int*>("mixbeam::adjacency_start", n + 1);
-  size_t entries = 0;
-  for (int v = 0; v < n; ++v) {
-    // neighbours in the order of the whole mesh, so that sums are the same for every partition
-    std::sort(touching[v].begin(), touching[v].end(), [&](const auto& a, const auto& b) {
-      return std::make_pair(s.local_element_to_mesh[a[0]], a[1]) < std::make_pair(s.local_element_to_mesh[b[0]], b[1]);
-    });
-    columns[v].push_back(v);
-    for (const auto& t : touching[v]) columns[v].push_back(t[2]);
-    std::sort(columns[v].begin(), columns[v].end());
-    columns[v].erase(std::unique(columns[v].begin(), columns[v].end()), columns[v].end());
-    adjacency_start_(v + 1) = adjacency_start_(v) + static_cast<int>(touching[v].size());
-    entries += kVertexDofs * kVertexDofs * columns[v].size();
-  }
-  adjacency_ = KernelView<int* [4]>("mixbeam::adjacency", adjacency_start_(n));
-  using LocalGraph = DofMatrix::local_graph_host_type;
-  LocalGraph::row_map_type::non_const_type row_start("mixbeam::row_start", kVertexDofs * n + 1);
-  LocalGraph::entries_type::non_const_type column("mixbeam::column", entries);
-  DofMatrix::local_matrix_host_type::values_type::non_const_type values("mixbeam::matrix_values", entries);
-  for (int v = 0; v < n; ++v) {
-    const auto slot = [&](int vertex) {
-      return static_cast<int>(std::lower_bound(columns[v].begin(), columns[v].end(), vertex) - columns[v].begin());
-    };
-    for (size_t t = 0; t < touching[v].size(); ++t) {
-      const int a = adjacency_start_(v) + static_cast<int>(t);
-      adjacency_(a, 0) = touching[v][t][0];
-      adjacency_(a, 1) = touching[v][t][1];
-      adjacency_(a, 2) = slot(v);
-      adjacency_(a, 3) = slot(touching[v][t][2]);
-    }
-    const size_t width = kVertexDofs * columns[v].size();
-    for (int r = 0; r < kVertexDofs; ++r) {
-      const size_t row = kVertexDofs * v + r, begin = row_start(row);
-      for (size_t c = 0; c < width; ++c)
-        column(begin + c) = kVertexDofs * columns[v][c / kVertexDofs] + static_cast<int>(c % kVertexDofs);
-      row_start(row + 1) = begin + width;
-    }
-  }
-  matrix_ = Teuchos::rcp(new DofMatrix(row_map_, column_map_, row_start, column, values));
-  matrix_->expertStaticFillComplete(row_map_, row_map_, import_);
 }
 
 MixedVector Assembler::create_vector() const { return MixedVector(row_map_, structure_.increment_size, owned_interior_); }
@@ -192,109 +86,6 @@ void Assembler::set_support_rows(const State& state, double load_factor, const K
       if (support.fixed[3 + i]) rows(kVertexDofs * v + 3 + i) = turn[i];
     }
   }
-}
-
-StateMagnitude Assembler::magnitude(const State& state) const {
-  StateMagnitude m;
-  for (const ElementBlock& block : structure_.blocks) {
-    const int forces = 3 * block.interior.force_points, moments = 3 * (block.order + 1);
-    m.force = std::max(m.force, largest_interior(block, state.views.interior, 0, forces));
-    m.moment = std::max(m.moment, largest_interior(block, state.views.interior, forces, moments));
-  }
-  const auto u = state.views.vertex_displacement;
-  const auto q = state.views.vertex_rotation;
-  double half_sine = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude::displacement", Range(0, structure_.owned_vertices),
-      KOKKOS_LAMBDA(int v, double& largest) {
-        for (int i = 0; i < 3; ++i) {
-          const double a = u(v, i) < 0.0 ? -u(v, i) : u(v, i);
-          if (a > largest) largest = a;
-        }
-      },
-      Kokkos::Max<double>(m.displacement));
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude::rotation", Range(0, structure_.owned_vertices),
-      KOKKOS_LAMBDA(int v, double& largest) {
-        const double square = q(v, 1) * q(v, 1) + q(v, 2) * q(v, 2) + q(v, 3) * q(v, 3);
-        if (square > largest) largest = square;
-      },
-      Kokkos::Max<double>(half_sine));
-  m.rotation = 2.0 * std::sqrt(half_sine);
-  for (const VertexLoad& load : conditions_.loads) {
-    const double amplitude = stage_amplitude(load_factor_, load.stage);
-    m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));
-    m.load_moment = std::max(m.load_moment, amplitude * largest_component(load.moment));
-  }
-  for (size_t member = 0; member < structure_.views.member_load.extent(0); ++member) {
-    const double length = mesh_.members[member].curve.length;
-    const LineLoad& load = structure_.views.member_load(member);
-    m.load_force = std::max(m.load_force, length * largest_component(load_vector(load.force)));
-    m.load_moment = std::max(m.load_moment, length * largest_component(load_vector(load.couple)));
-  }
-  if (!import_.is_null()) {
-    double mine[6] = {m.force, m.moment, m.displacement, m.rotation, m.load_force, m.load_moment}, all[6];
-    Teuchos::reduceAll(*row_map_->getComm(), Teuchos::REDUCE_MAX, 6, mine, all);
-    m = {all[0], all[1], all[2], all[3], all[4], all[5]};
-  }
-  return m;
-}
-
-void Assembler::scale_rows(MixedVector& v, bool inverse) const {
-  const auto factor = [inverse](double scale) { return inverse ? scale : 1.0 / scale; };
-  const double force = factor(scales_.force), moment = factor(scales_.moment), length = factor(scales_.length);
-  const auto rows = v.vertex();
-  const auto fixed = fixed_;
-  Kokkos::parallel_for(
-      "mixbeam::scale::vertex", Range(0, rows.extent(0)), KOKKOS_LAMBDA(size_t i) {
-        const bool is_force = i % kVertexDofs < 3;
-        rows(i) *= fixed(i) ? (is_force ? length : 1.0) : (is_force ? force : moment);
-      });
-  const double strain = factor(scales_.strain), rotation = factor(scales_.rotation), bubble = factor(scales_.bubble);
-  const KernelView<double*> interior = v.writable_interior(true);
-  for (const ElementBlock& block : structure_.blocks) {
-    const InteriorLayout layout = block.interior;
-    const size_t offset = block.increment_offset;
-    Kokkos::parallel_for(
-        "mixbeam::scale::interior", Range(0, block.count), KOKKOS_LAMBDA(int e) {
-          double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
-          for (int i = 0; i < layout.moment(0); ++i) row[i] *= strain;
-          for (int i = layout.moment(0); i < layout.relative_rotation(1); ++i) row[i] *= rotation;
-          for (int i = layout.relative_rotation(1); i < layout.bubble(1); ++i) row[i] *= moment;
-          for (int i = layout.bubble(1); i < layout.spin(); ++i) row[i] *= bubble;
-          for (int i = layout.spin(); i < layout.increments(); ++i) row[i] *= moment;
-        });
-  }
-}
-
-double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
-  const KernelView<const double*> rows = scaled_residual.vertex(), interior = scaled_residual.interior();
-  const auto fixed = fixed_;
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::equilibrium::vertex", Range(0, rows.extent(0)),
-      KOKKOS_LAMBDA(size_t i, double& m) {
-        const double a = rows(i) < 0.0 ? -rows(i) : rows(i);
-        if (!fixed(i) && !(a <= m)) m = a == a ? a : HUGE_VAL;
-      },
-      Kokkos::Max<double>(largest));
-  for (const ElementBlock& block : structure_.blocks) {
-    const InteriorLayout layout = block.interior;
-    const size_t offset = block.increment_offset;
-    double of_block = 0.0;
-    Kokkos::parallel_reduce(
-        "mixbeam::equilibrium::interior", Range(0, block.count),
-        KOKKOS_LAMBDA(int e, double& m) {
-          const double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
-          for (int i = layout.relative_rotation(1); i < layout.increments(); ++i) {
-            const double a = row[i] < 0.0 ? -row[i] : row[i];
-            if (!(a <= m)) m = a == a ? a : HUGE_VAL;
-          }
-        },
-        Kokkos::Max<double>(of_block));
-    largest = std::max(largest, of_block);
-  }
-  return maximum_over_ranks(*row_map_->getComm(), largest);
 }
 
 /// Unscaled element residuals, interior rows straight into `out`.

@@ -10,6 +10,7 @@
 #include "discretization/tpetra_types.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -72,7 +73,10 @@ class Assembler {
 
  private:
   void build_maps(const Communicator& comm);
+  void mark_fixed_rows();
+  void mark_owned_interior();
   void build_graph();
+  void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
   void evaluate_elements(const State& state, MixedVector& out);
