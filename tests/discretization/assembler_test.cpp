@@ -1,0 +1,485 @@
+// The assembled equations: row gather against the naive sum, Newton's increment against differences of the mixed
+// residual, and scales that make units disappear.
+#include "discretization/assembler.hpp"
+
+#include "kernels/element_kinematics.hpp"
+#include "tests/problems/scenes.hpp"
+#include "tests/worst_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+constexpr std::uint64_t kSeed = 20240611;
+
+Communicator this_rank() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
+
+/// Far above any force stiffness of these tests: the tangent is that of the residual.
+AssemblerOptions without_cap() {
+  AssemblerOptions options;
+  options.force_stiffness_cap = 1e12;
+  return options;
+}
+
+/// Two members between the same points, three orders, two integration rules, a branch.
+Scene mixed_scene() {
+  Scene scene = fork(2, 2);
+  scene.members[1].order = 3;
+  scene.members[2].force_integration = ForceIntegration::axial_reduced;
+  scene.members.push_back(line("tie", "tine 1", "tine 2", 1, 1));
+  scene.members.push_back(arc("bow", "tine 2", "tine 1", {2, 0, 0}, {0, 0, 1}, kPi, 2, 1));
+  scene.members.push_back(line("second tie", "tine 2", "tine 1", 3, 1));
+  return scene;
+}
+
+/// Everything that acts from outside, at stage 1.
+Scene loaded_scene() {
+  Scene scene = mixed_scene();
+  scene.stages = 1;
+  scene.sections[0].bending_stiffness = {80.0, 120.0};
+  scene.point_loads = {dead_load("tine 1", {3, -20, 50}, {4, 5, -6}),
+                       follower_load("tine 2", "right", {-10, 30, 20}, {7, -3, 2}), dead_load("branch", {0, 0, 9})};
+  scene.distributed_loads = {{"shaft", {5, -6, 7}, {2, -1, 3}, 1}, {"left", {1, 2, 3}, {-4, 1, 2}, 1}};
+  scene.supports[0].prescribed_displacement = {0.02, -0.03, 0.01};
+  scene.supports[0].prescribed_rotation = {0.1, 0.2, -0.1};
+  return scene;
+}
+
+/// Entries between -size and size.
+void fill_at_random(MixedVector& v, double size, std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> entry(-size, size);
+  const auto vertex = v.vertex();
+  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
+  const auto interior = v.writable_interior(false);
+  for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
+}
+
+/// A configuration with no symmetry, not in equilibrium: forces of the size of the loads, strains of a tenth.
+State some_state(Assembler& assembler) {
+  std::mt19937_64 generator(kSeed);
+  MixedVector increment = assembler.create_vector();
+  fill_at_random(increment, 0.1, generator);
+  const auto interior = increment.writable_interior(true);
+  for (const ElementBlock& block : assembler.structure().blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < block.interior.relative_rotation(1); ++i)
+        interior(block.increment_offset + e * block.interior.increments() + i) *= 200.0;
+  return assembler.apply(assembler.reference_state(), increment, 1.0);
+}
+
+using Dense = std::vector<std::vector<double>>;
+
+Dense dense(const DofMatrix& matrix) {
+  const auto local = matrix.getLocalMatrixHost();
+  Dense result(local.numRows(), std::vector<double>(local.numCols(), 0.0));
+  for (int i = 0; i < local.numRows(); ++i)
+    for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
+      result[i][local.graph.entries(k)] += local.values(k);
+  return result;
+}
+
+TEST(Assembler, RowGatherIsTheSumOverElements) {
+  Scene scene = mixed_scene();
+  scene.point_loads.clear();
+  Assembler assembler(scene, this_rank(), without_cap());
+  const State state = some_state(assembler);
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, 1.0, residual);
+  assembler.tangent(state, 1.0);
+  const int n = kVertexDofs * assembler.mesh().vertices();
+  Dense expected(n, std::vector<double>(n, 0.0)), size = expected;
+  std::vector<double> rhs(n, 0.0), rhs_size(n, 0.0);
+  const auto& equations = assembler.equations();
+  for (const ElementBlock& block : assembler.structure().blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < 12; ++i) {
+        const int row = kVertexDofs * block.vertices(e, i / 6) + i % 6;
+        const double r = equations.condensed_residual(block.first_element + e, i);
+        rhs[row] += r;
+        rhs_size[row] += std::abs(r);
+        for (int j = 0; j < 12; ++j) {
+          const int column = kVertexDofs * block.vertices(e, j / 6) + j % 6;
+          const double k = equations.condensed_tangent(block.first_element + e, 12 * i + j);
+          expected[row][column] += k;
+          size[row][column] += std::abs(k);
+        }
+      }
+  const int clamp = kVertexDofs * vertex_of(assembler.mesh(), "clamp");
+  for (int c = clamp; c < clamp + kVertexDofs; ++c) {
+    for (int j = 0; j < n; ++j) expected[c][j] = size[c][j] = c == j ? 1.0 : 0.0;
+    rhs[c] = rhs_size[c] = residual.vertex()(c) * (c - clamp < 3 ? assembler.scales().length : 1.0);
+  }
+  const Dense actual = dense(*assembler.matrix());
+  const auto actual_rhs = MixedVector::view_of(assembler.condensed_residual());
+  WorstError worst;
+  for (int i = 0; i < n; ++i) {
+    worst.see(std::abs(actual_rhs(i) - rhs[i]) / (std::abs(rhs_size[i]) + 1e-300), "right-hand side ", i);
+    for (int j = 0; j < n; ++j)
+      worst.see(std::abs(actual[i][j] - expected[i][j]) / (size[i][j] + 1e-300), "row ", i, ", column ", j);
+  }
+  // up to six elements at a vertex: as many roundings in the sum, in another order
+  EXPECT_TRUE(worst.at_most(8 * kRounding));
+}
+
+TEST(Assembler, MatrixTimesVectorIsThatOfTheDenseMatrix) {
+  Assembler assembler(loaded_scene(), this_rank(), {});
+  const State state = some_state(assembler);
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, 1.0, residual);
+  assembler.tangent(state, 1.0);
+  std::mt19937_64 generator(kSeed);
+  MixedVector x = assembler.create_vector(), y = assembler.create_vector();
+  fill_at_random(x, 1.0, generator);
+  assembler.apply_matrix(x.vertex_dofs(), y.vertex_dofs());
+  const Dense matrix = dense(*assembler.matrix());
+  WorstError worst;
+  for (size_t i = 0; i < matrix.size(); ++i) {
+    double sum = 0.0, size = 0.0;
+    for (size_t j = 0; j < matrix.size(); ++j) {
+      sum += matrix[i][j] * x.vertex()(j);
+      size += std::abs(matrix[i][j]);
+    }
+    worst.see(std::abs(y.vertex()(i) - sum) / size, "row ", i);
+  }
+  EXPECT_TRUE(worst.at_most(40 * kRounding));  // products of up to 36 entries
+}
+
+/// What the rows of a scaled residual were divided by.
+MixedVector row_scales(const Assembler& assembler) {
+  const ResidualScales& s = assembler.scales();
+  MixedVector scales = assembler.create_vector();
+  const auto vertex = scales.vertex();
+  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = i % kVertexDofs < 3 ? s.force : s.moment;
+  for (const Support& support : assembler.scene().supports) {
+    const int v = vertex_of(assembler.mesh(), support.point);
+    for (int c = 0; c < 3; ++c) {
+      if (support.displacement_fixed[c]) vertex(kVertexDofs * v + c) = s.length;
+      if (support.rotation_fixed[c]) vertex(kVertexDofs * v + 3 + c) = 1.0;
+    }
+  }
+  const auto interior = scales.writable_interior(false);
+  for (const ElementBlock& block : assembler.structure().blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const InteriorLayout layout = block.interior;
+      const size_t first = block.increment_offset + e * layout.increments();
+      for (int i = 0; i < layout.increments(); ++i)
+        interior(first + i) = i < layout.moment(0)              ? s.strain
+                              : i < layout.relative_rotation(1) ? s.rotation
+                              : i < layout.bubble(1)            ? s.moment
+                              : i < layout.spin()               ? s.bubble
+                                                                : s.moment;
+    }
+  return scales;
+}
+
+MixedVector unscaled_residual(Assembler& assembler, const State& state) {
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, 1.0, residual);
+  residual.multiply_by(row_scales(assembler));
+  return residual;
+}
+
+/// Solves the small dense system by Gaussian elimination with row pivoting.
+std::vector<double> dense_solve(Dense a, std::vector<double> b) {
+  const int n = static_cast<int>(b.size());
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < n; ++i)
+      if (std::abs(a[i][k]) > std::abs(a[pivot][k])) pivot = i;
+    std::swap(a[k], a[pivot]);
+    std::swap(b[k], b[pivot]);
+    for (int i = k + 1; i < n; ++i) {
+      const double f = a[i][k] / a[k][k];
+      for (int j = k; j < n; ++j) a[i][j] -= f * a[k][j];
+      b[i] -= f * b[k];
+    }
+  }
+  for (int k = n - 1; k >= 0; --k) {
+    for (int j = k + 1; j < n; ++j) b[k] -= a[k][j] * b[j];
+    b[k] /= a[k][k];
+  }
+  return b;
+}
+
+/// Vertex increment from what the assembler condensed, and the interior that belongs to it.
+MixedVector newton_increment(Assembler& assembler, const State& state) {
+  const auto condensed = MixedVector::view_of(assembler.condensed_residual());
+  std::vector<double> rhs(condensed.extent(0));
+  for (size_t i = 0; i < rhs.size(); ++i) rhs[i] = -condensed(i);
+  const std::vector<double> solution = dense_solve(dense(*assembler.matrix()), rhs);
+  MixedVector increment = assembler.create_vector();
+  for (size_t i = 0; i < rhs.size(); ++i) increment.vertex()(i) = solution[i];
+  assembler.recover(state, increment);
+  return increment;
+}
+
+Vec3<double> entries(const KernelView<const double*>& v, size_t first) {
+  return {{v(first), v(first + 1), v(first + 2)}};
+}
+
+/// The moments of the residual refer to a frame that turns with the increment: their derivative is that of the second
+/// variation, which the tangent holds, plus half a turn of the unbalanced moment itself (left for vertices, whose spins
+/// are spatial, right for elements, whose spins are material). Zero in equilibrium.
+void add_turn_of_unbalanced_moments(const Assembler& assembler, const MixedVector& residual,
+                                    const MixedVector& increment, MixedVector& derivative) {
+  const KernelView<const double*> r = residual.vertex(), d = increment.vertex();
+  const int clamp = vertex_of(assembler.mesh(), "clamp");
+  for (int v = 0; v < assembler.mesh().vertices(); ++v) {
+    if (v == clamp) continue;  // its rows are rotations, not moments
+    const size_t first = kVertexDofs * v + 3;
+    const Vec3<double> turn = 0.5 * cross(entries(d, first), entries(r, first));
+    for (int i = 0; i < 3; ++i) derivative.vertex()(first + i) += turn[i];
+  }
+  const auto interior = derivative.writable_interior(true);
+  for (const ElementBlock& block : assembler.structure().blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const size_t first = block.increment_offset + e * block.interior.increments() + block.interior.spin();
+      const Vec3<double> turn = 0.5 * cross(entries(residual.interior(), first), entries(increment.interior(), first));
+      for (int i = 0; i < 3; ++i) interior(first + i) += turn[i];
+    }
+}
+
+/// Largest difference between the central difference of the residual along `increment` and `expected`, each row
+/// relative to the largest of its kind (the rows' scales).
+double derivative_error(Assembler& assembler, const State& state, const MixedVector& increment,
+                        const MixedVector& expected, double step) {
+  MixedVector scales = row_scales(assembler);
+  MixedVector difference = unscaled_residual(assembler, assembler.apply(state, increment, step));
+  difference.update(-1.0, unscaled_residual(assembler, assembler.apply(state, increment, -step)), 1.0);
+  difference.scale(0.5 / step);
+  difference.update(-1.0, expected, 1.0);
+  MixedVector inverse = assembler.create_vector();
+  inverse.reciprocals_of(scales);
+  difference.multiply_by(inverse);
+  return difference.maximum_norm();
+}
+
+/// Central differences err by step^2 times the third derivative; halving the step must divide the error by four until
+/// round-off takes over.
+void expect_derivative(Assembler& assembler, const State& state, const MixedVector& increment,
+                       const MixedVector& expected) {
+  constexpr double kStep = 1e-3, kQuadratic = 0.28, kRoundoff = 1e-9;
+  const double coarse = derivative_error(assembler, state, increment, expected, kStep);
+  const double fine = derivative_error(assembler, state, increment, expected, 0.5 * kStep);
+  EXPECT_LT(fine, 1e-4);
+  EXPECT_LE(fine, std::max(kQuadratic * coarse, kRoundoff)) << "coarse " << coarse;
+}
+
+void expect_newton_solves_the_linearised_system(const Scene& scene) {
+  Assembler assembler(scene, this_rank(), without_cap());
+  const State state = some_state(assembler);
+  const MixedVector residual = unscaled_residual(assembler, state);
+  assembler.tangent(state, 1.0);
+  MixedVector increment = newton_increment(assembler, state);
+  MixedVector derivative = residual.clone(true);
+  derivative.scale(-1.0);
+  // the increment is as long as the imbalance of the random state; a shorter one has smaller third derivatives
+  const double shorter = 0.1 / increment.largest_vertex_spin();
+  increment.scale(shorter);
+  derivative.scale(shorter);
+  add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
+  expect_derivative(assembler, state, increment, derivative);
+}
+
+TEST(Assembler, NewtonSolvesTheLinearisedMixedSystem) { expect_newton_solves_the_linearised_system(loaded_scene()); }
+
+TEST(Assembler, NewtonWithOneKindOfLoadAtATime) {
+  const Scene all = loaded_scene();
+  for (size_t i = 0; i < all.point_loads.size(); ++i) {
+    Scene scene = all;
+    scene.distributed_loads.clear();
+    scene.point_loads = {all.point_loads[i]};
+    expect_newton_solves_the_linearised_system(scene);
+  }
+  Scene scene = all;
+  scene.point_loads.clear();
+  expect_newton_solves_the_linearised_system(scene);
+}
+
+/// Where axial and shear forces have their own Gauss points, each point has rows without meaning: they stay zero.
+void clear_masked_rows(const Assembler& assembler, MixedVector& v) {
+  const auto interior = v.writable_interior(true);
+  for (const ElementBlock& block : assembler.structure().blocks) {
+    const int axial = axial_points(block.order, block.force_integration);
+    if (axial == shear_points(block.order, block.force_integration)) continue;
+    for (int e = 0; e < block.count; ++e)
+      for (int q = 0; q < block.interior.force_points; ++q)
+        for (int i = 0; i < 3; ++i)
+          if ((q < axial) != (i == 0))
+            interior(block.increment_offset + e * block.interior.increments() + block.interior.force(q) + i) = 0.0;
+  }
+}
+
+/// A random right-hand side in place of the residual: K d = -rhs, the K of the residual.
+TEST(Assembler, CondensedRightHandSidesSolveTheSameSystem) {
+  Scene scene = loaded_scene();
+  scene.supports[0].prescribed_rotation = {};
+  Assembler assembler(scene, this_rank(), without_cap());
+  const State state = some_state(assembler);
+  // Where the clamp is, its rows are the rotation itself; elsewhere that holds along the Newton direction only.
+  const int clamp = vertex_of(assembler.mesh(), "clamp");
+  store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(clamp, 0));
+  const MixedVector residual = unscaled_residual(assembler, state);
+  assembler.tangent(state, 1.0);
+  std::mt19937_64 generator(kSeed + 1);
+  for (int sample = 0; sample < 3; ++sample) {
+    MixedVector rhs = assembler.create_vector();
+    fill_at_random(rhs, 1e-3, generator);  // scaled: rows of size one
+    clear_masked_rows(assembler, rhs);
+    assembler.condense(state, 1.0, rhs);
+    MixedVector increment = newton_increment(assembler, state);
+    MixedVector derivative = rhs.clone(true);
+    derivative.multiply_by(row_scales(assembler));
+    derivative.scale(-1.0);
+    const double shorter = 0.1 / std::max(0.1, increment.largest_vertex_spin());
+    increment.scale(shorter);
+    derivative.scale(shorter);
+    add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
+    expect_derivative(assembler, state, increment, derivative);
+  }
+}
+
+// The twin that must fail: a wrong entry of the increment is seen.
+TEST(Assembler, AWrongIncrementIsSeen) {
+  Assembler assembler(loaded_scene(), this_rank(), without_cap());
+  const State state = some_state(assembler);
+  const MixedVector residual = unscaled_residual(assembler, state);
+  assembler.tangent(state, 1.0);
+  MixedVector increment = newton_increment(assembler, state);
+  increment.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch") + 4) += 1e-2;
+  MixedVector derivative = residual.clone(true);
+  derivative.scale(-1.0);
+  const double shorter = 0.1 / increment.largest_vertex_spin();
+  increment.scale(shorter);
+  derivative.scale(shorter);
+  add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
+  EXPECT_GT(derivative_error(assembler, state, increment, derivative, 1e-3), 1e-3);
+}
+
+TEST(Assembler, LoadDerivativeIsThatOfTheResidual) {
+  for (double load_factor : {0.3, 0.8}) {
+    Assembler assembler(loaded_scene(), this_rank(), {});
+    const State state = some_state(assembler);
+    // The clamp where it should be, as in the converged state that LOCA asks about.
+    const Vector3& turn = assembler.scene().supports[0].prescribed_rotation;
+    store_quaternion(exp_quaternion(load_factor * Vec3<double>{{turn[0], turn[1], turn[2]}}),
+                     &state.views.vertex_rotation(vertex_of(assembler.mesh(), "clamp"), 0));
+    constexpr double kStep = 1e-4;
+    MixedVector derivative = assembler.create_vector(), low = assembler.create_vector(),
+                high = assembler.create_vector();
+    assembler.residual(state, load_factor - kStep, low);
+    low.multiply_by(row_scales(assembler));
+    assembler.residual(state, load_factor + kStep, high);
+    high.multiply_by(row_scales(assembler));
+    MixedVector unused = assembler.create_vector();
+    assembler.residual(state, load_factor, unused);
+    assembler.load_derivative(state, load_factor, derivative);
+    derivative.multiply_by(row_scales(assembler));
+    high.update(-1.0, low, 1.0);
+    high.scale(0.5 / kStep);
+    WorstError worst;
+    for (size_t i = 0; i < high.vertex().extent(0); ++i)
+      worst.see(std::abs(high.vertex()(i) - derivative.vertex()(i)) / (1.0 + std::abs(derivative.vertex()(i))), "row ",
+                i);
+    const KernelView<const double*> a = high.interior(), b = derivative.interior();
+    for (size_t i = 0; i < a.extent(0); ++i)
+      worst.see(std::abs(a(i) - b(i)) / (1.0 + std::abs(b(i))), "interior row ", i);
+    // loads are linear in the load factor: rounding of forces of size 100, divided by the step
+    EXPECT_TRUE(worst.at_most(100 * 16 * kRounding / kStep)) << "load factor " << load_factor;
+  }
+}
+
+/// All numbers of a state and its loads in other units; powers of two, so that no digit changes.
+constexpr double kLength = 1048576.0, kForce = 1.0 / 4194304.0;
+
+Scene in_other_units(Scene scene) {
+  const auto scale = [](Vector3& v, double factor) {
+    for (double& x : v) x *= factor;
+  };
+  Section& s = scene.sections[0];
+  s.axial_stiffness *= kForce;
+  scale(scene.supports[0].prescribed_displacement, kLength);
+  for (double& x : s.shear_stiffness) x *= kForce;
+  for (double& x : s.bending_stiffness) x *= kForce * kLength * kLength;
+  s.torsional_stiffness *= kForce * kLength * kLength;
+  for (Point& point : scene.points) scale(point.position, kLength);
+  for (Member& member : scene.members) scale(member.curve.center, kLength);
+  for (PointLoad& load : scene.point_loads) {
+    scale(load.force, kForce);
+    scale(load.moment, kForce * kLength);
+  }
+  for (DistributedLoad& load : scene.distributed_loads) {
+    scale(load.force, kForce / kLength);
+    scale(load.couple, kForce);
+  }
+  return scene;
+}
+
+TEST(Assembler, ScaledResidualDoesNotKnowTheUnits) {
+  const Scene scene = loaded_scene();
+  Assembler here(scene, this_rank(), {}), there(in_other_units(scene), this_rank(), {});
+  const State a = some_state(here), b = there.reference_state();
+  Kokkos::deep_copy(b.views.vertex_rotation, a.views.vertex_rotation);
+  Kokkos::deep_copy(b.views.element_triad, a.views.element_triad);
+  for (size_t v = 0; v < a.views.vertex_displacement.extent(0); ++v)
+    for (int i = 0; i < 3; ++i) b.views.vertex_displacement(v, i) = kLength * a.views.vertex_displacement(v, i);
+  for (const ElementBlock& block : here.structure().blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < block.interior.unknowns(); ++i) {
+        const size_t place = block.interior_offset + e * block.interior.unknowns() + i;
+        const double factor = i < block.interior.moment(0)              ? kForce
+                              : i < block.interior.relative_rotation(1) ? kForce * kLength
+                                                                        : 1.0;
+        b.views.interior(place) = factor * a.views.interior(place);
+      }
+  MixedVector ra = here.create_vector(), rb = there.create_vector();
+  here.residual(a, 0.7, ra);
+  there.residual(b, 0.7, rb);
+  EXPECT_GT(ra.maximum_norm(), 1e-3);
+  EXPECT_NEAR(there.equilibrium_norm(rb), here.equilibrium_norm(ra), 64 * kRounding * here.equilibrium_norm(ra));
+  rb.update(-1.0, ra, 1.0);
+  EXPECT_LE(rb.maximum_norm(), 64 * kRounding * ra.maximum_norm());
+}
+
+TEST(Assembler, EquilibriumNormLeavesOutStrainsAndSupports) {
+  Assembler assembler(loaded_scene(), this_rank(), {});
+  MixedVector v = assembler.create_vector();
+  v.fill(0.0);
+  const ElementBlock& block = assembler.structure().blocks.front();
+  v.writable_interior(true)(block.increment_offset + block.interior.force(0)) = 3.0;
+  v.writable_interior(true)(block.increment_offset + block.interior.moment(0)) = 4.0;
+  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "clamp") + 2) = 5.0;
+  EXPECT_EQ(assembler.equilibrium_norm(v), 0.0);
+  v.writable_interior(true)(block.increment_offset + block.interior.spin()) = -0.5;
+  EXPECT_EQ(assembler.equilibrium_norm(v), 0.5);
+  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch") + 3) = -2.0;
+  EXPECT_EQ(assembler.equilibrium_norm(v), 2.0);
+  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch")) = std::nan("");
+  EXPECT_FALSE(std::isfinite(assembler.equilibrium_norm(v)));
+}
+
+TEST(Assembler, LargestEndAngleNamesTheElement) {
+  Assembler assembler(loaded_scene(), this_rank(), {});
+  const State state = assembler.reference_state();
+  const int vertex = vertex_of(assembler.mesh(), "tine 1");
+  const Quaternion<double> turn = exp_quaternion(Vec3<double>{{0.0, 1.5, 0.0}});
+  store_quaternion(turn, &state.views.vertex_rotation(vertex, 0));
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, 0.0, residual);
+  const Assembler::EndAngle angle = assembler.largest_end_angle();
+  // relative to the reference, where ends of elements and vertices agree for every curve
+  EXPECT_NEAR(angle.angle, 1.5, 8 * kRounding);
+  const Scene& scene = assembler.scene();
+  const Member& member = scene.members[member_index(scene, angle.member)];
+  EXPECT_TRUE(member.start_point == "tine 1" || member.end_point == "tine 1") << angle.member;
+  EXPECT_EQ(angle.element, member.start_point == "tine 1" ? 0 : member.elements - 1);
+}
+
+}  // namespace
+}  // namespace mixbeam::test

@@ -1,0 +1,151 @@
+// Mesh and partition: every vertex owned once, every element where it is needed, ghosts at the far ends.
+#include "discretization/structure.hpp"
+
+#include "discretization/errors.hpp"
+#include "tests/problems/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace mixbeam::test {
+namespace {
+
+/// A branch, a closed loop, two blocks of elements.
+Scene branched() {
+  Scene scene = fork(2, 4);
+  scene.members[1].order = 3;
+  scene.members.push_back(line("tie", "tine 2", "tine 1", 2, 3));
+  return scene;
+}
+
+TEST(Mesh, ChainsAreNumberedAlongTheMember) {
+  const Mesh mesh = build_mesh(cantilever(section(1, 1, 1, 1), 6.0, 1, 3));
+  ASSERT_EQ(mesh.vertices(), 4);
+  ASSERT_EQ(mesh.elements.size(), 3u);
+  for (int e = 0; e < 3; ++e) {
+    EXPECT_EQ(mesh.elements[e].index, e);
+    EXPECT_EQ(mesh.elements[e].vertex[0], e);
+    EXPECT_EQ(mesh.elements[e].vertex[1], e + 1);
+    EXPECT_NEAR(mesh.vertex_position[e + 1][0], 2.0 * (e + 1), 1e-15 * 6.0);
+  }
+  EXPECT_EQ(characteristic_length(mesh), 6.0);
+}
+
+TEST(Mesh, MembersShareTheVerticesOfTheirPoints) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  EXPECT_EQ(mesh.vertices(), 4 + 3 * 3 + 2);
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    EXPECT_EQ(mesh.elements[member.first_element].vertex[0], vertex_of(mesh, scene.members[m].start_point));
+    EXPECT_EQ(mesh.elements[member.first_element + member.elements - 1].vertex[1],
+              vertex_of(mesh, scene.members[m].end_point));
+    for (int e = 0; e < member.elements; ++e)
+      EXPECT_EQ(mesh.elements[member.first_element + e].member, static_cast<int>(m));
+  }
+}
+
+TEST(Mesh, EndOfAnArcMayFollowFromItsCurve) {
+  const Mesh mesh = build_mesh(arc_segment(100, 1, 2));
+  const Vector3& tip = mesh.vertex_position[vertex_of(mesh, "tip")];
+  constexpr double kRoundedRadius = 100.0 * 1e-15;
+  EXPECT_NEAR(tip[0], 100.0 * std::sin(kPi / 4.0), kRoundedRadius);
+  EXPECT_NEAR(tip[1], 100.0 * (1.0 - std::cos(kPi / 4.0)), kRoundedRadius);
+}
+
+TEST(Mesh, NamesTheNearestPointAndMember) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  try {
+    vertex_of(mesh, "tyne 1");
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"tine 1\""), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(member_index(scene, "shafd"), InputError);
+}
+
+TEST(Partition, EveryVertexIsOwnedOnce) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  for (int ranks : {1, 2, 3, 7, 40}) {
+    std::vector<int> owners(mesh.vertices(), 0);
+    int smallest = mesh.vertices(), largest = 0;
+    for (int rank = 0; rank < ranks; ++rank) {
+      const Structure structure = build_structure(scene, mesh, rank, ranks);
+      for (int v = 0; v < structure.owned_vertices; ++v) {
+        ++owners[structure.local_vertex_to_global[v]];
+        EXPECT_TRUE(structure.partition.owns(structure.local_vertex_to_global[v]));
+      }
+      smallest = std::min(smallest, structure.owned_vertices);
+      largest = std::max(largest, structure.owned_vertices);
+    }
+    for (int v = 0; v < mesh.vertices(); ++v) EXPECT_EQ(owners[v], 1) << "vertex " << v << ", ranks " << ranks;
+    EXPECT_LE(largest - smallest, 1) << "ranks " << ranks;
+  }
+}
+
+TEST(Partition, ElementsThatTouchAnOwnedVertexAreThere) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  for (int ranks : {1, 2, 3, 7})
+    for (int rank = 0; rank < ranks; ++rank) {
+      const Structure structure = build_structure(scene, mesh, rank, ranks);
+      std::set<int> ghosts;
+      for (size_t e = 0; e < mesh.elements.size(); ++e) {
+        const MeshElement& element = mesh.elements[e];
+        const bool touches = structure.partition.owns(element.vertex[0]) || structure.partition.owns(element.vertex[1]);
+        const int local = structure.mesh_element_to_local[e];
+        EXPECT_EQ(local >= 0, touches) << "element " << e << ", rank " << rank << " of " << ranks;
+        if (local < 0) continue;
+        EXPECT_EQ(structure.local_element_to_mesh[local], static_cast<int>(e));
+        for (int v : element.vertex)
+          if (!structure.partition.owns(v)) ghosts.insert(v);
+      }
+      const auto& local_to_global = structure.local_vertex_to_global;
+      const std::set<int> found(local_to_global.begin() + structure.owned_vertices, local_to_global.end());
+      EXPECT_EQ(found, ghosts) << "rank " << rank << " of " << ranks;
+      EXPECT_EQ(local_to_global.size(), structure.owned_vertices + ghosts.size());
+      EXPECT_TRUE(std::is_sorted(local_to_global.begin() + structure.owned_vertices, local_to_global.end()));
+    }
+}
+
+TEST(Partition, BlocksHoldElementsOfOneKindWithTheirVertices) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  for (int rank = 0; rank < 3; ++rank) {
+    const Structure structure = build_structure(scene, mesh, rank, 3);
+    int elements = 0;
+    for (const ElementBlock& block : structure.blocks) {
+      EXPECT_EQ(block.first_element, elements);
+      elements += block.count;
+      for (int e = 0; e < block.count; ++e) {
+        const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
+        EXPECT_EQ(block.member(e), element.member);
+        EXPECT_EQ(block.order, scene.members[element.member].order);
+        EXPECT_EQ(&structure.block_of(block.first_element + e), &block);
+        for (int end = 0; end < 2; ++end)
+          EXPECT_EQ(structure.local_vertex_to_global[block.vertices(e, end)], element.vertex[end]);
+      }
+    }
+    EXPECT_EQ(structure.local_elements(), elements);
+    EXPECT_THROW(structure.block_of(elements), std::out_of_range);
+  }
+}
+
+// Scales of the residual must be the same on every rank.
+TEST(Partition, SizesOfTheWholeStructureAreKnownToEveryRank) {
+  const Scene scene = branched();
+  const Mesh mesh = build_mesh(scene);
+  const Structure whole = build_structure(scene, mesh, 0, 1);
+  for (int rank = 0; rank < 3; ++rank) {
+    const Structure part = build_structure(scene, mesh, rank, 3);
+    EXPECT_EQ(part.length, whole.length);
+    EXPECT_EQ(part.shortest_element, whole.shortest_element);
+    EXPECT_EQ(part.bending_reference, whole.bending_reference);
+  }
+}
+
+}  // namespace
+}  // namespace mixbeam::test
