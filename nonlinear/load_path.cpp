@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace mixbeam {
@@ -77,7 +78,10 @@ StepSizes step_sizes(const Scene& scene, const LoadPathParameters& path) {
   const bool fixed = path.method == LoadPathMethod::fixed;
   const double rotation = largest_prescribed_rotation(scene);
   const double allowed = rotation > 0.0 ? std::min(1.0, kLargestPrescribedTurn / rotation) : 1.0;
-  StepSizes sizes{fixed ? 1.0 / path.steps : path.initial_step, path.minimum_step, fixed ? 1.0 / path.steps : path.maximum_step};
+  // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more than the
+  // rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
+  const double equal = 1.0 / path.steps + 2.0 * std::numeric_limits<double>::epsilon() * scene.stages;
+  StepSizes sizes{fixed ? equal : path.initial_step, path.minimum_step, fixed ? equal : path.maximum_step};
   sizes.maximum = std::min(sizes.maximum, allowed);
   sizes.initial = std::min(sizes.initial, sizes.maximum);
   sizes.minimum = std::min(sizes.minimum, sizes.initial);
