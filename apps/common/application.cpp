@@ -102,6 +102,7 @@ std::ostream& nowhere() {
 
 void set_up(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
   app.name = definition.name;
+  app.quiet = line.quiet;
   app.xml = read_xml(line.scene_file ? *line.scene_file : default_scene_file(definition.name));
   validate(*app.xml.list, root_spec(definition), app.xml.source);
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
@@ -156,7 +157,7 @@ std::ostream& Application::out() const { return writes_files() ? std::cout : now
 Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                               const RunObserver& observer) {
   Simulation simulation(solved, parameters, communicator);
-  Progress progress(label.empty() ? nowhere() : out(), name + " " + label, solved.stages);
+  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages);
   StepReport last;
   simulation.run([&](const StepReport& report, const State&) {
     last = report;

@@ -26,6 +26,7 @@ class Application {
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
   std::filesystem::path output;         ///< existing folder
+  bool quiet = false;                   ///< no progress lines
   Summary summary;
   Communicator communicator;
 
