@@ -4,6 +4,7 @@
 #include "apps/common/table_printer.hpp"
 #include "apps/common/variants.hpp"
 #include "apps/helix/exact_helix.hpp"
+#include "discretization/errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,15 +20,11 @@ const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Helix expe
 const std::string kGoal =
     "goal of mixbeam: pure bending and twisting in 3 iterations of one load step, at any slenderness";
 
-/// "Exact up to the floating point accuracy": the roundings of some hundred operations on numbers of the size of L.
-/// Asked of the meshes that the paper names.
+/// "Exact up to the floating point accuracy": what the scene's residual tolerance of 2e-12 leaves, as a share of L.
 constexpr double kExact = 1e-12;
 
 /// The same for angles up to two full turns, in radians.
 constexpr double kExactRotation = 1e-11;
-
-/// Of all other meshes, where Newton may stop anywhere below the default tolerance of the scaled residual (1e-11).
-constexpr double kConverged = 1e-11;
 
 /// Between vertices no polynomial of degree k can do better than k + 1.
 constexpr double kRateTolerance = 0.15;
@@ -64,6 +61,9 @@ std::vector<Number> list_of(Application& app, const char* name) {
 }
 
 ExactHelix exact_helix(Application& app) {
+  if (app.scene.members.size() != 1)
+    throw InputError("the study of the helix needs a scene with one member; this one has " +
+                     std::to_string(app.scene.members.size()) + " (--single runs any scene)");
   const Teuchos::ParameterList& study = app.study();
   return {study.get<double>("Radius"), study.get<double>("Height"), study.get<double>("Coils")};
 }
@@ -227,9 +227,9 @@ void report_exact_values(Application& app, const std::vector<HelixRun>& runs,
       std::ostringstream name;
       name << "rho=" << slenderness << " k=" << order << ", all meshes: ";
       app.summary.check_upper_bound(name.str() + "tip, distance to the exact helix / L", worst.errors.tip_position,
-                                    kConverged, kPaper);
+                                    kExact, kPaper);
       app.summary.check_upper_bound(name.str() + "any vertex, angle to the exact rotation",
-                                    worst.errors.vertex_rotation, kConverged, kPaper);
+                                    worst.errors.vertex_rotation, kExactRotation, kPaper);
       app.summary.check_upper_bound(name.str() + "Newton iterations", worst.iterations, kStudyIterations, kGoal);
     }
 }
