@@ -7,8 +7,8 @@
 namespace mixbeam::test {
 namespace {
 
-template <class View>
-bool same_bits(const View& a, const View& b) {
+template <class... A, class... B>
+bool same_bits(const Kokkos::View<A...>& a, const Kokkos::View<B...>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 

@@ -1,0 +1,100 @@
+/// A beam group with what it needs, for tests of the group and its vectors.
+#pragma once
+
+#include "nonlinear/beam_group.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <LOCA_GlobalData.H>
+#include <cstring>
+#include <random>
+
+namespace mixbeam::test {
+
+template <class... A, class... B>
+bool same_bits(const Kokkos::View<A...>& a, const Kokkos::View<B...>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
+inline bool same_bits(const State& a, const State& b) {
+  return same_bits(a.views.vertex_displacement, b.views.vertex_displacement) &&
+         same_bits(a.views.vertex_rotation, b.views.vertex_rotation) &&
+         same_bits(a.views.element_triad, b.views.element_triad) && same_bits(a.views.interior, b.views.interior);
+}
+
+inline bool same_bits(const MixedVector& a, const MixedVector& b) {
+  return same_bits(a.vertex(), b.vertex()) && same_bits(a.interior(), b.interior());
+}
+
+inline bool same_bits(const NOX::Abstract::Vector& a, const NOX::Abstract::Vector& b) {
+  return same_bits(BeamVector::of(a), BeamVector::of(b));
+}
+
+/// Entries between -size and size, the same in every run.
+inline void fill_at_random(MixedVector& v, double size, unsigned seed) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> entry(-size, size);
+  const auto vertex = v.vertex();
+  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
+  const auto interior = v.writable_interior(false);
+  for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
+}
+
+/// Force stiffness never capped: the tangent is that of the residual, to the last digit.
+inline SolverParameters without_cap() {
+  SolverParameters parameters;
+  parameters.linear.force_stiffness_cap = 1e12;
+  return parameters;
+}
+
+class BeamFixture {
+ public:
+  BeamFixture(const Scene& scene, double load_factor, const SolverParameters& parameters = without_cap())
+      : list_(Teuchos::rcp(new Teuchos::ParameterList("mixbeam"))),
+        global_(LOCA::createGlobalData(list_, Teuchos::null)),
+        problem_(Teuchos::rcp(new BeamProblem(scene, this_rank(), parameters))),
+        group_(Teuchos::rcp(new BeamGroup(global_, problem_, problem_->assembler.reference_state(), load_factor, {}))) {
+  }
+  ~BeamFixture() {
+    group_ = Teuchos::null;
+    LOCA::destroyGlobalData(global_);
+  }
+  BeamFixture(const BeamFixture&) = delete;
+  BeamFixture& operator=(const BeamFixture&) = delete;
+
+  BeamGroup& group() { return *group_; }
+  BeamProblem& problem() { return *problem_; }
+  BeamVector create_vector() const { return BeamVector(problem_->assembler.create_vector()); }
+  BeamVector random_vector(double size, unsigned seed) const {
+    BeamVector v = create_vector();
+    fill_at_random(v.values(), size, seed);
+    return v;
+  }
+  Teuchos::ParameterList& no_parameters() { return none_; }
+
+  void newton_step(double fraction = 1.0) {
+    group().computeF();
+    group().computeNewton(none_);
+    const Teuchos::RCP<NOX::Abstract::Group> old = group().clone(NOX::DeepCopy);
+    group().computeX(*old, old->getNewton(), fraction);
+  }
+  /// Newton's method without any limit: for small loads.
+  void converge() {
+    constexpr int kMostIterations = 30;
+    constexpr double kConverged = 1e-12;
+    for (int i = 0; i < kMostIterations; ++i) {
+      newton_step();
+      group().computeF();
+      if (group().getNormF() < kConverged) return;
+    }
+    ADD_FAILURE() << "not converged: " << group().getNormF();
+  }
+
+ private:
+  Teuchos::RCP<Teuchos::ParameterList> list_;
+  Teuchos::RCP<LOCA::GlobalData> global_;
+  Teuchos::RCP<BeamProblem> problem_;
+  Teuchos::RCP<BeamGroup> group_;
+  Teuchos::ParameterList none_;
+};
+
+}  // namespace mixbeam::test

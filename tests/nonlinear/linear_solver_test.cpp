@@ -1,0 +1,184 @@
+// Right solutions are returned with a small backward error, wrong ones are never returned.
+#include "nonlinear/linear_solver.hpp"
+
+#include "discretization/assembler.hpp"
+#include "tests/problems/solve.hpp"
+#include "tests/worst_error.hpp"
+
+#include <limits>
+
+namespace mixbeam::test {
+namespace {
+
+constexpr double kTolerance = 1e-8;  // of the solver's own check: its default
+
+/// The matrix of a scene filled with numbers that depend on row and column alone, dominated by its diagonal: well
+/// conditioned, not symmetric, the same matrix on any number of ranks.
+class Equations {
+ public:
+  explicit Equations(const Communicator& comm) : assembler_(fork(2, 3), comm, {}) {
+    fill();
+    solver = make_direct_solver(assembler_.matrix(), "KLU2", kTolerance, assembler_.times());
+    known = right_hand_side = solution = Teuchos::null;
+    known = Teuchos::rcp(new DofVector(assembler_.map()));
+    right_hand_side = Teuchos::rcp(new DofVector(assembler_.map()));
+    solution = Teuchos::rcp(new DofVector(assembler_.map()));
+    const auto x = MixedVector::view_of(*known);
+    for (size_t i = 0; i < x.extent(0); ++i) x(i) = std::sin(1.0 + global_row(static_cast<int>(i)));
+    assembler_.apply_matrix(*known, *right_hand_side);
+  }
+
+  /// Multiplies the rows of one vertex, wherever it is.
+  void scale_rows(int first, int last, double factor) {
+    for_each_entry([&](int row, int, double& value) {
+      if (row >= first && row < last) value *= factor;
+    });
+  }
+  template <class Action>
+  void for_each_entry(const Action& action) {
+    const auto local = assembler_.matrix()->getLocalMatrixHost();
+    const auto columns = assembler_.matrix()->getColMap();
+    for (int i = 0; i < local.numRows(); ++i)
+      for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
+        action(global_row(i), static_cast<int>(columns->getGlobalElement(local.graph.entries(k))), local.values(k));
+  }
+  double error() const {
+    DofVector difference(*solution, Teuchos::Copy);
+    difference.update(-1.0, *known, 1.0);
+    return difference.normInf();
+  }
+  const DofMatrix& matrix() const { return *assembler_.matrix(); }
+
+  std::unique_ptr<LinearSolver> solver;
+  Teuchos::RCP<DofVector> known, right_hand_side, solution;
+
+ private:
+  int global_row(int local) const { return static_cast<int>(assembler_.map()->getGlobalElement(local)); }
+  void fill() {
+    for_each_entry([](int row, int column, double& value) {
+      value = std::cos(3.0 * row + 7.0 * column) + (row == column ? 30.0 : 0.0);
+    });
+  }
+
+  Assembler assembler_;
+};
+
+// Condition below 10, systems of 60 unknowns.
+constexpr double kSolutionError = 1e-13;
+
+void expect_right_solution(const Communicator& comm) {
+  Equations equations(comm);
+  equations.solver->factorize();
+  EXPECT_LE(equations.solver->solve(*equations.right_hand_side, *equations.solution), 10 * kRounding);
+  EXPECT_LE(equations.error(), kSolutionError);
+  // the same structure with other values
+  equations.for_each_entry([](int row, int column, double& value) { value += row == column ? 5.0 : 0.0; });
+  equations.matrix().apply(*equations.known, *equations.right_hand_side);
+  equations.solver->factorize();
+  equations.solver->solve(*equations.right_hand_side, *equations.solution);
+  EXPECT_LE(equations.error(), kSolutionError);
+}
+
+void expect_singular_matrix_is_reported(const Communicator& comm) {
+  Equations equations(comm);
+  equations.scale_rows(7, 8, 0.0);
+  EXPECT_THROW(
+      {
+        equations.solver->factorize();
+        equations.solver->solve(*equations.right_hand_side, *equations.solution);
+      },
+      LinearSolverError);
+}
+
+// The factors no longer belong to the matrix: what a solver with an error of its own would return.
+void expect_corrupted_solution_is_caught(const Communicator& comm) {
+  Equations equations(comm);
+  equations.solver->factorize();
+  equations.scale_rows(12, 18, 50.0);
+  EXPECT_THROW(equations.solver->solve(*equations.right_hand_side, *equations.solution), LinearSolverError);
+}
+
+TEST(LinearSolver, RightSolution) { expect_right_solution(this_rank()); }
+TEST(LinearSolver, SingularMatrixIsReported) { expect_singular_matrix_is_reported(this_rank()); }
+TEST(LinearSolver, CorruptedSolutionIsCaught) { expect_corrupted_solution_is_caught(this_rank()); }
+
+// Amesos2 alone returns wrong solutions here without a message (Trilinos 13.2 built with GCC 12).
+TEST(MpiLinearSolver, RightSolution) { expect_right_solution(all_ranks()); }
+TEST(MpiLinearSolver, SingularMatrixIsReportedOnEveryRank) { expect_singular_matrix_is_reported(all_ranks()); }
+TEST(MpiLinearSolver, CorruptedSolutionIsCaughtOnEveryRank) { expect_corrupted_solution_is_caught(all_ranks()); }
+
+TEST(LinearSolver, RecoversAfterASingularMatrix) {
+  Equations equations(this_rank());
+  equations.solver->factorize();
+  std::vector<double> values;
+  equations.for_each_entry([&](int, int, double& value) { values.push_back(value); });
+  equations.scale_rows(7, 8, 0.0);
+  try {
+    equations.solver->factorize();
+    equations.solver->solve(*equations.right_hand_side, *equations.solution);
+    ADD_FAILURE() << "no error";
+  } catch (const LinearSolverError&) {
+  }
+  size_t k = 0;
+  equations.for_each_entry([&](int, int, double& value) { value = values[k++]; });
+  equations.solver->factorize();
+  equations.solver->solve(*equations.right_hand_side, *equations.solution);
+  EXPECT_LE(equations.error(), kSolutionError);
+}
+
+TEST(LinearSolver, SlightlyWrongFactorsAreCuredByRefinement) {
+  Equations equations(this_rank());
+  equations.solver->factorize();
+  equations.scale_rows(12, 18, 1.0 + 1e-5);
+  equations.matrix().apply(*equations.known, *equations.right_hand_side);
+  EXPECT_LE(equations.solver->solve(*equations.right_hand_side, *equations.solution), kTolerance);
+  EXPECT_LE(equations.error(), 1e-9);  // two solves with factors that are wrong by 1e-5
+}
+
+TEST(LinearSolver, MatrixThatIsNotANumberIsReported) {
+  Equations equations(this_rank());
+  equations.scale_rows(7, 8, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW(
+      {
+        equations.solver->factorize();
+        equations.solver->solve(*equations.right_hand_side, *equations.solution);
+      },
+      LinearSolverError);
+}
+
+TEST(LinearSolver, UnknownMethodIsRefused) {
+  PhaseTimes times;
+  Assembler assembler(fork(1, 1), this_rank(), {});
+  EXPECT_THROW(make_direct_solver(assembler.matrix(), "no such solver", kTolerance, times), LinearSolverError);
+}
+
+void expect_backward_error(const Communicator& comm) {
+  Equations equations(comm);
+  DofVector x(*equations.known, Teuchos::Copy);
+  EXPECT_LE(backward_error(equations.matrix(), x, *equations.right_hand_side), 10 * kRounding);
+  x.scale(1.0 + 1e-6);
+  const double small = backward_error(equations.matrix(), x, *equations.right_hand_side);
+  EXPECT_GT(small, 1e-8);
+  EXPECT_LT(small, 1e-6);
+  x.putScalar(0.0);
+  EXPECT_EQ(backward_error(equations.matrix(), x, *equations.right_hand_side), 1.0);  // |b| / |b|
+  if (comm->getRank() == 0) MixedVector::view_of(x)(0) = std::nan("");
+  EXPECT_FALSE(std::isfinite(backward_error(equations.matrix(), x, *equations.right_hand_side)));
+}
+TEST(LinearSolver, BackwardError) { expect_backward_error(this_rank()); }
+TEST(MpiLinearSolver, BackwardError) { expect_backward_error(all_ranks()); }
+
+// Rows in other units are divided by their own size.
+TEST(LinearSolver, BackwardErrorIsBlindToUnitsOfRows) {
+  Equations equations(this_rank());
+  DofVector x(*equations.known, Teuchos::Copy);
+  x.scale(1.0 + 1e-6);
+  const double before = backward_error(equations.matrix(), x, *equations.right_hand_side);
+  equations.scale_rows(0, 30, 0x1p60);
+  const auto b = MixedVector::view_of(*equations.right_hand_side);
+  for (int i = 0; i < 30; ++i) b(i) *= 0x1p60;
+  EXPECT_EQ(backward_error(equations.matrix(), x, *equations.right_hand_side), before);
+}
+
+}  // namespace
+}  // namespace mixbeam::test

@@ -1,0 +1,252 @@
+// Load continuation: steps, recovery, stages, and an honest end when no equilibrium is found.
+#include "nonlinear/load_path.hpp"
+
+#include "tests/nonlinear/beam_fixture.hpp"
+
+#include <numeric>
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+SolverParameters fixed_steps(int steps) {
+  SolverParameters parameters;
+  parameters.load_path.method = LoadPathMethod::fixed;
+  parameters.load_path.steps = steps;
+  return parameters;
+}
+
+struct Path {
+  LoadPathResult result;
+  std::vector<StepReport> reports;
+  State end;
+  Vector3 tip{};
+};
+
+Path follow(const Scene& scene, const SolverParameters& parameters) {
+  Path path;
+  Simulation simulation(scene, parameters, this_rank());
+  path.result = simulation.run([&](const StepReport& report, const State&) { path.reports.push_back(report); });
+  path.end = simulation.state();
+  path.tip = simulation.displacement(scene.points.back().name == "tip" ? "tip" : "tine 1");
+  return path;
+}
+
+/// A large bending problem with one equilibrium.
+Scene elastica(double force = 10.0) {
+  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 2, 8);
+  scene.point_loads = {dead_load("tip", {0, force, 0})};
+  return scene;
+}
+
+constexpr double kSameEquilibrium = 1e-10;  // both solved to a scaled residual of 1e-11
+
+TEST(LoadPath, FixedSteps) {
+  const Path path = follow(elastica(), fixed_steps(4));
+  EXPECT_TRUE(path.result.finished);
+  EXPECT_TRUE(path.result.failure.empty());
+  EXPECT_EQ(path.result.steps, 4);
+  EXPECT_EQ(path.result.failed_steps, 0);
+  ASSERT_EQ(path.reports.size(), 5u);
+  int iterations = 0;
+  for (size_t i = 0; i < path.reports.size(); ++i) {
+    EXPECT_EQ(path.reports[i].step, static_cast<int>(i));
+    EXPECT_NEAR(path.reports[i].load_factor, 0.25 * static_cast<double>(i), 1e-14);
+    EXPECT_LE(path.reports[i].residual, SolverParameters().newton.residual_tolerance);
+    EXPECT_TRUE(path.reports[i].converged);
+    iterations += path.reports[i].newton_iterations;
+  }
+  EXPECT_EQ(path.reports.back().load_factor, 1.0);
+  EXPECT_EQ(iterations, path.result.newton_iterations);
+  EXPECT_EQ(path.result.iterations_of_stage, std::vector<int>{iterations});
+}
+
+TEST(LoadPath, AdaptiveStepsGrow) {
+  SolverParameters parameters;
+  parameters.load_path.initial_step = 0.05;
+  parameters.load_path.maximum_step = 0.4;
+  const Path path = follow(elastica(), parameters);
+  ASSERT_TRUE(path.result.finished);
+  ASSERT_GE(path.reports.size(), 4u);
+  EXPECT_NEAR(path.reports[1].load_factor, 0.05, 1e-14);
+  const double second = path.reports[2].load_factor - path.reports[1].load_factor;
+  EXPECT_GT(second, 0.05);
+  for (size_t i = 1; i < path.reports.size(); ++i)
+    EXPECT_LE(path.reports[i].load_factor - path.reports[i - 1].load_factor, 0.4 + 1e-14);
+  EXPECT_EQ(path.reports.back().load_factor, 1.0);
+  EXPECT_TRUE(agrees(path.tip, follow(elastica(), fixed_steps(1)).tip, kSameEquilibrium));
+}
+
+TEST(LoadPath, RecoversFromFailedSteps) {
+  for (LoadPathMethod method : {LoadPathMethod::fixed, LoadPathMethod::adaptive}) {
+    SolverParameters parameters;
+    parameters.load_path.method = method;
+    parameters.newton.maximum_iterations = 6;  // too few for the whole load
+    const Path path = follow(elastica(), parameters);
+    EXPECT_TRUE(path.result.finished) << path.result.failure;
+    EXPECT_GE(path.result.failed_steps, 1);
+    EXPECT_GT(path.result.steps, 1);
+    // failed attempts count
+    int iterations = 0;
+    for (const StepReport& report : path.reports) iterations += report.newton_iterations;
+    EXPECT_EQ(iterations, path.result.newton_iterations);
+    EXPECT_GT(iterations, 6 * path.result.failed_steps);
+    EXPECT_EQ(path.reports.back().load_factor, 1.0);
+    EXPECT_TRUE(agrees(path.tip, follow(elastica(), {}).tip, kSameEquilibrium));
+  }
+}
+
+TEST(LoadPath, Stages) {
+  const Path path = follow(fork(2, 3), fixed_steps(3));
+  ASSERT_TRUE(path.result.finished);
+  EXPECT_EQ(path.result.steps, 6);
+  ASSERT_EQ(path.reports.size(), 7u);  // the end of a stage is not reported again as the start of the next one
+  EXPECT_EQ(path.reports[3].load_factor, 1.0);
+  EXPECT_EQ(path.reports[6].load_factor, 2.0);
+  ASSERT_EQ(path.result.iterations_of_stage.size(), 2u);
+  EXPECT_EQ(path.result.iterations_of_stage[0] + path.result.iterations_of_stage[1], path.result.newton_iterations);
+  for (int stage : {0, 1}) {
+    int iterations = 0;
+    for (int i = 1; i <= 3; ++i) iterations += path.reports[3 * stage + i].newton_iterations;
+    EXPECT_EQ(iterations, path.result.iterations_of_stage[stage]) << "stage " << stage + 1;
+  }
+}
+
+TEST(LoadPath, GivesUpAtTheMinimumStepWithTheLastConvergedState) {
+  SolverParameters parameters;
+  parameters.load_path.initial_step = 0.5;
+  parameters.load_path.minimum_step = 0.1;
+  parameters.newton.maximum_iterations = 4;
+  Scene scene = elastica(1.0);
+  // twice the load of the first half in the second stage: too much for four iterations in steps of a tenth
+  scene.point_loads.push_back(dead_load("tip", {0, -3000.0, 500.0}));
+  scene.point_loads[1].stage = scene.stages = 2;
+  Simulation simulation(scene, parameters, this_rank());
+  State last;
+  double last_load_factor = -1.0;
+  const LoadPathResult result = simulation.run([&](const StepReport& report, const State& state) {
+    last = state;
+    last_load_factor = report.load_factor;
+  });
+  EXPECT_FALSE(result.finished);
+  EXPECT_GE(result.failed_steps, 1);
+  EXPECT_GE(result.load_factor, 1.0);
+  EXPECT_LT(result.load_factor, 2.0);
+  EXPECT_EQ(result.load_factor, last_load_factor);
+  EXPECT_TRUE(same_bits(simulation.state(), last));
+  for (const char* part :
+       {"no equilibrium was found beyond load factor", "minimum of 0.1", "Minimum Step", "more elements"})
+    EXPECT_NE(result.failure.find(part), std::string::npos) << part << " is missing in: " << result.failure;
+}
+
+TEST(LoadPath, GivesUpAfterTheLargestNumberOfSteps) {
+  SolverParameters parameters = fixed_steps(10);
+  parameters.load_path.maximum_steps = 3;
+  const Path path = follow(elastica(), parameters);
+  EXPECT_FALSE(path.result.finished);
+  EXPECT_FALSE(path.result.failure.empty());
+  EXPECT_LE(path.result.steps, 3);
+  EXPECT_EQ(path.result.load_factor, path.reports.back().load_factor);
+}
+
+/// A beam that slides along its axis: no equilibrium, and a singular tangent from the start.
+Scene mechanism() {
+  Scene scene = elastica();
+  scene.supports[0].displacement_fixed = {false, true, true};
+  scene.point_loads = {dead_load("tip", {1, 0, 0})};
+  return scene;
+}
+
+TEST(LoadPath, WhatIsNotANumberEndsTheAttemptAtOnce) {
+  SolverParameters parameters;
+  parameters.load_path.minimum_step = 0.3;
+  const Path path = follow(mechanism(), parameters);
+  EXPECT_FALSE(path.result.finished);
+  EXPECT_EQ(path.result.load_factor, 0.0);
+  // steps of 1, 0.5 and the minimum, one iteration each
+  EXPECT_LE(path.result.newton_iterations, 3);
+  EXPECT_NE(path.result.failure.find("Last linear solve"), std::string::npos) << path.result.failure;
+  for (double u : path.tip) EXPECT_EQ(u, 0.0);
+}
+
+/// The paper's superimposed rotation: a quarter circle under a moment that turns with the beam, then ten turns of the
+/// clamp.
+Scene superimposed_rotation(double turns) {
+  Scene scene = cantilever(rollup_section(10.0), 1.0, 3, 4);
+  scene.point_loads = {follower_load("tip", "beam", {}, {0, -kPi / 2.0, 0})};
+  scene.supports[0].prescribed_rotation = {0, 0, 2.0 * kPi * turns};
+  scene.supports[0].stage = scene.stages = 2;
+  return scene;
+}
+
+TEST(LoadPath, ManyTurnsOfASupportAreFollowedInShortSteps) {
+  const Path path = follow(superimposed_rotation(10.0), {});
+  ASSERT_TRUE(path.result.finished) << path.result.failure;
+  EXPECT_EQ(path.result.failed_steps, 0);
+  EXPECT_GE(path.result.steps, 1 + 40);  // no step beyond a quarter turn
+  for (size_t i = 2; i < path.reports.size(); ++i)
+    EXPECT_LE(path.reports[i].load_factor - path.reports[i - 1].load_factor, 0.025 + 1e-12);
+}
+
+TEST(LoadPath, TurningTheBentBeamChangesNeitherHeightNorEnergy) {
+  constexpr double kObjective = 1e-12;
+  Simulation simulation(superimposed_rotation(10.0), fixed_steps(71), this_rank());
+  const int tip = vertex_of(simulation.assembler().mesh(), "tip");
+  double height = 0.0, energy = 0.0, largest = 0.0;
+  int steps = 0;
+  simulation.run([&](const StepReport& report, const State& state) {
+    if (report.load_factor < 1.0) return;
+    const double h = vertex_motion(simulation.assembler(), state, tip)[2];
+    const StrainEnergy e = strain_energy(simulation.assembler(), state);
+    if (report.load_factor == 1.0) {
+      height = h;
+      energy = e.moment;
+    }
+    ++steps;
+    largest = std::max({largest, std::abs(h - height), std::abs(e.moment - energy) / energy});
+  });
+  ASSERT_TRUE(simulation.result().finished) << simulation.result().failure;
+  EXPECT_EQ(steps, 72);
+  EXPECT_LE(largest, kObjective);
+  // a quarter circle of unit length, its tangent integrated with three Gauss points for each pi / 8: 1.8e-9 of the
+  // chord
+  constexpr double kGauss = 2e-9;
+  EXPECT_NEAR(height, 2.0 / kPi, kGauss);
+  EXPECT_TRUE(agrees(simulation.position("tip"), {2.0 / kPi, 0, 2.0 / kPi}, kGauss));
+}
+
+TEST(LoadPath, TwoRunsGiveTheSameBits) {
+  SolverParameters parameters;
+  parameters.load_path.initial_step = 0.3;
+  const Path first = follow(fork(3, 3), parameters), second = follow(fork(3, 3), parameters);
+  EXPECT_TRUE(same_bits(first.end, second.end));
+  ASSERT_EQ(first.reports.size(), second.reports.size());
+  for (size_t i = 0; i < first.reports.size(); ++i) {
+    EXPECT_EQ(first.reports[i].load_factor, second.reports[i].load_factor);
+    EXPECT_EQ(first.reports[i].residual, second.reports[i].residual);
+    EXPECT_EQ(first.reports[i].newton_iterations, second.reports[i].newton_iterations);
+  }
+}
+
+// Far beyond the convergence of plain Newton steps (design: 8, 11, 13, 16, 20 iterations with a limit of 0.5).
+TEST(LoadPath, RotationLimitBringsLargeLoadsInOneStep) {
+  for (double force : {10.0, 1e2, 1e3, 1e4, 1e6}) {
+    Scene scene = elastica(force);
+    scene.sections = {section(kRigid, kRigid, 1.0, 1.0)};
+    const Path path = follow(scene, fixed_steps(1));
+    EXPECT_TRUE(path.result.finished) << "force " << force << ": " << path.result.failure;
+    EXPECT_EQ(path.result.steps, 1) << "force " << force;
+    EXPECT_LE(path.result.newton_iterations, 30) << "force " << force;
+  }
+}
+
+TEST(LoadPath, NothingToDo) {
+  Scene scene = elastica();
+  scene.point_loads.clear();
+  const Path path = follow(scene, {});
+  EXPECT_TRUE(path.result.finished) << path.result.failure;
+  EXPECT_TRUE(agrees(path.tip, {0, 0, 0}, 0.0));
+}
+
+}  // namespace
+}  // namespace mixbeam::test
