@@ -7,6 +7,7 @@
 #include <LOCA_Stepper.H>
 #include <NOX_Observer.hpp>
 #include <NOX_StatusTest_Factory.H>
+#include <Teuchos_oblackholestream.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -49,14 +50,19 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
   nox.set("Nonlinear Solver", "Line Search Based");
   nox.sublist("Direction").set("Method", "Newton");
   nox.sublist("Line Search").set("Method", kRotationLimited);
-  nox.sublist("Printing").sublist("Output Information");  // nothing but what the program itself reports
+  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says.
+  const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
+  nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
   return nox;
 }
 
 /// The user's list, or the default, with our own objects put where their names stand.
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters) {
   Teuchos::ParameterList nox = default_nox(parameters.newton);
-  if (!parameters.nox.is_null()) nox.setParameters(*parameters.nox);
+  if (!parameters.nox.is_null()) {
+    if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
+    nox.setParameters(*parameters.nox);
+  }
   Teuchos::ParameterList& search = nox.sublist("Line Search");
   if (search.get<std::string>("Method", kRotationLimited) == kRotationLimited) {
     const Teuchos::RCP<NOX::LineSearch::UserDefinedFactory> factory =
@@ -144,8 +150,9 @@ std::string failure_text(const BeamProblem& problem, const LoadPathResult& resul
   const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
   text << " Largest rotation between an element and its vertices: " << angle.angle << " rad (member \"" << angle.member
        << "\", element " << angle.element << "; must stay below pi).";
-  text << " What to try: a smaller \"Minimum Step\" or \"Initial Step\" in \"Load Path\", a smaller \"Maximum Rotation\" in "
-          "\"Newton\", more elements; if the tangent is singular here, the load has reached a limit point.";
+  text << " What to try: a smaller \"Minimum Step\" or \"Initial Step\" in \"Load Path\", a larger \"Maximum Iterations\" or a "
+          "smaller \"Maximum Rotation\" in \"Newton\", more elements; if the tangent is singular here, the load has reached a "
+          "limit point.";
   return text.str();
 }
 

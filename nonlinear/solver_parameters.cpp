@@ -3,6 +3,7 @@
 #include "discretization/number_text.hpp"
 #include "discretization/validate.hpp"
 #include "nonlinear/nox_spec.hpp"
+#include "nonlinear/status_test_check.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -159,6 +160,13 @@ RCP<ParameterList> given_list(const ParameterList& list, const std::string& name
   return Teuchos::rcp(new ParameterList(list.sublist(name)));
 }
 
+RCP<ParameterList> given_status_tests(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+  RCP<ParameterList> tests = given_list(list, "Status Tests");
+  const std::string problem = tests.is_null() ? "" : problem_of_status_tests(*tests);
+  if (!problem.empty()) throw source.error(child(path, "Status Tests"), "NOX refuses this list: " + problem);
+  return tests;
+}
+
 }  // namespace
 
 ListSpec solver_spec() {
@@ -190,7 +198,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
   parameters.threads = list.get<int>("Threads");
   parameters.nox = given_list(list, "NOX");
-  parameters.status_tests = given_list(list, "Status Tests");
+  parameters.status_tests = given_status_tests(list, source, path);
   parameters.loca = given_list(list, "LOCA");
   return parameters;
 }

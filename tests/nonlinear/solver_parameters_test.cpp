@@ -91,7 +91,9 @@ TEST(SolverParameters, HandOverWhatWasGivenToNoxAndLoca) {
                        entry("Method", "string", "Backtrack") + list("Backtrack", entry("Max Iters", "int", "4"))) +
                       list("Printing", list("Output Information", entry("Outer Iteration", "bool", "true")))) +
       list("LOCA", list("Stepper", entry("Continuation Method", "string", "Natural"))) +
-      list("Status Tests", entry("Test Type", "string", "Combo") + list("Test 0", "")));
+      list("Status Tests", entry("Test Type", "string", "Combo") + entry("Combo Type", "string", "OR") +
+                               entry("Number of Tests", "int", "1") +
+                               list("Test 0", entry("Test Type", "string", "NormF"))));
   ASSERT_FALSE(read.nox.is_null());
   EXPECT_EQ(read.nox->sublist("Line Search").sublist("Backtrack").get<int>("Max Iters"), 4);
   EXPECT_TRUE(read.nox->sublist("Printing").sublist("Output Information").get<bool>("Outer Iteration"));
@@ -114,6 +116,20 @@ TEST(SolverParameters, CatchMisspeltNamesOfNoxAndLoca) {
       {"did you mean \"Forcing Term Method\"?"});
   expect_parts(refusal(list("LOCA", list("Stepper", entry("Bordered Solver Method", "string", "Nested")))),
                {"\"Nested\"", "\"Bordering\""});
+}
+
+TEST(SolverParameters, RefuseStatusTestsThatNoxRefuses) {
+  const auto tests = [](const std::string& inside) { return "\n" + list("Status Tests", inside); };
+  expect_parts(refusal(tests(entry("Test Type", "string", "NormG"))),
+               {"scene.xml:3: XML path \"Solver / Status Tests\": NOX refuses", "\"NormG\" is invalid"});
+  expect_parts(refusal(tests(entry("Test Type", "string", "NormF") + entry("Tolerence", "double", "1e-9"))),
+               {"Status Tests", "\"Tolerence\"", "\"Tolerance\" : double"});
+  const std::string wrong_type =
+      refusal(tests(entry("Test Type", "string", "NormF") + entry("Tolerance", "string", "1e-9")));
+  expect_parts(wrong_type, {"Status Tests", "\"Tolerance\"", "wrong type"});
+  EXPECT_EQ(wrong_type.find('\n'), std::string::npos);
+  EXPECT_EQ(wrong_type.find("Throw number"), std::string::npos);
+  expect_parts(refusal(tests("")), {"Status Tests", "Test Type"});
 }
 
 TEST(SolverParameters, ManualNamesEveryList) {
