@@ -141,7 +141,8 @@ bool Summary::check_printed_digits(const std::string& name, double value, const 
 }
 
 bool Summary::all_passed() const {
-  return std::all_of(checks_.begin(), checks_.end(), [](const CheckedQuantity& quantity) { return quantity.pass; });
+  return failure.empty() &&
+         std::all_of(checks_.begin(), checks_.end(), [](const CheckedQuantity& quantity) { return quantity.pass; });
 }
 
 void Summary::print_checks(std::ostream& stream, bool every_check) const {
@@ -169,6 +170,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
                                  {"newton_iterations", newton_iterations}};
   json["seconds"] = nlohmann::ordered_json::object();
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
+  if (!failure.empty()) json["failure"] = failure;
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));

@@ -49,6 +49,7 @@ class Summary {
   int ranks = 1;
   int load_steps = 0;
   int newton_iterations = 0;
+  std::string failure;                    ///< why the run ended early; empty if it did not
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
@@ -65,7 +66,7 @@ class Summary {
 
   const std::vector<CheckedQuantity>& checks() const { return checks_; }
 
-  /// True when no check failed; also when nothing was checked, which `print_checks` says.
+  /// True when no check failed and the run did not end early; also when nothing was checked, which `print_checks` says.
   bool all_passed() const;
 
   /// One line for each check that failed, or for every check if `every_check`, and a closing line with the counts.

@@ -36,7 +36,9 @@ void check_scene(const Application& app) {
 /// The scene as it stands, with its expected answers in both configurations.
 void record_shapes(Application& app) {
   app.solve_and_record(app.scene, app.solver, "single", kSamplesPerElement,
-                       [&app](const Simulation& simulation, const StepReport&) { app.check_expected(simulation); });
+                       [&app](const Simulation& simulation, const StepReport& report) {
+                         app.check_expected(simulation, report.load_factor);
+                       });
 }
 
 }  // namespace
