@@ -1,14 +1,18 @@
 #include "apps/helix/helix_study.hpp"
 
+#include "apps/common/convergence_table.hpp"
 #include "apps/common/csv_table.hpp"
 #include "apps/common/table_printer.hpp"
 #include "apps/common/variants.hpp"
 #include "apps/helix/exact_helix.hpp"
+#include "apps/helix/helix_scenes.hpp"
 #include "discretization/errors.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
+#include <optional>
 #include <ostream>
 #include <sstream>
 
@@ -68,40 +72,6 @@ ExactHelix exact_helix(Application& app) {
   return {study.get<double>("Radius"), study.get<double>("Height"), study.get<double>("Coils")};
 }
 
-/// L / (2 r) of a rod of circular section, for which EI / EA = r^2 / 4.
-double slenderness_of(const Scene& scene, const ExactHelix& exact) {
-  const Section& section = scene.sections.front();
-  return exact.length() / (4.0 * std::sqrt(section.bending_stiffness[1] / section.axial_stiffness));
-}
-
-/// The same rod of another slenderness: its radius changes, E and G stay, and the moment that winds it grows with EI.
-Scene with_slenderness(Scene scene, double slenderness, const ExactHelix& exact) {
-  const double radius = slenderness_of(scene, exact) / slenderness;  // new over old
-  const double area = std::pow(radius, 2), inertia = std::pow(radius, 4);
-  for (Section& section : scene.sections) {
-    section.axial_stiffness *= area;
-    section.torsional_stiffness *= inertia;
-    for (double& stiffness : section.shear_stiffness) stiffness *= area;
-    for (double& stiffness : section.bending_stiffness) stiffness *= inertia;
-  }
-  for (PointLoad& load : scene.point_loads)
-    for (double& component : load.moment) component *= inertia;
-  return scene;
-}
-
-/// As the paper has it: the rod lies along e1 and its clamp turns by -arctan(c) about e2 while the moment grows.
-Scene with_turned_clamp(Scene scene, const ExactHelix& exact) {
-  const Member& rod = scene.members.front();
-  const auto point = [&scene](const std::string& name) -> Vector3& {
-    return std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& p) { return p.name == name; })
-        ->position;
-  };
-  point(rod.end_point) = point(rod.start_point);
-  point(rod.end_point)[0] += exact.length();
-  scene.supports.front().prescribed_rotation = {0.0, -std::atan(exact.slope()), 0.0};
-  return scene;
-}
-
 HelixRun measure(const Simulation& simulation, double slenderness, const ExactHelix& exact) {
   const Member& rod = simulation.scene().members.front();
   return {slenderness,
@@ -149,7 +119,7 @@ void compare_with_paper(Application& app, const ExactHelix& exact, const std::ve
   const std::vector<MeshChoice> meshes = {{1, 3}, {1, 5}, {2, 3}, {3, 3}};
   TablePrinter table(
       "Helix experiment: tip of the rod (paper: exact for 5 elements of order 1, and for 3 of order 2 and higher)",
-      {"k", "elements", "iterations"}, {"r1(L)", "r2(L)", "r3(L)"});
+      {"k", "elements", "iterations"}, {"r1(L)", "r2(L)", "r3(L)"}, "exact");
   for (double slenderness : slendernesses) {
     std::ostringstream heading;
     heading << "slenderness " << slenderness;
@@ -234,36 +204,32 @@ void report_exact_values(Application& app, const std::vector<HelixRun>& runs,
     }
 }
 
-/// One line of errors and rates for each order, at one slenderness; the last rates are checked.
+/// A kind of error, and how fast it should fall.
+struct ErrorKind {
+  std::string name;
+  double HelixErrors::*error;
+  std::function<int(int)> rate;  ///< of an order
+  double tolerance;              ///< of the rate
+  std::string reason;
+};
+
+/// Errors over the meshes of one slenderness; the rates are checked.
 void report_convergence(Application& app, const std::vector<HelixRun>& runs, double slenderness,
-                        const std::string& what, double HelixErrors::*error,
-                        const std::function<int(int)>& expected_rate, double tolerance, const std::string& reason) {
-  char cell[40];
-  std::ostream& out = app.out();
-  out << "\n" << what << ", slenderness " << slenderness << " (in brackets: rate since the mesh to the left)\n   k";
-  for (int elements : list_of<int>(app, "Elements")) {
-    std::snprintf(cell, sizeof cell, "%9d el.      ", elements);
-    out << cell;
-  }
+                        const ErrorKind& kind) {
+  ConvergenceTable table("\n" + kind.name, list_of<int>(app, "Elements"), kAboveRoundOff);
+  std::ostringstream heading;
+  heading << "slenderness " << slenderness;
+  table.add_group(heading.str());
   for (int order : list_of<int>(app, "Orders")) {
-    out << "\n   " << order;
-    const HelixRun* coarse = nullptr;
-    double last_rate = 0.0;
-    for (const HelixRun& run : runs) {
-      if (run.order != order || run.slenderness != slenderness) continue;
-      const double value = run.errors.*error;
-      const bool judged = coarse != nullptr && value > kAboveRoundOff;
-      if (judged)
-        last_rate =
-            std::log(coarse->errors.*error / value) / std::log(static_cast<double>(run.elements) / coarse->elements);
-      std::snprintf(cell, sizeof cell, judged ? "%10.2e (%5.2f)" : "%10.2e        ", value, last_rate);
-      out << cell;
-      coarse = &run;
-    }
-    app.summary.check_absolute("k=" + std::to_string(order) + ": convergence rate, " + what, last_rate,
-                               expected_rate(order), tolerance, reason);
+    std::vector<double> errors;
+    for (const HelixRun& run : runs)
+      if (run.order == order && run.slenderness == slenderness) errors.push_back(run.errors.*kind.error);
+    const std::optional<double> rate = table.add_row(order, errors);
+    if (!rate) continue;
+    app.summary.check_absolute("k=" + std::to_string(order) + ": convergence rate, " + kind.name, *rate,
+                               kind.rate(order), kind.tolerance, kind.reason);
   }
-  out << "\n";
+  table.print(app.out());
 }
 
 /// The centerline's error belongs to the mesh, not to the slenderness: nothing locks.
@@ -313,13 +279,13 @@ void run_helix_study(Application& app) {
   const std::vector<HelixRun> runs = run_all(app, exact, slendernesses);
   write_convergence(app, runs);
   report_exact_values(app, runs, slendernesses);
-  report_convergence(
-      app, runs, slendernesses.front(), "Error of the centerline, sqrt(1/L int |r - r_exact|^2 ds) / L",
-      &HelixErrors::centerline, [](int k) { return k + 1; }, kRateTolerance, "polynomials of degree k: rate k + 1");
-  report_convergence(
-      app, runs, slendernesses.front(), "Largest distance of a vertex to the exact helix / L",
-      &HelixErrors::vertex_position, [](int k) { return 2 * k; }, kVertexRateTolerance,
-      "Gauss rule of k points for the slope of the centerline, whose rotations are exact: rate 2 k");
+  report_convergence(app, runs, slendernesses.front(),
+                     {"Error of the centerline, sqrt(1/L int |r - r_exact|^2 ds) / L", &HelixErrors::centerline,
+                      [](int k) { return k + 1; }, kRateTolerance, "polynomials of degree k: rate k + 1"});
+  report_convergence(app, runs, slendernesses.front(),
+                     {"Largest distance of a vertex to the exact helix / L", &HelixErrors::vertex_position,
+                      [](int k) { return 2 * k; }, kVertexRateTolerance,
+                      "exact rotations, slope of the centerline by a Gauss rule of k points: rate 2 k"});
   check_same_at_every_slenderness(app, runs);
 }
 
