@@ -1,0 +1,212 @@
+/// What a user can get wrong, tried on a real application: exit code 2 and a message with file, line, place in the
+/// file, what was seen, what is allowed and the nearest name; 3 and the last converged state when there is no
+/// equilibrium; 1 for a missed expectation. A crash fails the test.
+#include "process.hpp"
+
+#include <hdf5.h>
+#include <nlohmann/json.hpp>
+
+namespace mixbeam {
+namespace {
+
+const std::string kApplication = "slope_discontinuity";
+constexpr int kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3;
+
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+}
+
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
+}
+
+/// The application's scene with one change.
+std::string scene_with(const std::string& from, const std::string& to, const std::string& after = "") {
+  return changed(scene_of(kApplication), from, to, after);
+}
+
+std::string scene_with_solver(const std::string& inside) {
+  const std::string study = "<ParameterList name=\"Study\">";
+  return scene_with(study, list("Solver", inside) + study);
+}
+
+class BadInput : public ::testing::Test {
+ protected:
+  Ended run(const std::vector<std::string>& arguments) {
+    return run_process(program(kApplication), arguments, folder_);
+  }
+
+  Ended run_scene(const std::string& scene, std::vector<std::string> more = {}) {
+    write_text(folder_ / "scene.xml", scene);
+    std::vector<std::string> arguments = {(folder_ / "scene.xml").string(), "--single", "--output",
+                                          (folder_ / "results").string()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  void expect_refused(const Ended& ended, const std::vector<std::string>& parts) {
+    EXPECT_EQ(ended.exit_code, kBadInput);
+    expect_in(ended.err, {kApplication + ": bad input: "});
+    expect_in(ended.err, parts);
+  }
+
+  void expect_scene_refused(const std::string& scene, const std::vector<std::string>& parts) {
+    SCOPED_TRACE(parts.front());
+    const Ended ended = run_scene(scene);
+    expect_refused(ended, parts);
+    expect_in(ended.err, {"scene.xml:", "XML path \""});
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BadInput, MisspeltNames) {
+  expect_scene_refused(
+      scene_with("name=\"Elements\"", "name=\"Elments\""),
+      {"\"Scene / Members / first / Elments\"", "unknown name", "\"Force Integration\"", "did you mean \"Elements\"?"});
+  expect_scene_refused(scene_with("name=\"Orders\"", "name=\"Odrers\""),
+                       {"\"Study / Odrers\"", "did you mean \"Orders\"?"});
+  expect_scene_refused(scene_with_solver(list("Newtn", "")), {"\"Solver / Newtn\"", "did you mean \"Newton\"?"});
+  expect_scene_refused(
+      scene_with("value=\"second kink\"", "value=\"second knik\""),
+      {"\"Scene / Members / second / End\"", "\"second knik\" is not a point", "did you mean \"second kink\"?"});
+}
+
+TEST_F(BadInput, WrongTypesAndValues) {
+  const std::string elements = parameter("Elements", "int", "8");
+  expect_scene_refused(scene_with(elements, parameter("Elements", "string", "8")),
+                       {"\"Scene / Members / first / Elements\"", "value \"8\" of type string", "allowed: int"});
+  expect_scene_refused(scene_with("value=\"1e4\"", "value=\"abc\""),
+                       {"\"Scene / Sections / rod / EA\"", "\"abc\" is not a number", "allowed: like 12"});
+  expect_scene_refused(scene_with("value=\"1e4\"", "value=\"nan\""), {"\"Scene / Sections / rod / EA\"", "value > 0"});
+  expect_scene_refused(scene_with("value=\"8.3333333333333333\"", "value=\"-8\"", "EI2"),
+                       {"\"Scene / Sections / rod / EI2\"", "value -8", "allowed: double, value > 0"});
+  expect_scene_refused(scene_with(parameter("Order", "int", "4"), parameter("Order", "int", "9")),
+                       {"\"Scene / Members / first / Order\"", "value 9", "1 <= value <= 8"});
+  expect_scene_refused(scene_with("name=\"GA3\"", "name=\"GA2\""),
+                       {"\"Scene / Sections / rod / GA2\"", "given twice", "line"});
+}
+
+TEST_F(BadInput, StructuresThatCannotBeSolved) {
+  expect_scene_refused(scene_with("{1, 0, 0}", "{0, 0, 0}"),
+                       {"\"Scene / Members / first\"", "no length", "\"clamp\" (0, 0, 0)", "\"first kink\" (0, 0, 0)"});
+  const std::string support =
+      list("clamp", parameter("Point", "string", "clamp") + parameter("Fixed Rotation", "Array(string)", "{x, y}"));
+  const std::string with_hinge =
+      scene_with("<ParameterList name=\"clamp\">",
+                 support.substr(0, support.find('>') + 1) + parameter("Fixed Rotation", "Array(string)", "{x, y}"));
+  expect_scene_refused(with_hinge, {"\"Scene / Supports\"", "can move without strain in 1 way",
+                                    "rotation about (0, 0, 1)", "allowed: supports that block"});
+}
+
+TEST_F(BadInput, Files) {
+  const std::string missing = (folder_ / "missing.xml").string();
+  expect_refused(run({missing}), {missing + ": no such file"});
+  expect_refused(run({folder_.path().string()}), {folder_.path().string() + ": is a directory"});
+  write_text(folder_ / "empty.xml", "");
+  expect_refused(run({(folder_ / "empty.xml").string()}), {"empty.xml:1", "empty"});
+  const std::string whole = scene_of(kApplication);
+  expect_refused(run_scene(whole.substr(0, whole.size() / 2)), {"scene.xml:", "not well-formed"});
+  expect_refused(run({"a.xml", "b.xml"}), {"two scene files", "\"a.xml\"", "\"b.xml\"", "allowed: one"});
+}
+
+TEST_F(BadInput, Options) {
+  expect_refused(run({"--singel"}), {"\"--singel\"", "did you mean \"--single\"?", "\"--print-parameters\""});
+  expect_refused(run({"-x"}), {"\"-x\"", "allowed: \"--help\""});
+  expect_refused(run({"--output"}), {"--output needs a value"});
+  expect_refused(run({"--output", "--single"}), {"--output needs a value", "\"--single\" follows"});
+  for (const std::string threads : {"0", "-1", "two", "2x", "100000"})
+    expect_refused(run({"--threads", threads}), {"--threads: value \"" + threads + "\"", "from 1 to"});
+}
+
+TEST_F(BadInput, PlacesThatCannotBeWrittenTo) {
+  write_text(folder_ / "file", "");
+  const std::string below_a_file = (folder_ / "file" / "below").string();
+  expect_refused(run({"--output", below_a_file}), {below_a_file, "cannot be made", "Not a directory"});
+  expect_refused(run({"--output", (folder_ / "file").string()}), {(folder_ / "file").string()});
+  expect_refused(run({"--summary", folder_.path().string()}), {folder_.path().string(), "is a folder"});
+  expect_refused(run({"--summary", below_a_file + "/summary.json"}), {below_a_file, "cannot be made"});
+}
+
+TEST_F(BadInput, ExpectationsThatAreNeverCompared) {
+  const std::string first = "u1 of the tip";
+  expect_scene_refused(scene_with(parameter("Point", "string", "tip"), parameter("Point", "string", "tpi"), first),
+                       {"\"Expected / u1 of the tip / Point\"", "\"tpi\" is not a point", "did you mean \"tip\"?"});
+  const auto at = [&](const std::string& load_factor) {
+    const std::string quantity = parameter("Quantity", "string", "displacement");
+    return scene_with(quantity, quantity + parameter("Load Factor", "double", load_factor), first);
+  };
+  expect_scene_refused(at("1.5"), {"\"Expected / u1 of the tip / Load Factor\"", "value 1.5", "allowed: at most 1"});
+  expect_scene_refused(
+      at("0.3"), {"\"Expected / u1 of the tip / Load Factor\"", "value 0.3", "no load step ended there", "\"Steps\""});
+  expect_scene_refused(scene_with("value=\"displacement\"", "value=\"dispalcement\""),
+                       {"did you mean \"displacement\"?"});
+}
+
+TEST_F(BadInput, WhatNoxRefuses) {
+  expect_scene_refused(scene_with_solver(list("Status Tests", parameter("Test Type", "string", "NormG"))),
+                       {"\"Solver / Status Tests\"", "NormG"});
+  expect_scene_refused(scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", "Bactrack")))),
+                       {"\"Solver / NOX / Line Search / Method\"", "did you mean \"Backtrack\"?"});
+}
+
+TEST_F(BadInput, ScenesThatAreInOrder) {  // the twin of all tests above: the unchanged scene passes
+  const Ended ended = run_scene(scene_of(kApplication));
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  expect_in(ended.out, {"3 of 3 checks passed"});
+}
+
+TEST_F(BadInput, MissedExpectationsFailTheRun) {
+  const Ended ended = run_scene(scene_with("value=\"-1.535072\"", "value=\"-1.535082\""));
+  EXPECT_EQ(ended.exit_code, kCheckFailed);
+  expect_in(ended.out, {"FAIL  u1 of the tip = -1.53507", "reference -1.535082", "from Humer", "1 FAILED"});
+}
+
+double load_factor_of_first_step(const fs::path& results) {
+  const hid_t file = H5Fopen(results.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  EXPECT_GE(file, 0) << results << " is not readable";
+  if (file < 0) return -1.0;
+  const hid_t attribute = H5Aopen_by_name(file, "/steps/000001", "load_factor", H5P_DEFAULT, H5P_DEFAULT);
+  double value = -1.0;
+  if (attribute >= 0) {
+    H5Aread(attribute, H5T_NATIVE_DOUBLE, &value);
+    H5Aclose(attribute);
+  }
+  H5Fclose(file);
+  return value;
+}
+
+/// The first step takes 5 iterations, the second one 6 and may not be shortened: the path ends half way.
+std::string scene_that_does_not_converge() {
+  return scene_with_solver(
+      list("Newton", parameter("Maximum Iterations", "int", "5")) +
+      list("Load Path", parameter("Initial Step", "double", "0.1") + parameter("Minimum Step", "double", "0.1")));
+}
+
+TEST_F(BadInput, NoConvergenceLeavesTheLastConvergedState) {
+  const fs::path summary = folder_ / "summary.json";
+  const Ended ended = run_scene(scene_that_does_not_converge(), {"--summary", summary.string()});
+  EXPECT_EQ(ended.exit_code, kNoConvergence);
+  const fs::path results = folder_ / "results" / "single_last_converged.h5";
+  expect_in(ended.err, {"no convergence: ", "beyond load factor ", "minimum of 0.1", "What to try", "\"Minimum Step\"",
+                        "\"Maximum Iterations\"", "\"Maximum Rotation\"", results.string()});
+  const auto json = nlohmann::json::parse(text_of(summary));
+  EXPECT_EQ(json["all_passed"], false);
+  expect_in(json["failure"].get<std::string>(), {"beyond load factor"});
+  EXPECT_GT(json["newton_iterations"].get<int>(), 0);
+  ASSERT_TRUE(fs::exists(results));
+  EXPECT_GT(load_factor_of_first_step(results), 0.0);
+  EXPECT_LT(load_factor_of_first_step(results), 1.0);
+}
+
+TEST_F(BadInput, AFailedRunDoesNotLeaveTheSummaryOfAnEarlierOne) {
+  const fs::path summary = folder_ / "summary.json";
+  write_text(summary, "{\"all_passed\": true}");
+  const Ended ended = run_scene(scene_with("value=\"1e4\"", "value=\"abc\""), {"--summary", summary.string()});
+  EXPECT_EQ(ended.exit_code, kBadInput);
+  EXPECT_FALSE(fs::exists(summary));
+}
+
+}  // namespace
+}  // namespace mixbeam
