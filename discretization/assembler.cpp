@@ -108,6 +108,14 @@ void Assembler::residual(const State& state, double load_factor, MixedVector& ou
   scale_rows(out, false);
 }
 
+namespace {
+
+/// Elements that lock carry parasitic forces of the size of their stiffness, far above the loads: with the cap that suits
+/// other elements Newton's method needs hundreds of steps. Studies of locking pay with condition for contraction.
+constexpr double kCapForLockingElements = 1e3;
+
+}  // namespace
+
 /// The residual keeps the true compliance, so the cap costs accuracy nowhere; it only decides how fast Newton's method
 /// contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
 /// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
@@ -118,9 +126,11 @@ void Assembler::cap_force_stiffness() {
   stiffness_cap_ = cap;
   for (size_t m = 0; m < structure_.views.member_section.extent(0); ++m) {
     SectionConstants& section = structure_.views.member_section(m);
+    const bool locks = scene_.members[m].force_integration != ForceIntegration::both_reduced;
+    const double limit = locks ? kCapForLockingElements * cap : cap;
     for (int i = 0; i < 3; ++i)
       section.tangent_force_stiffness[i] =
-          section.force_compliance[i] > 1.0 / cap ? 1.0 / section.force_compliance[i] : cap;
+          section.force_compliance[i] > 1.0 / limit ? 1.0 / section.force_compliance[i] : limit;
   }
 }
 

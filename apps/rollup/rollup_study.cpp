@@ -34,10 +34,6 @@ constexpr double kLocked = 10.0;
 constexpr int kLockingElements = 16;
 constexpr double kLockingSlenderness = 1000.0;
 
-/// Where force strains lock, the rod's force is far from what a limited stiffness of the tangent expects, and Newton
-/// creeps. No limit is needed at the study's slendernesses.
-constexpr double kNoCap = 1e14;
-
 constexpr int kSmoothSamples = 33;  // of each element in single.h5, where an element is a quarter of a circle
 
 constexpr int kPrototypeElements = 32;
@@ -112,7 +108,6 @@ void compute_all(Application& app, const PureBending& bending, const NamedIntegr
                  const std::vector<double>& slendernesses, const std::vector<int>& orders, Runs& runs) {
   SolverParameters solver = app.solver;
   solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
-  if (how.integration != kBothReduced.integration) solver.linear.force_stiffness_cap = kNoCap;
   for (double slenderness : slendernesses)
     for (int order : orders)
       for (int elements : list_of<int>(app, "Elements"))
