@@ -1,6 +1,7 @@
 #include "nonlinear/linear_solver.hpp"
 
 #include "discretization/mixed_vector.hpp"
+#include "discretization/number_text.hpp"
 
 #include <Amesos2.hpp>
 #include <Teuchos_CommHelpers.hpp>
@@ -130,7 +131,7 @@ class DirectSolver : public LinearSolver {
     }
     if (!(error <= tolerance_))
       throw LinearSolverError("the linear solver returned a vector that does not solve the equations: backward error " +
-                              std::to_string(error) + ", allowed " + std::to_string(tolerance_));
+                              shortest(error) + ", allowed " + shortest(tolerance_));
     return error;
   }
 

@@ -84,9 +84,9 @@ void compare_load_orders(Application& app) {
   const auto forward = follow(app, app.scene, "forward", csv.get());
   const auto reverse = follow(app, reversed(app.scene), "reverse", csv.get());
   app.out() << "Both orders of loading, largest difference of a displacement of P1, P2 or the branching point:\n";
-  check(app, "one path and the mirror image of the other, all steps", deviation_from_mirror(forward, reverse),
-        kMirrorSource);
-  check(app, "end of both paths", deviation_at_end(forward.back(), reverse.back()),
+  check(app, "loads in reverse order: one path and the mirror image of the other, all steps",
+        deviation_from_mirror(forward, reverse), kMirrorSource);
+  check(app, "loads in reverse order: end of both paths", deviation_at_end(forward.back(), reverse.back()),
         "path independence: the same loads, the same state");
   const Vector3 in_one_step = solve_fork(app, app.scene).p1[1];
   check(app, "P1 after " + std::to_string(app.study().get<int>("Curve Steps")) + " load steps per stage and after one",

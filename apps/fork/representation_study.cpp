@@ -91,8 +91,8 @@ std::vector<int> total_elements(Application& app) {
 void check_rate(Application& app, const std::string& representation, int order, const std::optional<double>& rate) {
   if (!rate) return;  // nothing but round-off, or a single mesh
   const bool exact = representation == kExact;
-  app.summary.check_absolute("rate, " + representation + ", k=" + std::to_string(order), *rate, exact ? order + 1 : 2,
-                             kRateTolerance,
+  app.summary.check_absolute("k=" + std::to_string(order) + ": convergence rate with " + representation, *rate,
+                             exact ? order + 1 : 2, kRateTolerance,
                              exact ? "approximation order of degree k" : "distance of a polygon from its circle");
 }
 
@@ -105,9 +105,9 @@ void check_polygon_limit(Application& app, int order, const Errors& errors, cons
   Vector3 extrapolated{};
   for (std::size_t i = 0; i < 3; ++i)
     extrapolated[i] = (errors.displacement[finest][i] - share * errors.displacement[finest - 1][i]) / (1.0 - share);
-  app.summary.check_upper_bound("distance of the limits of polygon and exact arc at P1, k=" + std::to_string(order),
-                                distance(extrapolated, limit), kPolygonLimitTolerance,
-                                "both represent the same structure");
+  app.summary.check_upper_bound(
+      "k=" + std::to_string(order) + ": distance of the limits of polygon and exact arc at P1",
+      distance(extrapolated, limit), kPolygonLimitTolerance, "both represent the same structure");
 }
 
 /// k = 1 with 3 elements per member is what the prototype computed for both representations.
@@ -119,14 +119,15 @@ void compare_with_prototype(Application& app) {
     const ForkSolution solution = solve_fork(app, representation == kPolygon ? with_polygons(scene) : scene);
     const auto prototype = prototype_p1_displacement(representation);
     for (std::size_t c = 0; c < 2; ++c) {
-      const std::string label = representation + " (" + std::to_string(c + 1) + ")";
+      const std::string configuration = "(" + std::to_string(c + 1) + ")";
       std::vector<ComparedValue> cells;
       for (std::size_t i = 0; i < 3; ++i) {
-        app.summary.check_printed_digits("k=1 elements=9 " + label + ": u" + std::to_string(i + 1), solution.p1[c][i],
-                                         prototype[c][i], kPrototypeSource);
+        app.summary.check_printed_digits(
+            "k=1, 9 elements: u" + std::to_string(i + 1) + configuration + " with " + representation, solution.p1[c][i],
+            prototype[c][i], kPrototypeSource);
         cells.push_back(compare_printed(prototype[c][i], solution.p1[c][i]));
       }
-      table.add_row({label}, cells);
+      table.add_row({representation + " " + configuration}, cells);
     }
   }
   table.print(app.out());

@@ -50,7 +50,7 @@ void check_cost(Application& app, const std::string& label, const ForkSolution& 
 
 void add_table_row(Application& app, int order, int elements, std::array<TablePrinter, 2>& tables, CsvTable* csv) {
   const int total = elements * static_cast<int>(app.scene.members.size());
-  const std::string label = "k=" + std::to_string(order) + " elements=" + std::to_string(total);
+  const std::string label = "k=" + std::to_string(order) + ", " + std::to_string(total) + " elements";
   const ForkSolution solution = solve_fork(app, with_mesh(app.scene, order, elements));
   const auto paper = paper_p1_displacement(order, elements);
   for (std::size_t c = 0; c < 2; ++c) {

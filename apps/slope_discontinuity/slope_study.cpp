@@ -41,7 +41,7 @@ double largest_difference(const Vector3& a, const Vector3& b) {
 /// One row of the table: solved, checked, and ready to print.
 void add_table_row(Application& app, int order, int elements, TablePrinter& table, CsvTable* csv) {
   const int total = total_elements(app, elements);
-  const std::string label = "k=" + std::to_string(order) + " elements=" + std::to_string(total);
+  const std::string label = "k=" + std::to_string(order) + ", " + std::to_string(total) + " elements";
   const Simulation simulation = app.solve(with_mesh(app.scene, order, elements));
   const Vector3 tip = simulation.displacement(kTip);
   const auto paper = paper_tip_displacement(order, elements);

@@ -1,0 +1,200 @@
+#!/usr/bin/python3
+"""The verification table: what the benchmarks checked, against what, and how well it agrees. Read from the summaries
+RESULTS/<benchmark>/summary.json; printed as text or as Markdown, or written between the two marker lines of a file."""
+
+import argparse
+import json
+import math
+import re
+import sys
+from decimal import ROUND_HALF_UP, Decimal
+from pathlib import Path
+
+from plot_all import BENCHMARKS
+
+NOT_VERIFICATION = ("thread_scaling",)  # times, not values
+BEGIN, END = "<!-- verification:begin -->", "<!-- verification:end -->"
+NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+HEADINGS = ("benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
+TEXT_HEADINGS = HEADINGS[:-1]  # sources are too long for a terminal
+LONGEST_QUANTITY = 84  # in a terminal
+
+
+class InputError(Exception):
+    """Something that was given cannot be used; the message says what and why."""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark")
+    parser.add_argument("--markdown", action="store_true", help="print Markdown, with sources, instead of plain text")
+    parser.add_argument("--update", type=Path, metavar="FILE",
+                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs all benchmarks")
+    options = parser.parse_args()
+    try:
+        summaries = read_summaries(options.results)
+        rows = [row for summary in summaries for row in rows_of(summary)]
+        if options.update:
+            update(options.update, summaries, rows)
+        elif options.markdown:
+            print(markdown(summaries, rows))
+        else:
+            print(plain_text(summaries, rows))
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def read_summaries(results):
+    """The summaries in the order of the paper, without benchmarks that have none."""
+    if not results.is_dir():
+        raise InputError(f"{results}: no such folder")
+    benchmarks = [name for name in BENCHMARKS if name not in NOT_VERIFICATION]
+    files = [results / name / "summary.json" for name in benchmarks]
+    summaries = [read_summary(file) for file in files if file.is_file()]
+    if not summaries:
+        raise InputError(f"{results}: no <benchmark>/summary.json found; the benchmarks write one with --summary")
+    return summaries
+
+
+def read_summary(file):
+    try:
+        summary = json.loads(file.read_text(encoding="utf-8"))
+        for key in ("program", "version", "compiler", "threads", "ranks", "checks", "all_passed"):
+            summary[key]
+        return summary
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{file}: not a summary of a benchmark ({type(error).__name__}: {error})") from None
+
+
+def rows_of(summary):
+    """One row for each group of checks that have source, allowance and kind of quantity in common."""
+    groups = {}
+    for check in summary["checks"]:
+        groups.setdefault(group_of(check), []).append(check)
+    rows = [row_of(summary["program"], checks) for checks in groups.values()]
+    if "failure" in summary:
+        rows.append((summary["program"], "the run ended early", "", "", "", "**NO**", summary["failure"]))
+    return rows
+
+
+def group_of(check):
+    bound = check["printed_reference"] if check["comparison"] == "upper bound" else check["tolerance"]
+    return check["source"], check["comparison"], bound, NUMBER.sub("#", quantity_of(check["name"]))
+
+
+def quantity_of(name):
+    """"k=3, 8 elements: u1" is the quantity u1 of one case."""
+    return name.rpartition(": ")[2]
+
+
+def row_of(program, checks):
+    worst = max(checks, key=difference)
+    passed = all(check["pass"] for check in checks)
+    return (program, common_name([check["name"] for check in checks]), str(len(checks)),
+            difference_text(worst["comparison"], difference(worst)), allowed_text(worst), "yes" if passed else "**NO**",
+            worst["source"])
+
+
+def common_name(names):
+    """One text for all names: numbers that differ become a range; without the cases where these have no common form."""
+    for texts in (names, [quantity_of(name) for name in names]):
+        if len({NUMBER.sub("#", text) for text in texts}) == 1:
+            return with_ranges(texts)
+    return with_ranges([quantity_of(names[0])])
+
+
+def with_ranges(texts):
+    columns = [sorted(set(column), key=float) for column in zip(*(NUMBER.findall(text) for text in texts))]
+    ranges = iter([" and ".join(column) if len(column) < 3 else f"{column[0]}..{column[-1]}" for column in columns])
+    return NUMBER.sub(lambda _: next(ranges), texts[0])
+
+
+def difference(check):
+    """How far the value is from its reference, in the unit in which the check allows it; infinite for no number."""
+    value, reference, comparison = check["value"], check["reference"], check["comparison"]
+    if not isinstance(value, (int, float)) or not math.isfinite(value):
+        return math.inf
+    if comparison == "printed digits":
+        return units_in_last_place(value, check["printed_reference"])
+    if comparison == "upper bound":
+        return value
+    if comparison == "relative":
+        return abs(value - reference) / abs(reference) if reference else math.inf
+    return abs(value - reference)
+
+
+def units_in_last_place(value, printed):
+    reference = Decimal(printed)
+    unit = Decimal(1).scaleb(reference.as_tuple().exponent)
+    return int(abs(Decimal(value).quantize(unit, ROUND_HALF_UP) - reference) / unit)
+
+
+def difference_text(comparison, value):
+    if not math.isfinite(value):
+        return "not a number"
+    if comparison == "printed digits":
+        return f"{value} in the last digit" if value else "none in any digit"
+    if comparison == "upper bound" and value == int(value):
+        return str(int(value))
+    return f"{value:.2g}"
+
+
+def allowed_text(check):
+    comparison, tolerance = check["comparison"], check["tolerance"]
+    if comparison == "printed digits":
+        return f"{tolerance:g} in the last digit"
+    if comparison == "upper bound":
+        return f"at most {check['printed_reference']}"
+    return f"{tolerance:g}" + (" of the value" if comparison == "relative" else "")
+
+
+def closing_line(summaries):
+    checks = [check for summary in summaries for check in summary["checks"]]
+    passed = sum(check["pass"] for check in checks)
+    first = summaries[0]
+    versions = sorted({summary["version"] for summary in summaries})
+    ended_early = [summary["program"] for summary in summaries if "failure" in summary]
+    line = (f"{passed} of {len(checks)} values agree; version {', '.join(versions)}, {first['compiler']}, "
+            f"threads: {first['threads']}, ranks: {first['ranks']}.")
+    return line + (f" Ended early: {', '.join(ended_early)}." if ended_early else "")
+
+
+def markdown(summaries, rows):
+    lines = [HEADINGS, ["---"] * len(HEADINGS)] + rows
+    cells = ["| " + " | ".join(cell.replace("|", r"\|") for cell in line) + " |" for line in lines]
+    return "\n".join(cells + ["", closing_line(summaries)])
+
+
+def plain_text(summaries, rows):
+    lines = [TEXT_HEADINGS] + [tuple(shortened(cell.replace("*", "")) for cell in row[:len(TEXT_HEADINGS)])
+                               for row in rows]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(TEXT_HEADINGS))]
+    aligned = ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines]
+    return "\n".join(aligned + [closing_line(summaries)])
+
+
+def shortened(text):
+    return text if len(text) <= LONGEST_QUANTITY else text[:LONGEST_QUANTITY - 3] + "..."
+
+
+def update(file, summaries, rows):
+    there = {summary["program"] for summary in summaries}
+    missing = [name for name in BENCHMARKS if name not in there and name not in NOT_VERIFICATION]
+    if missing:
+        raise InputError(f"{file} is left as it is: no results of {', '.join(missing)}")
+    try:
+        text = file.read_text(encoding="utf-8")
+        before, begin, rest = text.partition(BEGIN)
+        _, end, after = rest.partition(END)
+        if not begin or not end:
+            raise InputError(f"{file}: no line {BEGIN} with a line {END} after it")
+        new = f"{before}{BEGIN}\n{markdown(summaries, rows)}\n{END}{after}"
+        if new != text:
+            file.write_text(new, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"{file}: {error.strerror}") from None
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,95 @@
+/// The verification table of the README is what the summaries say, failures included.
+#include "apps/common/summary.hpp"
+#include "process.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+const fs::path kPython = "/usr/bin/python3";
+
+class VerificationTable : public ::testing::Test {
+ protected:
+  /// A summary of `benchmark` with two good values and one that the caller chooses; its reference is "0.500", +-1.
+  void write_summary(const std::string& benchmark, double value) {
+    Summary summary;
+    summary.program = benchmark;
+    summary.version = "1.2";
+    summary.compiler = "some compiler";
+    summary.check_printed_digits("k=1, 4 elements: u1", 0.1004, "0.100", "a table");
+    summary.check_printed_digits("k=2, 16 elements: u2", value, "0.500", "a table");
+    summary.check_upper_bound("k=2: Newton iterations", 9, 11, "a goal");
+    fs::create_directories(folder_ / "results" / benchmark);
+    summary.write_json(folder_ / "results" / benchmark / "summary.json");
+  }
+
+  void write_all_summaries() {
+    for (const char* benchmark :
+         {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork"})
+      write_summary(benchmark, 0.501);
+  }
+
+  Ended table(const std::vector<std::string>& options = {}) {
+    const std::string script = (fs::path(MIXBEAM_BIN_DIR) / "plots" / "verification_table.py").string();
+    std::vector<std::string> arguments = {script, (folder_ / "results").string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_process(kPython, arguments, folder_);
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(VerificationTable, GroupsWhatBelongsTogether) {
+  write_summary("rollup", 0.501);
+  const Ended ended = table({"--markdown"});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  expect_in(ended.out, {"| rollup | k=1 and 2, 4 and 16 elements: u1 and 2 | 2 | 1 in the last digit | 1 in the last "
+                        "digit | yes | a table |",
+                        "| rollup | k=2: Newton iterations | 1 | 9 | at most 11 | yes | a goal |",
+                        "3 of 3 values agree; version 1.2, some compiler"});
+}
+
+TEST_F(VerificationTable, ShowsWhatFailed) {
+  write_summary("rollup", 0.502);
+  write_summary("fork", std::nan(""));
+  const Ended ended = table({"--markdown"});
+  expect_in(ended.out, {"u1 and 2 | 2 | 2 in the last digit | 1 in the last digit | **NO** |",
+                        "u1 and 2 | 2 | not a number | 1 in the last digit | **NO** |", "4 of 6 values agree"});
+  expect_in(table().out, {"NO", "not a number", "4 of 6 values agree"});
+}
+
+TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
+  const fs::path readme = folder_ / "README.md";
+  const std::string before = "text\n<!-- verification:begin -->", after = "<!-- verification:end -->\nmore\n";
+  write_text(readme, before + "\nold\n" + after);
+  write_summary("rollup", 0.501);
+  const Ended incomplete = table({"--update", readme.string()});
+  EXPECT_EQ(incomplete.exit_code, 1);
+  expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment"});
+  EXPECT_EQ(text_of(readme), before + "\nold\n" + after);
+
+  write_all_summaries();
+  EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
+  const std::string updated = text_of(readme);
+  EXPECT_EQ(updated.rfind(before + "\n| benchmark | quantity |", 0), 0U) << updated;
+  expect_in(updated, {"21 of 21 values agree", "\n" + after});
+  EXPECT_EQ(updated.find("old"), std::string::npos);
+  EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
+  EXPECT_EQ(text_of(readme), updated);  // a second time changes nothing
+}
+
+TEST_F(VerificationTable, SaysWhatItCannotRead) {
+  EXPECT_EQ(table().exit_code, 1);
+  expect_in(table().err, {"no such folder"});
+  write_summary("rollup", 0.5);
+  write_text(folder_ / "results" / "rollup" / "summary.json", "{\"program\": ");
+  expect_in(table().err, {"rollup/summary.json: not a summary"});
+  write_summary("rollup", 0.5);
+  write_text(folder_ / "README.md", "no markers");
+  write_all_summaries();
+  expect_in(table({"--update", (folder_ / "README.md").string()}).err, {"no line <!-- verification:begin -->"});
+}
+
+}  // namespace
+}  // namespace mixbeam
