@@ -143,6 +143,22 @@ TEST_F(BeamGroupTest, RejectedStepRestoresAll) {
   EXPECT_TRUE(same_bits(group().getNewton(), old->getNewton()));
 }
 
+// Right-hand sides are scaled as the residual was: a copy that kept the scales of its former state would misread them.
+TEST_F(BeamGroupTest, CopyKnowsTheScalesOfItsResidual) {
+  const Teuchos::RCP<Group> unloaded = group().clone(NOX::DeepCopy);
+  unloaded->computeF();
+  newton_step();
+  group().computeF();
+  group().computeJacobian();
+  const BeamVector rhs = random_vector(1.0, 6);
+  BeamVector expected = create_vector(), actual = create_vector();
+  ASSERT_EQ(group().applyJacobianInverse(no_parameters(), rhs, expected), Group::Ok);
+  *unloaded = group();
+  unloaded->computeJacobian();
+  ASSERT_EQ(unloaded->applyJacobianInverse(no_parameters(), rhs, actual), Group::Ok);
+  EXPECT_TRUE(same_bits(actual, expected));
+}
+
 TEST_F(BeamGroupTest, FractionOfAStepMovesTheInteriorToo) {
   newton_step();
   group().computeF();
