@@ -32,7 +32,7 @@ int number_of_threads_from(const std::string& text) {
 /// What follows an option; another option there means that the value was forgotten.
 std::string value_after(int& i, int argc, const char* const* argv) {
   const std::string option = argv[i];
-  const std::string value = i + 1 < argc ? argv[i + 1] : "";
+  std::string value = i + 1 < argc ? argv[i + 1] : "";
   if (value.empty()) throw InputError("option " + option + " needs a value");
   if (is_option(value)) {
     throw InputError("option " + option + " needs a value, but \"" + excerpt(value) +

@@ -144,6 +144,7 @@ void say_what_was_not_compared(const Application& app) {
   const std::vector<ExpectedValue> left_out = app.not_compared();
   if (left_out.empty()) return;
   std::vector<std::string> names;
+  names.reserve(left_out.size());
   for (const ExpectedValue& value : left_out) names.push_back(value.name);
   app.out() << "The study does not compare these expected values, --single does: " << quoted_list(names) << "\n";
 }

@@ -37,7 +37,7 @@ std::vector<Displacements> follow(Application& app, const Scene& scene, const st
     if (csv == nullptr) return;
     std::vector<CsvCell> cells{path, report.load_factor};
     for (const Vector3& u : {found.back().p1, found.back().p2, found.back().branching})
-      for (const double component : u) cells.push_back(component);
+      for (const double component : u) cells.emplace_back(component);
     csv->add_row(cells);
   };
   app.solve(scene, with_fixed_steps(app.solver, app.study().get<int>("Curve Steps")), "", note);
