@@ -6,7 +6,10 @@
 #include <LOCA_GlobalData.H>
 #include <LOCA_Stepper.H>
 #include <NOX_Observer.hpp>
+#include <NOX_StatusTest_Combo.H>
 #include <NOX_StatusTest_Factory.H>
+#include <NOX_StatusTest_FiniteValue.H>
+#include <NOX_StatusTest_MaxIters.H>
 #include <Teuchos_oblackholestream.hpp>
 
 #include <algorithm>
@@ -113,6 +116,16 @@ Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& par
   return loca;
 }
 
+/// A user's status tests need not end an iteration that wanders or leaves the numbers; these always do.
+Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
+  constexpr int kIterationsWithoutEnd = 1000;
+  const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
+  guarded->addStatusTest(tests);
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::FiniteValue()));
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
+  return guarded;
+}
+
 /// What the path knows while LOCA walks along it: the last converged state and the report of each step.
 class PathRecorder {
  public:
@@ -167,7 +180,7 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   const Teuchos::RCP<LOCA::GlobalData> global = LOCA::createGlobalData(top, Teuchos::null);
   bool arrived = false;
   try {
-    const auto status = NOX::StatusTest::buildStatusTests(tests, *global->locaUtils);
+    const auto status = with_guards(NOX::StatusTest::buildStatusTests(tests, *global->locaUtils));
     const auto observer = [&recorder](const BeamGroup& group, double load_factor) { recorder.converged(group, load_factor); };
     const auto group = Teuchos::rcp(new BeamGroup(global, problem, start, from, observer));
     LOCA::Stepper stepper(global, group, status, top);
