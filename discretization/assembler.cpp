@@ -28,9 +28,11 @@ SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& 
 }  // namespace
 
 Assembler::Assembler(const Scene& scene, const Communicator& comm, const AssemblerOptions& options)
-    : scene_(scene), mesh_(build_mesh(scene)),
+    : scene_(scene),
+      mesh_(build_mesh(scene)),
       structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
-      conditions_(build_conditions(scene, mesh_, structure_)), options_(options),
+      conditions_(build_conditions(scene, mesh_, structure_)),
+      options_(options),
       equations_(allocate_equations(structure_)) {
   PhaseTimer timer(times_, "setup");
   build_maps(comm);
@@ -39,7 +41,9 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
   build_graph();
 }
 
-MixedVector Assembler::create_vector() const { return MixedVector(row_map_, structure_.increment_size, owned_interior_); }
+MixedVector Assembler::create_vector() const {
+  return MixedVector(row_map_, structure_.increment_size, owned_interior_);
+}
 
 void Assembler::set_load_factor(double load_factor) {
   if (line_loads_set_ && load_factor == load_factor_) return;
@@ -91,7 +95,8 @@ void Assembler::set_support_rows(const State& state, double load_factor, const K
 /// Unscaled element residuals, interior rows straight into `out`.
 void Assembler::evaluate_elements(const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
-  for (const ElementBlock& block : structure_.blocks) evaluate_residual(block, structure_.views, state.views, equations_);
+  for (const ElementBlock& block : structure_.blocks)
+    evaluate_residual(block, structure_.views, state.views, equations_);
   equations_.interior_residual = KernelView<double*>();
   gather_rows(equations_.residual, out.vertex());
 }
@@ -103,22 +108,23 @@ void Assembler::residual(const State& state, double load_factor, MixedVector& ou
   const KernelView<double*> rows = out.vertex();
   add_vertex_loads(state, load_factor, rows);
   set_support_rows(state, load_factor, rows);
-  scales_ = residual_scales(magnitude(state), structure_.length, structure_.shortest_element, structure_.bending_reference,
-                            options_.residual_tolerance);
+  scales_ = residual_scales(magnitude(state), structure_.length, structure_.shortest_element,
+                            structure_.bending_reference, options_.residual_tolerance);
   scale_rows(out, false);
 }
 
 namespace {
 
-/// Elements that lock carry parasitic forces of the size of their stiffness, far above the loads: with the cap that suits
-/// other elements Newton's method needs hundreds of steps. Studies of locking pay with condition for contraction.
+/// Elements that lock carry parasitic forces of the size of their stiffness, far above the loads: with the cap that
+/// suits other elements Newton's method needs hundreds of steps. Studies of locking pay with condition for contraction.
 constexpr double kCapForLockingElements = 1e3;
 
 }  // namespace
 
 /// The residual keeps the true compliance, so the cap costs accuracy nowhere; it only decides how fast Newton's method
-/// contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
-/// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
+/// contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work,
+/// but no larger, because the condition of the condensed tangent grows with it (and with it the error of every
+/// increment).
 void Assembler::cap_force_stiffness() {
   const double bending = structure_.bending_reference / (structure_.length * structure_.length);
   const double cap = options_.force_stiffness_cap * std::max(bending, scales_.force);
@@ -139,7 +145,8 @@ void Assembler::tangent(const State& state, double load_factor) {
   cap_force_stiffness();
   {
     PhaseTimer timer(times_, "element tangent");
-    for (const ElementBlock& block : structure_.blocks) evaluate_tangent(block, structure_.views, state.views, equations_);
+    for (const ElementBlock& block : structure_.blocks)
+      evaluate_tangent(block, structure_.views, state.views, equations_);
   }
   PhaseTimer timer(times_, "assemble");
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
@@ -193,8 +200,9 @@ void Assembler::assemble_matrix() {
       });
 }
 
-/// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are second
-/// variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the vertex.
+/// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are
+/// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
+/// vertex.
 void Assembler::add_load_tangents(const State& state, double load_factor) {
   const auto local = matrix_->getLocalMatrixHost();
   for (const VertexLoad& load : conditions_.loads) {
@@ -265,7 +273,8 @@ State Assembler::apply(const State& from, const MixedVector& increment, double s
 void Assembler::load_derivative(const State& state, double load_factor, MixedVector& out) {
   out.fill(0.0);
   if (structure_.views.member_load.extent(0) > 0) {
-    // line loads enter linearly: their contribution is the residual with the derivative of the load minus that without load
+    // line loads enter linearly: their contribution is the residual with the derivative of the load minus that without
+    // load
     MixedVector unloaded = out.clone(false);
     for (int pass = 0; pass < 2; ++pass) {
       MixedVector& target = pass == 0 ? unloaded : out;

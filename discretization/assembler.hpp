@@ -1,5 +1,6 @@
-/// Where Tpetra meets the kernels: residual and condensed tangent of the whole structure, gathered row by row (each row is
-/// written by one thread in a fixed order, so results do not depend on the number of threads, and there are no atomics).
+/// Where Tpetra meets the kernels: residual and condensed tangent of the whole structure, gathered row by row (each row
+/// is written by one thread in a fixed order, so results do not depend on the number of threads, and there are no
+/// atomics).
 #pragma once
 
 #include "discretization/conditions.hpp"
@@ -15,8 +16,8 @@
 namespace mixbeam {
 
 struct AssemblerOptions {
-  double force_stiffness_cap = 1e5;    ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
-  double residual_tolerance = 1e-11;   ///< see residual_scales
+  double force_stiffness_cap = 1e5;   ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
+  double residual_tolerance = 1e-11;  ///< see residual_scales
 };
 
 class Assembler {
@@ -37,16 +38,18 @@ class Assembler {
   /// Mixed residual, every row divided by its scale.
   void residual(const State& state, double load_factor, MixedVector& out);
 
-  /// Element tangents, the global matrix and the condensed residual of `state`; call residual() of the same state first.
+  /// Element tangents, the global matrix and the condensed residual of `state`; call residual() of the same state
+  /// first.
   void tangent(const State& state, double load_factor);
   /// Condensed (unscaled) residual of the last tangent().
   DofVector& condensed_residual() const { return *condensed_residual_; }
 
-  /// Newton increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
+  /// Newton increment of the interior that belongs to a vertex increment; both parts of `increment` are complete
+  /// afterwards.
   void recover(const State& state, MixedVector& increment);
 
-  /// Condenses a scaled right-hand side (rows as residual() returns them) at the state of the last tangent(): afterwards
-  /// condensed_residual() and recover() refer to it.
+  /// Condenses a scaled right-hand side (rows as residual() returns them) at the state of the last tangent():
+  /// afterwards condensed_residual() and recover() refer to it.
   void condense(const State& state, double load_factor, const MixedVector& scaled_rhs);
 
   /// `from` moved by step * increment, as a new state: displacements and interior added, rotations composed.
@@ -96,15 +99,15 @@ class Assembler {
   Conditions conditions_;
   AssemblerOptions options_;
   Teuchos::RCP<const DofMap> row_map_, column_map_;
-  Teuchos::RCP<DofImport> import_;              ///< null on one rank
+  Teuchos::RCP<DofImport> import_;  ///< null on one rank
   Teuchos::RCP<DofMatrix> matrix_;
   Teuchos::RCP<DofVector> condensed_residual_, ghosted_increment_;
   ElementEquations equations_;
   KernelView<unsigned char*> owned_interior_;
-  KernelView<unsigned char*> fixed_;            ///< (6 * owned vertex + component)
+  KernelView<unsigned char*> fixed_;  ///< (6 * owned vertex + component)
   // adjacency of each owned vertex: entries [adjacency_start(v), adjacency_start(v + 1))
   KernelView<int*> adjacency_start_;
-  KernelView<int* [4]> adjacency_;              ///< local element, its end here, column slot of this vertex, of the other
+  KernelView<int* [4]> adjacency_;  ///< local element, its end here, column slot of this vertex, of the other
   ResidualScales scales_;
   double load_factor_ = 0.0;
   bool line_loads_set_ = false;

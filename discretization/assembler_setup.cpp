@@ -11,10 +11,10 @@ namespace {
 
 /// An element at a vertex.
 struct Touch {
-  int element;       ///< local
+  int element;  ///< local
   int mesh_element;
-  int end;           ///< which end of the element the vertex is
-  int other;         ///< local vertex at its other end
+  int end;    ///< which end of the element the vertex is
+  int other;  ///< local vertex at its other end
 };
 
 /// Elements at each owned vertex, in the order of the whole mesh, so that sums are the same for every partition.
@@ -34,7 +34,8 @@ std::vector<std::vector<Touch>> elements_at_vertices(const Structure& structure)
   return touching;
 }
 
-/// Vertices that share a block row: the vertex itself and its neighbours, ascending; a pair joined by several members once.
+/// Vertices that share a block row: the vertex itself and its neighbours, ascending; a pair joined by several members
+/// once.
 std::vector<int> row_columns(int vertex, const std::vector<Touch>& touches) {
   std::vector<int> columns = {vertex};
   for (const Touch& touch : touches) columns.push_back(touch.other);

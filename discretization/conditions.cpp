@@ -50,9 +50,7 @@ VertexSupport vertex_support(const Support& support, int local) {
 
 }  // namespace
 
-double stage_amplitude(double load_factor, Stage stage) {
-  return std::clamp(load_factor - (stage - 1), 0.0, 1.0);
-}
+double stage_amplitude(double load_factor, Stage stage) { return std::clamp(load_factor - (stage - 1), 0.0, 1.0); }
 
 double stage_amplitude_slope(double load_factor, Stage stage) {
   const double x = load_factor - (stage - 1);
@@ -69,7 +67,8 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
   }
   for (const Support& support : scene.supports) {
     const int global = vertex_of(mesh, support.point);
-    if (partition.owns(global)) conditions.supports.push_back(vertex_support(support, global - partition.owned_first()));
+    if (partition.owns(global))
+      conditions.supports.push_back(vertex_support(support, global - partition.owned_first()));
   }
   for (const DistributedLoad& load : scene.distributed_loads)
     conditions.line_loads.push_back({member_index(scene, load.member), load.force, load.couple, load.stage});

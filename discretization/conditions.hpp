@@ -14,17 +14,17 @@ double stage_amplitude_slope(double load_factor, Stage stage);
 
 /// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
 struct VertexLoad {
-  int vertex = 0;   ///< owned local vertex
+  int vertex = 0;  ///< owned local vertex
   Vec3<double> force{}, moment{};
   LoadFrame frame = LoadFrame::dead;
   Stage stage = 1;
 };
 
 struct VertexSupport {
-  int vertex = 0;   ///< owned local vertex
+  int vertex = 0;  ///< owned local vertex
   bool fixed[6] = {};
   Vec3<double> displacement{}, rotation{};
-  bool rotation_prescribed = false;   ///< all three rotations fixed: the triad follows exp(amplitude * rotation)
+  bool rotation_prescribed = false;  ///< all three rotations fixed: the triad follows exp(amplitude * rotation)
   Stage stage = 1;
 };
 
@@ -38,7 +38,7 @@ struct MemberLoad {
 struct Conditions {
   std::vector<VertexLoad> loads;
   std::vector<VertexSupport> supports;
-  std::vector<MemberLoad> line_loads;   ///< of all members, on every rank
+  std::vector<MemberLoad> line_loads;  ///< of all members, on every rank
 };
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
@@ -46,7 +46,8 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
 /// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene).
 double largest_prescribed_rotation(const Scene& scene);
 
-/// Writes the line loads of all members at a load factor into the structure's views; `slope` writes their derivative instead.
+/// Writes the line loads of all members at a load factor into the structure's views; `slope` writes their derivative
+/// instead.
 void set_line_loads(const Conditions& conditions, double load_factor, bool slope, const StructureViews& views);
 
 }  // namespace mixbeam

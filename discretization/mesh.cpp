@@ -48,7 +48,8 @@ std::map<std::string, Vector3> point_positions(const Scene& scene) {
   while (found) {
     found = false;
     for (const Member& member : scene.members) {
-      if (member.curve.shape == CurveShape::line || position.count(member.end_point) || !position.count(member.start_point))
+      if (member.curve.shape == CurveShape::line || position.count(member.end_point) ||
+          !position.count(member.start_point))
         continue;
       position[member.end_point] = end_position(member, position.at(member.start_point));
       found = true;
@@ -80,7 +81,8 @@ int vertex_of(const Mesh& mesh, const std::string& point) {
   if (entry != mesh.vertex_of_point.end()) return entry->second;
   std::vector<std::string> names;
   for (const auto& [name, vertex] : mesh.vertex_of_point) names.push_back(name);
-  throw InputError("no member touches a point named \"" + point + "\"; did you mean \"" + nearest_name(point, names) + "\"?");
+  throw InputError("no member touches a point named \"" + point + "\"; did you mean \"" + nearest_name(point, names) +
+                   "\"?");
 }
 
 int member_index(const Scene& scene, const std::string& name) {

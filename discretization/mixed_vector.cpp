@@ -25,7 +25,8 @@ KOKKOS_INLINE_FUNCTION double magnitude(double x) {
 }
 
 void copy_entries(const ConstEntries& from, const Entries& to) {
-  for_each_entry("mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
+  for_each_entry(
+      "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
 }
 
 double largest_magnitude(const ConstEntries& x) {
@@ -52,7 +53,8 @@ double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
 
 MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
                          const KernelView<const unsigned char*>& owned_interior)
-    : vertex_dofs_(Teuchos::rcp(new DofVector(map))), interior_("mixbeam::mixed_vector", interior_size),
+    : vertex_dofs_(Teuchos::rcp(new DofVector(map))),
+      interior_("mixbeam::mixed_vector", interior_size),
       owned_interior_(owned_interior) {}
 
 MixedVector MixedVector::clone(bool copy_values) const {
@@ -79,7 +81,8 @@ KernelView<double*> MixedVector::view_of(DofVector& v) {
 void MixedVector::fill(double value) {
   for (const Entries& part : {vertex(), writable_interior(false)}) {
     const Entries y = part;
-    for_each_entry("mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
+    for_each_entry(
+        "mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
   }
 }
 
@@ -91,7 +94,8 @@ void MixedVector::assign(const MixedVector& other) {
 void MixedVector::scale(double factor) {
   for (const Entries& part : {vertex(), writable_interior(true)}) {
     const Entries y = part;
-    for_each_entry("mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
+    for_each_entry(
+        "mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
   }
 }
 
@@ -99,17 +103,19 @@ void MixedVector::update(double a, const MixedVector& x, double gamma) { update(
 
 void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
   // the sources first: writing may part this vector from one of them
-  const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_}, old[2] = {vertex(), interior_};
+  const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
+                     old[2] = {vertex(), interior_};
   const Entries out[2] = {vertex(), writable_interior(false)};
   for (int part = 0; part < 2; ++part) {
     const Entries z = out[part];
     const ConstEntries p = first[part], q = second[part], before = old[part];
-    for_each_entry("mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
-      double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
-      if (a != 0.0) value += a * p(i);
-      if (b != 0.0) value += b * q(i);
-      z(i) = value;
-    });
+    for_each_entry(
+        "mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
+          double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
+          if (a != 0.0) value += a * p(i);
+          if (b != 0.0) value += b * q(i);
+          z(i) = value;
+        });
   }
 }
 
@@ -121,20 +127,24 @@ void MixedVector::combine_with(const MixedVector& other, const Action& action) {
   for (int part = 0; part < 2; ++part) {
     const Entries y = out[part];
     const ConstEntries x = in[part], own = old[part];
-    for_each_entry("mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
+    for_each_entry(
+        "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
   }
 }
 
 void MixedVector::absolute_values_of(const MixedVector& other) {
-  combine_with(other, KOKKOS_LAMBDA(double, double x) { return x < 0.0 ? -x : x; });
+  combine_with(
+      other, KOKKOS_LAMBDA(double, double x) { return x < 0.0 ? -x : x; });
 }
 
 void MixedVector::reciprocals_of(const MixedVector& other) {
-  combine_with(other, KOKKOS_LAMBDA(double, double x) { return 1.0 / x; });
+  combine_with(
+      other, KOKKOS_LAMBDA(double, double x) { return 1.0 / x; });
 }
 
 void MixedVector::multiply_by(const MixedVector& other) {
-  combine_with(other, KOKKOS_LAMBDA(double own, double x) { return own * x; });
+  combine_with(
+      other, KOKKOS_LAMBDA(double own, double x) { return own * x; });
 }
 
 double MixedVector::maximum_norm() const {
@@ -173,8 +183,8 @@ double MixedVector::inner_product(const MixedVector& other) const {
 
 GlobalOrdinal MixedVector::global_length() const {
   const auto one = [](int, size_t) { return 1.0; };
-  return static_cast<GlobalOrdinal>(ordered_sum(*vertex_dofs_->getMap()->getComm(), vertex().extent(0),
-                                                interior_.extent(0), owned_interior_, one));
+  return static_cast<GlobalOrdinal>(
+      ordered_sum(*vertex_dofs_->getMap()->getComm(), vertex().extent(0), interior_.extent(0), owned_interior_, one));
 }
 
 bool MixedVector::same_values(const MixedVector& other) const {

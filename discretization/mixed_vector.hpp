@@ -1,5 +1,5 @@
-/// A vector of the whole mixed system: six entries (displacement, rotation; spatial) for every owned vertex, and the interior
-/// rows of every local element (InteriorLayout with spin). Increments and residuals have this shape.
+/// A vector of the whole mixed system: six entries (displacement, rotation; spatial) for every owned vertex, and the
+/// interior rows of every local element (InteriorLayout with spin). Increments and residuals have this shape.
 #pragma once
 
 #include "discretization/structure.hpp"
@@ -11,15 +11,17 @@ constexpr int kVertexDofs = 6;
 
 class MixedVector {
  public:
-  /// `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on two ranks).
-  MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size, const KernelView<const unsigned char*>& owned_interior);
+  /// `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on two
+  /// ranks).
+  MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
+              const KernelView<const unsigned char*>& owned_interior);
 
-  /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy vectors
-  /// far more often than they change them.
+  /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy
+  /// vectors far more often than they change them.
   MixedVector clone(bool copy_values) const;
 
-  KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }   ///< (6 * owned vertex + component)
-  static KernelView<double*> view_of(DofVector& v);        ///< the local entries of a Tpetra vector, not owned
+  KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }  ///< (6 * owned vertex + component)
+  static KernelView<double*> view_of(DofVector& v);  ///< the local entries of a Tpetra vector, not owned
   KernelView<const double*> interior() const { return interior_; }
   /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
   KernelView<double*> writable_interior(bool keep_values);
@@ -28,17 +30,18 @@ class MixedVector {
   void fill(double value);
   void assign(const MixedVector& other);
   void scale(double factor);
-  void update(double a, const MixedVector& x, double gamma);                                        ///< a x + gamma this
-  void update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma);        ///< a x + b y + gamma this
+  void update(double a, const MixedVector& x, double gamma);  ///< a x + gamma this
+  void update(double a, const MixedVector& x, double b, const MixedVector& y,
+              double gamma);  ///< a x + b y + gamma this
   void absolute_values_of(const MixedVector& other);
   void reciprocals_of(const MixedVector& other);
-  void multiply_by(const MixedVector& other);              ///< entry by entry
+  void multiply_by(const MixedVector& other);  ///< entry by entry
 
-  double maximum_norm() const;                             ///< the same for any number of threads and ranks
+  double maximum_norm() const;  ///< the same for any number of threads and ranks
   double one_norm() const;
   double inner_product(const MixedVector& other) const;
   GlobalOrdinal global_length() const;
-  bool same_values(const MixedVector& other) const;        ///< on every rank
+  bool same_values(const MixedVector& other) const;  ///< on every rank
 
   /// Largest rotation (Euclidean norm of the spin) of any vertex.
   double largest_vertex_spin() const;
@@ -49,7 +52,7 @@ class MixedVector {
 
   Teuchos::RCP<DofVector> vertex_dofs_;
   KernelView<double*> interior_;
-  KernelView<const unsigned char*> owned_interior_;        ///< empty: all
+  KernelView<const unsigned char*> owned_interior_;  ///< empty: all
 };
 
 /// Largest of a value over all ranks; not-a-number on any rank wins.

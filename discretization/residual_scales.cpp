@@ -10,14 +10,14 @@ namespace {
 /// Strains and relative rotations are differences of numbers of size one (and of u/h): a few roundings each.
 constexpr double kRoundings = 16.0;
 
-/// Without any load the internal forces must vanish; a force of this fraction of EI/L^2 times the tolerance moves nothing by
-/// more than a rounding error of the length.
+/// Without any load the internal forces must vanish; a force of this fraction of EI/L^2 times the tolerance moves
+/// nothing by more than a rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
 }  // namespace
 
-ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element, double bending_stiffness,
-                               double tolerance) {
+ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
+                               double bending_stiffness, double tolerance) {
   ResidualScales scales;
   const bool loaded = state.load_force > 0.0 || state.load_moment > 0.0;
   const double floor = loaded ? 0.0 : kUnloadedForce * bending_stiffness / (length * length);

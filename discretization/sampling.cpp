@@ -30,11 +30,12 @@ Vec interpolate_gauss(int count, double xi, const Values& values) {
 }
 
 Vec force_at(const ElementBlock& block, const double* interior, double xi) {
-  const int axial = axial_points(block.order, block.force_integration), shear = shear_points(block.order, block.force_integration);
+  const int axial = axial_points(block.order, block.force_integration),
+            shear = shear_points(block.order, block.force_integration);
   const int first_shear = axial == shear ? 0 : axial;
   Vec force = interpolate_gauss(axial, xi, [&](int q) { return load_vector(interior + block.interior.force(q)); });
-  const Vec sideways =
-      interpolate_gauss(shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
+  const Vec sideways = interpolate_gauss(
+      shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
   force[1] = sideways[1];
   force[2] = sideways[2];
   return force;
@@ -69,7 +70,8 @@ static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent a
 
 }  // namespace
 
-PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element, double xi) {
+PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
+                           double xi) {
   const ElementBlock& block = structure.block_of(local_element);
   const int e = local_element - block.first_element, k = block.order;
   const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local_element]];
@@ -161,9 +163,11 @@ double l2_norm(const Assembler& assembler, const State& state, int points,
 
 namespace {
 
-StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h, const SectionConstants& section) {
+StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h,
+                            const SectionConstants& section) {
   StrainEnergy energy;
-  const int axial = axial_points(block.order, block.force_integration), shear = shear_points(block.order, block.force_integration);
+  const int axial = axial_points(block.order, block.force_integration),
+            shear = shear_points(block.order, block.force_integration);
   const auto add_force = [&](int first, int count, int begin, int end) {
     double points[kMaximumPoints], weights[kMaximumPoints];
     gauss_rule(count, points, weights);

@@ -10,23 +10,25 @@ namespace mixbeam {
 
 /// Fields at one point of an element.
 struct PointSample {
-  double arc_length = 0.0;              ///< along the member
-  Vec3<double> reference_position, position, displacement;   ///< spatial
-  Quaternion<double> triad;             ///< Lambda_E, spatial
-  Vec3<double> force, moment;           ///< N, M: material; N interpolated through its Gauss points (degree k - 1 or k)
-  Vec3<double> force_strain, moment_strain;   ///< C^-1 N, C^-1 M: material
+  double arc_length = 0.0;                                  ///< along the member
+  Vec3<double> reference_position, position, displacement;  ///< spatial
+  Quaternion<double> triad;                                 ///< Lambda_E, spatial
+  Vec3<double> force, moment;  ///< N, M: material; N interpolated through its Gauss points (degree k - 1 or k)
+  Vec3<double> force_strain, moment_strain;  ///< C^-1 N, C^-1 M: material
 };
 
 /// xi in [-1, 1] along a local element.
-PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element, double xi);
+PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
+                           double xi);
 
-/// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends included, so
-/// that one-sided values at vertices show). Complete on rank 0 (other ranks return the members without samples). Collective.
+/// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
+/// included, so that one-sided values at vertices show). Complete on rank 0 (other ranks return the members without
+/// samples). Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
                                           int points_per_element);
 
-/// sqrt(1/L int |field(point)|^2 ds) over the whole structure, L its total length, by Gauss rules with `points` points in
-/// each element. Collective.
+/// sqrt(1/L int |field(point)|^2 ds) over the whole structure, L its total length, by Gauss rules with `points` points
+/// in each element. Collective.
 double l2_norm(const Assembler& assembler, const State& state, int points,
                const std::function<Vec3<double>(const PointSample&, int member)>& field);
 

@@ -67,8 +67,7 @@ template <int K>
 void fill_reference(const ReferenceCurve& curve, double start, double length, const ElementTables<K>& tables,
                     const ReferenceLayout& layout, double* row) {
   row[layout.length()] = length;
-  for (int end = 0; end < 2; ++end)
-    store_quaternion(curve.triad(start + end * length), row + layout.end_triad(end));
+  for (int end = 0; end < 2; ++end) store_quaternion(curve.triad(start + end * length), row + layout.end_triad(end));
   for (int q = 0; q < layout.force_points; ++q)
     store_vector(curve.tangent(start + 0.5 * length * (1.0 + tables.force_xi[q])), row + layout.tangent(q));
   for (int q = 0; q <= K; ++q) store_vector(curve.curvature, row + layout.curvature(q));
@@ -130,7 +129,8 @@ void fill_structure_views(Structure& structure, const Scene& scene) {
   for (size_t m = 0; m < scene.members.size(); ++m) {
     const auto section = constants.find(scene.members[m].section);
     if (section == constants.end())
-      throw InputError("member \"" + scene.members[m].name + "\": there is no section named \"" + scene.members[m].section + "\"");
+      throw InputError("member \"" + scene.members[m].name + "\": there is no section named \"" +
+                       scene.members[m].section + "\"");
     structure.views.member_section(m) = section->second;
   }
   if (!scene.distributed_loads.empty())
@@ -168,13 +168,14 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
 State allocate_state(const Structure& structure) {
   using Kokkos::ViewAllocateWithoutInitializing;
   State state;
-  state.views.vertex_displacement =
-      KernelView<double* [3]>(ViewAllocateWithoutInitializing("mixbeam::vertex_displacement"), structure.local_vertices());
+  state.views.vertex_displacement = KernelView<double* [3]>(
+      ViewAllocateWithoutInitializing("mixbeam::vertex_displacement"), structure.local_vertices());
   state.views.vertex_rotation =
       KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::vertex_rotation"), structure.local_vertices());
   state.views.element_triad =
       KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::element_triad"), structure.local_elements());
-  state.views.interior = KernelView<double*>(ViewAllocateWithoutInitializing("mixbeam::interior"), structure.interior_size);
+  state.views.interior =
+      KernelView<double*>(ViewAllocateWithoutInitializing("mixbeam::interior"), structure.interior_size);
   return state;
 }
 
@@ -193,7 +194,8 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
       store_quaternion(member.curve.triad(h * (element.index + 0.5)), &state.views.element_triad(local, 0));
       if (block.order > 1) {
         // constant curvature: Lambda_0 = Lambda_mid exp(xi h/2 kappa0), exactly the first Legendre mode
-        double* interior = &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
+        double* interior =
+            &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
         store_vector((0.5 * h) * member.curve.curvature, interior + block.interior.relative_rotation(1));
       }
     }

@@ -1,5 +1,6 @@
-/// The part of a structure that one rank works on: its own vertices, every element that touches one of them, and the ghost
-/// vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entry travels.
+/// The part of a structure that one rank works on: its own vertices, every element that touches one of them, and the
+/// ghost vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entry
+/// travels.
 #pragma once
 
 #include "discretization/mesh.hpp"
@@ -9,8 +10,8 @@
 
 namespace mixbeam {
 
-/// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others may
-/// hold is never written to: a new one is allocated (Assembler::apply).
+/// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others
+/// may hold is never written to: a new one is allocated (Assembler::apply).
 struct State {
   StateViews views;
 };
@@ -26,15 +27,15 @@ struct VertexPartition {
 
 struct Structure {
   VertexPartition partition;
-  std::vector<int> local_vertex_to_global;         ///< owned vertices first, then ghosts in ascending order
+  std::vector<int> local_vertex_to_global;  ///< owned vertices first, then ghosts in ascending order
   int owned_vertices = 0;
   std::vector<ElementBlock> blocks;
-  std::vector<int> local_element_to_mesh;          ///< mesh element of each local element
-  std::vector<int> mesh_element_to_local;          ///< -1 where the element is not on this rank
+  std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
+  std::vector<int> mesh_element_to_local;  ///< -1 where the element is not on this rank
   StructureViews views;
-  double shortest_element = 0.0;                   ///< of the whole mesh
-  double length = 0.0;                             ///< characteristic length of the whole mesh
-  double bending_reference = 0.0;                  ///< largest finite bending or torsional stiffness of the scene
+  double shortest_element = 0.0;   ///< of the whole mesh
+  double length = 0.0;             ///< characteristic length of the whole mesh
+  double bending_reference = 0.0;  ///< largest finite bending or torsional stiffness of the scene
   size_t interior_size = 0, increment_size = 0, response_size = 0;
 
   int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
@@ -46,8 +47,8 @@ struct Structure {
 /// Distributes elements and vertices and fills the reference data.
 Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
 
-/// Undeformed state: vertex rotations identity, element triads at mid element, relative rotations from the reference curve,
-/// stress free.
+/// Undeformed state: vertex rotations identity, element triads at mid element, relative rotations from the reference
+/// curve, stress free.
 State reference_state(const Structure& structure, const Mesh& mesh);
 
 /// Room for a state, not initialised.

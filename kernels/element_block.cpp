@@ -25,7 +25,8 @@ void for_order(int order, Action&& action) {
   if constexpr (K < kMaximumOrder)
     for_order<Action, K + 1>(order, std::forward<Action>(action));
   else
-    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." + std::to_string(kMaximumOrder));
+    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." +
+                                std::to_string(kMaximumOrder));
 }
 
 /// Interior increments are the response rows times (d slope_0, spin a, spin b, 1).
@@ -97,16 +98,24 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
 
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
-  const RecoverLoop loop{block.vertices, block.reference, state.element_triad, equations.response, vertex_increment,
-                         increment, block.first_element, block.interior.increments(), block.increment_offset,
-                         block.response_offset};
+  const RecoverLoop loop{
+      block.vertices, block.reference,     state.element_triad,         equations.response,     vertex_increment,
+      increment,      block.first_element, block.interior.increments(), block.increment_offset, block.response_offset};
   Kokkos::parallel_for("mixbeam::elements::recover", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }
 
-void apply_interior_increment(const ElementBlock& block, const StateViews& from, const KernelView<const double*>& increment,
-                              double scale, const StateViews& to) {
-  const ApplyLoop loop{from.element_triad, from.interior, increment, to.element_triad, to.interior, scale,
-                       block.first_element, block.interior.unknowns(), block.interior_offset, block.increment_offset};
+void apply_interior_increment(const ElementBlock& block, const StateViews& from,
+                              const KernelView<const double*>& increment, double scale, const StateViews& to) {
+  const ApplyLoop loop{from.element_triad,
+                       from.interior,
+                       increment,
+                       to.element_triad,
+                       to.interior,
+                       scale,
+                       block.first_element,
+                       block.interior.unknowns(),
+                       block.interior_offset,
+                       block.increment_offset};
   Kokkos::parallel_for("mixbeam::elements::apply", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }
 

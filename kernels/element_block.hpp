@@ -1,5 +1,5 @@
-/// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the mathematics
-/// is in element_residual.hpp and element_tangent.hpp.
+/// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the
+/// mathematics is in element_residual.hpp and element_tangent.hpp.
 #pragma once
 
 #include "kernels/element_layout.hpp"
@@ -13,8 +13,8 @@ using MemorySpace = ExecutionSpace::memory_space;
 template <class Data>
 using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
 
-/// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both vertices in
-/// the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
+/// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both
+/// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
 constexpr int kResponseColumns = 10;
 
 /// State of a structure: total, from the reference to the current configuration.
@@ -31,29 +31,29 @@ struct ElementEquations {
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double* [144]> condensed_tangent;  ///< (element, 12 x 12 row-major), spatial
-  KernelView<double*> response;                 ///< (increment row, kResponseColumns) of each element, block after block
-  KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
+  KernelView<double*> response;           ///< (increment row, kResponseColumns) of each element, block after block
+  KernelView<double*> largest_end_angle;  ///< (element): relative rotation between element and vertex, radians
 };
 
 /// Constant data of the structure that elements of all blocks share.
 struct StructureViews {
   KernelView<SectionConstants*> member_section;  ///< (member)
-  KernelView<LineLoad*> member_load;             ///< (member), at the current load factor; empty when the scene has none
+  KernelView<LineLoad*> member_load;  ///< (member), at the current load factor; empty when the scene has none
 };
 
 struct ElementBlock {
   int order = 0;
   ForceIntegration force_integration = ForceIntegration::both_reduced;
-  int first_element = 0;            ///< elements of a block are numbered consecutively
+  int first_element = 0;  ///< elements of a block are numbered consecutively
   int count = 0;
-  size_t interior_offset = 0;       ///< of the first element in StateViews::interior
-  size_t increment_offset = 0;      ///< of the first element in increments and interior residuals
+  size_t interior_offset = 0;   ///< of the first element in StateViews::interior
+  size_t increment_offset = 0;  ///< of the first element in increments and interior residuals
   size_t response_offset = 0;
   InteriorLayout interior;
   ReferenceLayout reference_layout;
-  KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
-  KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
-  KernelView<int*> member;          ///< (element of the block)
+  KernelView<double**> reference;  ///< (element of the block, ReferenceLayout)
+  KernelView<int* [2]> vertices;   ///< (element of the block, end): local vertex
+  KernelView<int*> member;         ///< (element of the block)
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.
@@ -74,7 +74,7 @@ void recover_interior(const ElementBlock& block, const StateViews& state, const 
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
 
 /// interior + scale * increment, triads multiplied from the right by exp(scale * w).
-void apply_interior_increment(const ElementBlock& block, const StateViews& from, const KernelView<const double*>& increment,
-                              double scale, const StateViews& to);
+void apply_interior_increment(const ElementBlock& block, const StateViews& from,
+                              const KernelView<const double*>& increment, double scale, const StateViews& to);
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
-/// The loops of element_block.hpp for one order, instantiated in element_block_k<order>.cpp (one translation unit per order
-/// keeps the build parallel).
+/// The loops of element_block.hpp for one order, instantiated in element_block_k<order>.cpp (one translation unit per
+/// order keeps the build parallel).
 #pragma once
 
 #include "kernels/element_block.hpp"
@@ -7,14 +7,15 @@
 
 namespace mixbeam {
 
-/// Views of one block, gathered element by element into named values. Captured by value: inside a kernel no View is copied.
+/// Views of one block, gathered element by element into named values. Captured by value: inside a kernel no View is
+/// copied.
 template <int K>
 struct ElementGather {
   KernelView<const double**> reference;
   KernelView<const int* [2]> vertices;
   KernelView<const int*> member;
   KernelView<const double* [3]> vertex_displacement;
-  KernelView<const double* [4]> vertex_rotation, element_triad;
+  KernelView<const double*[4]> vertex_rotation, element_triad;
   KernelView<const double*> interior;
   KernelView<const SectionConstants*> section;
   KernelView<const LineLoad*> load;
@@ -25,11 +26,20 @@ struct ElementGather {
   size_t interior_offset;
 
   ElementGather(const ElementBlock& block, const StructureViews& structure, const StateViews& state)
-      : reference(block.reference), vertices(block.vertices), member(block.member),
-        vertex_displacement(state.vertex_displacement), vertex_rotation(state.vertex_rotation),
-        element_triad(state.element_triad), interior(state.interior), section(structure.member_section),
-        load(structure.member_load), layout(block.interior), reference_layout(block.reference_layout),
-        tables(block.force_integration), first_element(block.first_element), interior_offset(block.interior_offset) {}
+      : reference(block.reference),
+        vertices(block.vertices),
+        member(block.member),
+        vertex_displacement(state.vertex_displacement),
+        vertex_rotation(state.vertex_rotation),
+        element_triad(state.element_triad),
+        interior(state.interior),
+        section(structure.member_section),
+        load(structure.member_load),
+        layout(block.interior),
+        reference_layout(block.reference_layout),
+        tables(block.force_integration),
+        first_element(block.first_element),
+        interior_offset(block.interior_offset) {}
 
   KOKKOS_INLINE_FUNCTION ElementInput input(int e) const {
     ElementInput in;
@@ -59,8 +69,8 @@ struct ResidualLoop {
     const ElementInput in = gather.input(e);
     const ElementKinematics<K> kinematics(in, gather.layout);
     ElementGradient<K> gradient;
-    element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout, gather.section(gather.member(e)),
-                     gather.line_load(e), gradient);
+    element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout,
+                     gather.section(gather.member(e)), gather.line_load(e), gradient);
     const int element = gather.first_element + e;
     store_residual(gradient, kinematics, gather.layout,
                    interior_residual.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments(),
@@ -69,7 +79,8 @@ struct ResidualLoop {
   }
 };
 
-/// Interior right-hand side given from outside, in place of the gradient of the state (rows as store_residual writes them).
+/// Interior right-hand side given from outside, in place of the gradient of the state (rows as store_residual writes
+/// them).
 template <int K>
 KOKKOS_INLINE_FUNCTION void replace_gradient(const double* rhs, const ElementKinematics<K>& kinematics,
                                              const InteriorLayout& layout, ElementGradient<K>& g) {
@@ -114,10 +125,12 @@ struct CondensedElement {
     if constexpr (K > 1)
       for (int q = 0; q <= K; ++q) {
         const MomentPoint<K> point(q, in, kinematics, tables, gather.layout, gather.reference_layout);
-        add_moment_tangent(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, moment_rows, system);
+        add_moment_tangent(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, moment_rows,
+                           system);
       }
     for (int end = 0; end < 2; ++end)
-      add_end_tangent(end, EndRotation<K>(end, in, kinematics, gather.layout, gather.reference_layout), moment_rows, system);
+      add_end_tangent(end, EndRotation<K>(end, in, kinematics, gather.layout, gather.reference_layout), moment_rows,
+                      system);
     condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
     system.mirror();
@@ -127,8 +140,8 @@ struct CondensedElement {
   }
 
   /// Rows of the increments: response of N (pointwise), M (by mode), psi, beta (spatial) and w.
-  KOKKOS_INLINE_FUNCTION void store_response(const ElementGather<K>& gather, int e, const ElementKinematics<K>& kinematics,
-                                             double* rows) const {
+  KOKKOS_INLINE_FUNCTION void store_response(const ElementGather<K>& gather, int e,
+                                             const ElementKinematics<K>& kinematics, double* rows) const {
     const InteriorLayout& layout = gather.layout;
     const SectionConstants& section = gather.section(gather.member(e));
     for (int q = 0; q < layout.force_points; ++q)
@@ -141,7 +154,8 @@ struct CondensedElement {
       double* bubble = rows + kResponseColumns * layout.bubble(j);
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < kResponseColumns; ++c)
-          bubble[kResponseColumns * i + c] = kinematics.triad(i, 0) * slope[0][c] + kinematics.triad(i, 1) * slope[1][c] +
+          bubble[kResponseColumns * i + c] = kinematics.triad(i, 0) * slope[0][c] +
+                                             kinematics.triad(i, 1) * slope[1][c] +
                                              kinematics.triad(i, 2) * slope[2][c];
     }
     copy_rows(3 * ReducedBlocks<K>::spin(), rows + kResponseColumns * layout.spin());
@@ -192,7 +206,8 @@ struct CondensedElement {
     }
   }
   /// dM_j = (2j + 1)/h C (row_j + d row_j)
-  KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const SectionConstants& section, double length, double* rows) const {
+  KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const SectionConstants& section, double length,
+                                                    double* rows) const {
     for (int r = 0; r < 3; ++r) {
       const double* row = moment_rows.row[j][r];
       const double stiffness = (2 * j + 1) / length * section.moment_stiffness[r];
@@ -213,7 +228,7 @@ struct TangentLoop {
   KernelView<double* [12]> condensed_residual;
   KernelView<double* [144]> condensed_tangent;
   KernelView<double*> response;
-  KernelView<const double*> given_rhs;   ///< empty: the residual of the state
+  KernelView<const double*> given_rhs;  ///< empty: the residual of the state
   size_t increment_offset, response_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e) const {
@@ -223,7 +238,8 @@ struct TangentLoop {
     const double* rhs = given_rhs.extent(0) == 0 ? nullptr : given_rhs.data() + increment_offset + e * increments;
     CondensedElement<K> element;
     element.build(gather, e, in, kinematics, rhs);
-    element.store_response(gather, e, kinematics, response.data() + response_offset + e * increments * kResponseColumns);
+    element.store_response(gather, e, kinematics,
+                           response.data() + response_offset + e * increments * kResponseColumns);
     const int index = gather.first_element + e;
     expand_tangent(element.tangent, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
     store_condensed_residual(element, kinematics, &condensed_residual(index, 0));
@@ -250,8 +266,12 @@ void residual_loop(const ElementBlock& block, const StructureViews& structure, c
 template <int K>
 void tangent_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                   const KernelView<const double*>& given_rhs, const ElementEquations& equations) {
-  const TangentLoop<K> loop{ElementGather<K>(block, structure, state), equations.condensed_residual,
-                            equations.condensed_tangent, equations.response, given_rhs, block.increment_offset,
+  const TangentLoop<K> loop{ElementGather<K>(block, structure, state),
+                            equations.condensed_residual,
+                            equations.condensed_tangent,
+                            equations.response,
+                            given_rhs,
+                            block.increment_offset,
                             block.response_offset};
   Kokkos::parallel_for("mixbeam::elements::tangent", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }

@@ -1,5 +1,5 @@
-/// State of one element seen in the frame of its own constant triad Lambda_lo (the "element frame"): there the energy does not
-/// depend on Lambda_lo at all, which makes the discrete strains objective to the last digits.
+/// State of one element seen in the frame of its own constant triad Lambda_lo (the "element frame"): there the energy
+/// does not depend on Lambda_lo at all, which makes the discrete strains objective to the last digits.
 #pragma once
 
 #include "kernels/element_layout.hpp"
@@ -25,20 +25,20 @@ KOKKOS_INLINE_FUNCTION void store_quaternion(const Quat& q, double* x) {
 
 /// Everything that one element reads.
 struct ElementInput {
-  Vec displacement[2];        ///< of the end vertices, spatial
-  Quat vertex_rotation[2];    ///< Lambda_V of the end vertices
-  Quat triad;                 ///< Lambda_lo
-  const double* interior;     ///< InteriorLayout
-  const double* reference;    ///< ReferenceLayout
+  Vec displacement[2];      ///< of the end vertices, spatial
+  Quat vertex_rotation[2];  ///< Lambda_V of the end vertices
+  Quat triad;               ///< Lambda_lo
+  const double* interior;   ///< InteriorLayout
+  const double* reference;  ///< ReferenceLayout
 };
 
 /// Constant-size pieces of the state in the element frame.
 template <int K>
 struct ElementKinematics {
   double length;
-  Mat triad;                  ///< Lambda_lo
-  Vec slope[K];               ///< Lambda_lo^T u' = sum_j slope_j P_j
-  Vec psi[K];                 ///< psi_ho = sum_{j >= 1} psi_j P_j (psi_0 unused)
+  Mat triad;     ///< Lambda_lo
+  Vec slope[K];  ///< Lambda_lo^T u' = sum_j slope_j P_j
+  Vec psi[K];    ///< psi_ho = sum_{j >= 1} psi_j P_j (psi_0 unused)
 
   KOKKOS_INLINE_FUNCTION ElementKinematics(const ElementInput& in, const InteriorLayout& layout)
       : length(in.reference[0]), triad(rotation_matrix(in.triad)) {
@@ -110,9 +110,9 @@ struct ForcePoint {
 template <int K>
 struct MomentPoint {
   PointRotation<K> rotation;
-  Vec slope;    ///< psi'
-  Vec moment;   ///< M, material
-  Vec strain;   ///< kappa
+  Vec slope;   ///< psi'
+  Vec moment;  ///< M, material
+  Vec strain;  ///< kappa
   double weight;
 
   KOKKOS_INLINE_FUNCTION MomentPoint(int q, const ElementInput& in, const ElementKinematics<K>& kinematics,
@@ -122,8 +122,7 @@ struct MomentPoint {
     slope = Vec{{0.0, 0.0, 0.0}};
     for (int j = 1; j < K; ++j) slope += (2.0 / kinematics.length * tables.moment_slope[q][j]) * kinematics.psi[j];
     moment = Vec{{0.0, 0.0, 0.0}};
-    for (int j = 0; j <= K; ++j)
-      moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
+    for (int j = 0; j <= K; ++j) moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
     strain = -load_vector(in.reference + reference.curvature(q));
     if constexpr (K > 1) strain += transpose_times(rotation.tangent, slope);
     weight = 0.5 * kinematics.length * tables.moment_weight[q];
@@ -133,27 +132,27 @@ struct MomentPoint {
 /// P_j at an end of the element: (+-1)^j.
 KOKKOS_INLINE_FUNCTION double end_value(int end, int j) { return end == 0 && j % 2 == 1 ? -1.0 : 1.0; }
 
-/// Relative rotation phi = log(Lambda_E^T Lambda_V Lambda_0) between element and vertex at one end (discrete curvature) and
-/// the moment that works on it, with the sign of the boundary term: + at the right end, - at the left.
+/// Relative rotation phi = log(Lambda_E^T Lambda_V Lambda_0) between element and vertex at one end (discrete curvature)
+/// and the moment that works on it, with the sign of the boundary term: + at the right end, - at the left.
 template <int K>
 struct EndRotation {
   PointRotation<K> rotation;
   double sign;
   Vec phi;
   InverseTangentCoefficient<double> coefficient;
-  Mat inverse_tangent;   ///< T^-1(phi)
-  Vec moment;            ///< sign * M(end), material
-  Vec spin_moment;       ///< T^-T(phi) sign M: conjugate to a spin that multiplies from the left
+  Mat inverse_tangent;  ///< T^-1(phi)
+  Vec moment;           ///< sign * M(end), material
+  Vec spin_moment;      ///< T^-T(phi) sign M: conjugate to a spin that multiplies from the left
 
   KOKKOS_INLINE_FUNCTION EndRotation(int end, const ElementInput& in, const ElementKinematics<K>& kinematics,
                                      const InteriorLayout& layout, const ReferenceLayout& reference)
       : rotation(end_relative_rotation(end, kinematics)), sign(end == 0 ? -1.0 : 1.0) {
-    Quat relative = conjugate(in.triad) * in.vertex_rotation[end] * load_quaternion(in.reference + reference.end_triad(end));
+    Quat relative =
+        conjugate(in.triad) * in.vertex_rotation[end] * load_quaternion(in.reference + reference.end_triad(end));
     if constexpr (K > 1) relative = conjugate(exp_quaternion(rotation.psi)) * relative;
     phi = log_quaternion(relative);
     moment = Vec{{0.0, 0.0, 0.0}};
-    for (int j = 0; j <= K; ++j)
-      moment += (sign * end_value(end, j)) * load_vector(in.interior + layout.moment(j));
+    for (int j = 0; j <= K; ++j) moment += (sign * end_value(end, j)) * load_vector(in.interior + layout.moment(j));
     coefficient = inverse_tangent_coefficient(dot(phi, phi));
     inverse_tangent = inverse_tangent_map(phi, coefficient);
     spin_moment = transpose_times(inverse_tangent, moment);

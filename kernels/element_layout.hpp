@@ -9,31 +9,32 @@ namespace mixbeam {
 
 constexpr int kMaximumOrder = 8;
 
-/// Number of Gauss points that carry a material force N. Where axial and shear parts use different rules the element carries
-/// both sets of points, each with the other part masked out.
+/// Number of Gauss points that carry a material force N. Where axial and shear parts use different rules the element
+/// carries both sets of points, each with the other part masked out.
 constexpr int force_point_count(int order, ForceIntegration rule) {
   const int axial = axial_points(order, rule), shear = shear_points(order, rule);
   return axial == shear ? axial : axial + shear;
 }
 
 /// Offsets into the interior unknowns of one element of order k with n force points:
-///   N (n, 3) material | M (k + 1, 3) material, Legendre coefficients | psi (k - 1, 3) relative rotation, Legendre degree 1..k-1
-///   | beta (k - 1, 3) spatial, u' = (u_b - u_a)/h + sum_j beta_j P_j.
-/// An increment and a residual have the same layout with three more entries at the end: the spin w of the element triad,
-/// Lambda_lo <- Lambda_lo exp(hat w), and its moment equation. The triad itself is stored separately as a quaternion.
+///   N (n, 3) material | M (k + 1, 3) material, Legendre coefficients | psi (k - 1, 3) relative rotation, Legendre
+///   degree 1..k-1 | beta (k - 1, 3) spatial, u' = (u_b - u_a)/h + sum_j beta_j P_j.
+/// An increment and a residual have the same layout with three more entries at the end: the spin w of the element
+/// triad, Lambda_lo <- Lambda_lo exp(hat w), and its moment equation. The triad itself is stored separately as a
+/// quaternion.
 struct InteriorLayout {
   int order = 0, force_points = 0;
   KOKKOS_INLINE_FUNCTION int force(int q) const { return 3 * q; }
   KOKKOS_INLINE_FUNCTION int moment(int j) const { return 3 * (force_points + j); }
-  KOKKOS_INLINE_FUNCTION int relative_rotation(int j) const { return 3 * (force_points + order + j); }       // j = 1..k-1
-  KOKKOS_INLINE_FUNCTION int bubble(int j) const { return 3 * (force_points + 2 * order - 1 + j); }           // j = 1..k-1
+  KOKKOS_INLINE_FUNCTION int relative_rotation(int j) const { return 3 * (force_points + order + j); }  // j = 1..k-1
+  KOKKOS_INLINE_FUNCTION int bubble(int j) const { return 3 * (force_points + 2 * order - 1 + j); }     // j = 1..k-1
   KOKKOS_INLINE_FUNCTION int unknowns() const { return 3 * (force_points + 3 * order - 1); }
   KOKKOS_INLINE_FUNCTION int spin() const { return unknowns(); }
   KOKKOS_INLINE_FUNCTION int increments() const { return unknowns() + 3; }
 };
 
-/// Offsets into the reference data of one element: length h | reference triads at both ends (quaternions, as seen from this
-/// element) | unit tangent r0' at the force points | material curvature kappa0 at the k + 1 moment points.
+/// Offsets into the reference data of one element: length h | reference triads at both ends (quaternions, as seen from
+/// this element) | unit tangent r0' at the force points | material curvature kappa0 at the k + 1 moment points.
 struct ReferenceLayout {
   int order = 0, force_points = 0;
   KOKKOS_INLINE_FUNCTION int length() const { return 0; }
@@ -50,13 +51,13 @@ struct ElementTables {
   int force_points = 0;
   double force_xi[kMaximumForcePoints];
   double force_weight[kMaximumForcePoints];
-  double axial[kMaximumForcePoints];                   ///< 1 where the axial part is integrated, else 0
+  double axial[kMaximumForcePoints];  ///< 1 where the axial part is integrated, else 0
   double shear[kMaximumForcePoints];
-  double force_legendre[kMaximumForcePoints][K];       ///< P_0 .. P_{k-1}
+  double force_legendre[kMaximumForcePoints][K];  ///< P_0 .. P_{k-1}
   double moment_xi[K + 1];
   double moment_weight[K + 1];
-  double moment_legendre[K + 1][K + 1];                ///< P_0 .. P_k
-  double moment_slope[K + 1][K];                       ///< dP_0/dxi .. dP_{k-1}/dxi
+  double moment_legendre[K + 1][K + 1];  ///< P_0 .. P_k
+  double moment_slope[K + 1][K];         ///< dP_0/dxi .. dP_{k-1}/dxi
 
   explicit ElementTables(ForceIntegration rule) {
     const int axial_count = axial_points(K, rule), shear_count = shear_points(K, rule);
@@ -87,9 +88,9 @@ struct ElementTables {
 
 /// Constants of a section as the element uses them. A rigid component has compliance zero.
 struct SectionConstants {
-  double force_compliance[3];          ///< 1/EA, 1/GA2, 1/GA3: the residual
-  double tangent_force_stiffness[3];   ///< EA, GA2, GA3 capped: the tangent only
-  double moment_stiffness[3];          ///< GIt, EI2, EI3
+  double force_compliance[3];         ///< 1/EA, 1/GA2, 1/GA3: the residual
+  double tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
+  double moment_stiffness[3];         ///< GIt, EI2, EI3
   double moment_compliance[3];
 };
 

@@ -1,4 +1,5 @@
-/// Residual of the whole mixed system of one element: the first variation of its energy (design: stationary in all fields)
+/// Residual of the whole mixed system of one element: the first variation of its energy (design: stationary in all
+/// fields)
 ///   sum_q w [N.gamma - N.C^-1 N / 2] + sum_q w [M.kappa - M.C^-1 M / 2] + [phi . M]_left^right  -  work of line loads.
 #pragma once
 
@@ -54,7 +55,8 @@ KOKKOS_INLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K>& join
   for (int j = 0; j <= K; ++j) g.moment_row[j] += (joint.sign * end_value(end, j)) * joint.phi;
 }
 
-/// Virtual work of a constant dead line load: force . du and couple . dtheta_E with dtheta_E = w + T(psi) dpsi (element frame).
+/// Virtual work of a constant dead line load: force . du and couple . dtheta_E with dtheta_E = w + T(psi) dpsi (element
+/// frame).
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_line_load_gradient(const LineLoad& load, const ElementKinematics<K>& kinematics,
                                                    const ElementTables<K>& tables, ElementGradient<K>& g) {
@@ -104,7 +106,8 @@ KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const Eleme
   }
   for (int j = 0; j <= K; ++j)
     for (int i = 0; i < 3; ++i)
-      g.moment_row[j][i] -= kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
+      g.moment_row[j][i] -=
+          kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
   for (int end = 0; end < 2; ++end) {
     const EndRotation<K> joint(end, in, kinematics, layout, reference);
     add_end_gradient(end, joint, g);
@@ -114,8 +117,8 @@ KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const Eleme
   if (load != nullptr) add_line_load_gradient(*load, kinematics, tables, g);
 }
 
-/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial but
-/// the material N, M, psi and spin rows.
+/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial
+/// but the material N, M, psi and spin rows.
 template <int K>
 KOKKOS_INLINE_FUNCTION void store_residual(const ElementGradient<K>& g, const ElementKinematics<K>& kinematics,
                                            const InteriorLayout& layout, double* interior_row, double* vertex_row) {

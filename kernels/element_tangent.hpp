@@ -1,5 +1,6 @@
-/// Condensed tangent of one element: second variation of the energy (with the second-order expansion of exp in each spin, so
-/// conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal) - rotations and bubbles.
+/// Condensed tangent of one element: second variation of the energy (with the second-order expansion of exp in each
+/// spin, so conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal) - rotations
+/// and bubbles.
 #pragma once
 
 #include "kernels/element_block.hpp"
@@ -24,8 +25,8 @@ template <int K>
 struct ReducedSystem {
   static constexpr int kSize = 3 * ReducedBlocks<K>::kCount;
   static constexpr int kInteriorSize = 3 * ReducedBlocks<K>::kInterior;
-  double matrix[kSize][kSize];   ///< block lower triangle while it is being built
-  double rhs[kSize];             ///< reduced gradient
+  double matrix[kSize][kSize];  ///< block lower triangle while it is being built
+  double rhs[kSize];            ///< reduced gradient
 
   KOKKOS_INLINE_FUNCTION void add(int row, int column, double factor, const Mat& m) {
     for (int i = 0; i < 3; ++i)
@@ -43,7 +44,7 @@ struct ReducedSystem {
 /// d gamma / d(p, w, psi) at a force point, kept for the recovery of N.
 struct ForceRows {
   Mat slope, spin, psi;
-  Vec stiffness;       ///< capped tangent stiffness, masked
+  Vec stiffness;  ///< capped tangent stiffness, masked
 };
 
 /// d(moment row j) / d(w, psi_1 .., vertex spins): block columns w, psi_1 .. psi_{k-1}, a, b.
@@ -64,7 +65,8 @@ struct MomentRows {
 KOKKOS_INLINE_FUNCTION Mat weighted_product(const Mat& m, const Vec& d, const Mat& n) {
   Mat r;
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) r(i, j) = m(0, i) * d[0] * n(0, j) + m(1, i) * d[1] * n(1, j) + m(2, i) * d[2] * n(2, j);
+    for (int j = 0; j < 3; ++j)
+      r(i, j) = m(0, i) * d[0] * n(0, j) + m(1, i) * d[1] * n(1, j) + m(2, i) * d[2] * n(2, j);
   return r;
 }
 
@@ -76,7 +78,8 @@ KOKKOS_INLINE_FUNCTION ForceRows force_rows(const ForcePoint<K>& point, int q, c
   rows.spin = K > 1 ? rows.slope * hat(point.p) : hat(point.p);
   rows.psi = K > 1 ? hat(point.pulled_back) * transpose(point.rotation.tangent) : zero_matrix<double>();
   const double* stiffness = section.tangent_force_stiffness;
-  rows.stiffness = Vec{{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
+  rows.stiffness =
+      Vec{{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
   return rows;
 }
 
@@ -96,7 +99,8 @@ KOKKOS_INLINE_FUNCTION void add_force_tangent(const ForcePoint<K>& point, const 
   for (int i = 0; i < K; ++i) {
     system.add(Blocks::slope(i), Blocks::spin(), w * P[i], slope_spin);
     for (int j = 0; j < K; ++j)
-      if (Blocks::slope(i) >= Blocks::slope(j)) system.add(Blocks::slope(i), Blocks::slope(j), w * P[i] * P[j], slope_slope);
+      if (Blocks::slope(i) >= Blocks::slope(j))
+        system.add(Blocks::slope(i), Blocks::slope(j), w * P[i] * P[j], slope_slope);
   }
   if constexpr (K > 1) {
     // T hat(N): turns a change of the pulled-back slope into the psi equation
@@ -153,7 +157,8 @@ KOKKOS_INLINE_FUNCTION void add_moment_tangent(const MomentPoint<K>& point, cons
 }
 
 /// Boundary term at one end. The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with tau = T^T dpsi and
-/// tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside the Hessian of the log.
+/// tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside the Hessian of the
+/// log.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K>& joint, MomentRows<K>& rows,
                                             ReducedSystem<K>& system) {
@@ -190,8 +195,8 @@ KOKKOS_INLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K>& joint
   }
 }
 
-/// Dead couples are not conservative: their tangent is not symmetric, so it is added after the symmetric part is complete.
-/// (The spin block holds D R = H - hat(C)/2 at equilibrium, C the total couple in the element frame.)
+/// Dead couples are not conservative: their tangent is not symmetric, so it is added after the symmetric part is
+/// complete. (The spin block holds D R = H - hat(C)/2 at equilibrium, C the total couple in the element frame.)
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_couple_tangent(const LineLoad& load, const ElementKinematics<K>& kinematics,
                                                const ElementTables<K>& tables, ReducedSystem<K>& system) {
@@ -217,8 +222,8 @@ KOKKOS_INLINE_FUNCTION void add_couple_tangent(const LineLoad& load, const Eleme
 
 /// M eliminated: for a constant section its block is -h/(2j + 1) C_kappa^-1, diagonal.
 template <int K>
-KOKKOS_INLINE_FUNCTION void condense_moments(const MomentRows<K>& rows, const Vec* moment_row, const SectionConstants& section,
-                                             double length, ReducedSystem<K>& system) {
+KOKKOS_INLINE_FUNCTION void condense_moments(const MomentRows<K>& rows, const Vec* moment_row,
+                                             const SectionConstants& section, double length, ReducedSystem<K>& system) {
   constexpr int columns = 3 * (K + 2);
   for (int j = 0; j <= K; ++j) {
     for (int r = 0; r < 3; ++r) {
@@ -235,8 +240,8 @@ KOKKOS_INLINE_FUNCTION void condense_moments(const MomentRows<K>& rows, const Ve
 }
 
 /// Solves the interior blocks for the response of w, psi, slope_1.. : Gaussian elimination with row pivoting of
-/// [H_ii | H_ir, R_i]; on return `response` holds -H_ii^-1 [H_ir | R_i]. A zero pivot leaves non-finite numbers, which the
-/// residual test of the same iteration reports.
+/// [H_ii | H_ir, R_i]; on return `response` holds -H_ii^-1 [H_ir | R_i]. A zero pivot leaves non-finite numbers, which
+/// the residual test of the same iteration reports.
 template <int K>
 KOKKOS_INLINE_FUNCTION void solve_interior(const ReducedSystem<K>& system, double (*response)[kResponseColumns]) {
   constexpr int n = ReducedSystem<K>::kInteriorSize, m = n + kResponseColumns;
@@ -279,8 +284,9 @@ KOKKOS_INLINE_FUNCTION void solve_interior(const ReducedSystem<K>& system, doubl
 
 /// Condensed 9 x 9 tangent and gradient of slope_0 and the vertex spins (element frame).
 template <int K>
-KOKKOS_INLINE_FUNCTION void condense_interior(const ReducedSystem<K>& system, const double (*response)[kResponseColumns],
-                                              double (*tangent)[9], double* gradient) {
+KOKKOS_INLINE_FUNCTION void condense_interior(const ReducedSystem<K>& system,
+                                              const double (*response)[kResponseColumns], double (*tangent)[9],
+                                              double* gradient) {
   constexpr int n = ReducedSystem<K>::kInteriorSize;
   for (int r = 0; r < 9; ++r) {
     double sum[kResponseColumns];
@@ -293,8 +299,8 @@ KOKKOS_INLINE_FUNCTION void condense_interior(const ReducedSystem<K>& system, co
   }
 }
 
-/// Rotates the 9 x 9 tangent to space and expands slope_0 to both vertex displacements: rows and columns u_a, theta_a, u_b,
-/// theta_b.
+/// Rotates the 9 x 9 tangent to space and expands slope_0 to both vertex displacements: rows and columns u_a, theta_a,
+/// u_b, theta_b.
 KOKKOS_INLINE_FUNCTION void expand_tangent(const double (*local)[9], const Mat& triad, double length, double* tangent) {
   const int first[3] = {0, 3, 9};
   for (int I = 0; I < 3; ++I) {

@@ -25,8 +25,8 @@ KOKKOS_INLINE_FUNCTION void legendre_derivatives(int degree, double xi, double* 
   }
 }
 
-/// Integrated Legendre functions B_j(xi) = int_{-1}^{xi} P_j = (P_{j+1} - P_{j-1}) / (2j + 1) for j = 1 .. degree (value[0] is
-/// not set): the interior "bubbles", zero at both ends.
+/// Integrated Legendre functions B_j(xi) = int_{-1}^{xi} P_j = (P_{j+1} - P_{j-1}) / (2j + 1) for j = 1 .. degree
+/// (value[0] is not set): the interior "bubbles", zero at both ends.
 KOKKOS_INLINE_FUNCTION void integrated_legendre(int degree, double xi, double* value) {
   double before = 1.0, here = xi;  // P_{j-1}, P_j
   for (int j = 1; j <= degree; ++j) {

@@ -1,10 +1,10 @@
-/// Rotations: exponential and logarithm, tangent map T (left Jacobian: dtheta = T(psi) dpsi, paper eq. (tangent map)), its
-/// inverse and their derivatives, unit quaternions. Angles in radians.
+/// Rotations: exponential and logarithm, tangent map T (left Jacobian: dtheta = T(psi) dpsi, paper eq. (tangent map)),
+/// its inverse and their derivatives, unit quaternions. Angles in radians.
 ///
 /// Every coefficient is one of the Stumpff functions  c_k(x) = sum_j (-x)^j / (2j + k)!,  x = |psi|^2:
 ///   exp(hat psi) = I + c_1 hat(psi) + c_2 hat(psi)^2,     T(psi) = I + c_2 hat(psi) + c_3 hat(psi)^2.
-/// They are entire functions of the squared angle, so no small-angle special case exists, and their derivatives with respect
-/// to x are again combinations of them:  c_k' = (k c_{k+2} - c_{k+1}) / 2.
+/// They are entire functions of the squared angle, so no small-angle special case exists, and their derivatives with
+/// respect to x are again combinations of them:  c_k' = (k c_{k+2} - c_{k+1}) / 2.
 #pragma once
 
 #include "kernels/small_algebra.hpp"
@@ -26,8 +26,9 @@ struct StumpffValues {
   }
 };
 
-/// Above this squared angle (about pi^2) the closed forms lose less than a digit; below it 14 terms of the series of c_6 and
-/// c_7 leave a relative truncation error under 1e-19 and the downward recurrence c_k = 1/k! - x c_{k+2} is stable.
+/// Above this squared angle (about pi^2) the closed forms lose less than a digit; below it 14 terms of the series of
+/// c_6 and c_7 leave a relative truncation error under 1e-19 and the downward recurrence c_k = 1/k! - x c_{k+2} is
+/// stable.
 constexpr double kStumpffSeriesLimit = 10.0;
 
 /// c_0 .. c_7 for x = |psi|^2 >= 0; absolute error of each c_k below 1e-15 / k! up to the limit, above it below
@@ -118,11 +119,12 @@ KOKKOS_INLINE_FUNCTION Quaternion<S> exp_quaternion(const Vec3<S>& psi) {
   return normalized(Quaternion<S>{half[0], f * psi[0], f * psi[1], f * psi[2]});
 }
 
-/// Below this squared tangent of the half angle the logarithm uses eight terms of arctan's series (truncation under 1e-19).
+/// Below this squared tangent of the half angle the logarithm uses eight terms of arctan's series (truncation under
+/// 1e-19).
 constexpr double kLogSeriesLimit = 2.5e-3;
 
-/// Rotation vector of a unit quaternion, norm in [0, pi] (the paper's angle symbol). atan2 form: full accuracy at every angle,
-/// also next to pi, where acos of a trace loses half of the digits.
+/// Rotation vector of a unit quaternion, norm in [0, pi] (the paper's angle symbol). atan2 form: full accuracy at every
+/// angle, also next to pi, where acos of a trace loses half of the digits.
 template <class S>
 KOKKOS_INLINE_FUNCTION Vec3<S> log_quaternion(const Quaternion<S>& q) {
   using std::atan2;
@@ -155,7 +157,8 @@ KOKKOS_INLINE_FUNCTION Mat3<S> exp_matrix(const Vec3<S>& psi) {
   return exp_matrix(psi, stumpff(dot(psi, psi)));
 }
 
-/// T(psi): spatial spin of an additive change of the rotation vector, dtheta = T(psi) dpsi; the material spin is T(psi)^T dpsi.
+/// T(psi): spatial spin of an additive change of the rotation vector, dtheta = T(psi) dpsi; the material spin is
+/// T(psi)^T dpsi.
 template <class S>
 KOKKOS_INLINE_FUNCTION Mat3<S> tangent_map(const Vec3<S>& psi, const StumpffValues<S>& c) {
   const Mat3<S> h = hat(psi);
@@ -174,8 +177,9 @@ KOKKOS_INLINE_FUNCTION Mat3<S> tangent_map_derivative(const Vec3<S>& psi, const 
   return outer(slope, psi) - c[2] * hat(a) - c[3] * (hat(pa) + hat(psi) * hat(a));
 }
 
-/// Coefficient of the inverse tangent map, T^-1 = I - hat(phi)/2 + d hat(phi)^2, and its derivative with respect to |phi|^2.
-/// d = (1 - (|phi|/2) cot(|phi|/2)) / |phi|^2 written with Stumpff functions of (|phi|/2)^2: no cancellation at 0, regular at pi.
+/// Coefficient of the inverse tangent map, T^-1 = I - hat(phi)/2 + d hat(phi)^2, and its derivative with respect to
+/// |phi|^2. d = (1 - (|phi|/2) cot(|phi|/2)) / |phi|^2 written with Stumpff functions of (|phi|/2)^2: no cancellation
+/// at 0, regular at pi.
 template <class S>
 struct InverseTangentCoefficient {
   S value, derivative;
@@ -209,7 +213,8 @@ KOKKOS_INLINE_FUNCTION Mat3<S> inverse_tangent_transpose_derivative(const Vec3<S
 }
 
 /// Value-free derivatives of the scalar  a^T F(psi) b  with respect to psi, where F is exp(-hat psi) (first = 1) or
-/// T(psi)^T (first = 2). Both are  a.b + c_first q.psi + c_{first+1} psi.S psi  with q = a x b, S = sym(a b^T) - (a.b) I.
+/// T(psi)^T (first = 2). Both are  a.b + c_first q.psi + c_{first+1} psi.S psi  with q = a x b, S = sym(a b^T) - (a.b)
+/// I.
 template <class S>
 KOKKOS_INLINE_FUNCTION Vec3<S> rotation_form_gradient(int first, const Vec3<S>& a, const Vec3<S>& b, const Vec3<S>& psi,
                                                       const StumpffValues<S>& c) {

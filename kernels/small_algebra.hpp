@@ -1,4 +1,5 @@
-/// Vectors and matrices of three components, templated on the scalar so that automatic differentiation can run through them.
+/// Vectors and matrices of three components, templated on the scalar so that automatic differentiation can run through
+/// them.
 #pragma once
 
 #include <Kokkos_Core.hpp>

@@ -10,18 +10,28 @@ namespace mixbeam {
 
 BeamGroup::BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                      const State& initial, double load_factor, StepObserver observer)
-    : LOCA::Abstract::Group(global), global_(global), problem_(problem),
-      state_(initial), x_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
+    : LOCA::Abstract::Group(global),
+      global_(global),
+      problem_(problem),
+      state_(initial),
+      x_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
       f_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
-      newton_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))), observer_(std::move(observer)) {
+      newton_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
+      observer_(std::move(observer)) {
   parameters_.addParameter(kLoadFactor, load_factor);
 }
 
 BeamGroup::BeamGroup(const BeamGroup& other, NOX::CopyType type)
-    : LOCA::Abstract::Group(other, type), global_(other.global_), problem_(other.problem_), parameters_(other.parameters_),
-      state_(other.state_), x_(Teuchos::rcp(new BeamVector(*other.x_, type))),
-      f_(Teuchos::rcp(new BeamVector(*other.f_, type))), newton_(Teuchos::rcp(new BeamVector(*other.newton_, type))),
-      scales_(other.scales_), observer_(other.observer_) {
+    : LOCA::Abstract::Group(other, type),
+      global_(other.global_),
+      problem_(other.problem_),
+      parameters_(other.parameters_),
+      state_(other.state_),
+      x_(Teuchos::rcp(new BeamVector(*other.x_, type))),
+      f_(Teuchos::rcp(new BeamVector(*other.f_, type))),
+      newton_(Teuchos::rcp(new BeamVector(*other.newton_, type))),
+      scales_(other.scales_),
+      observer_(other.observer_) {
   if (type == NOX::DeepCopy) {
     valid_f_ = other.valid_f_;
     valid_newton_ = other.valid_newton_;
@@ -108,8 +118,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();
   }
-  // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later right-hand
-  // side can spoil it.
+  // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
+  // right-hand side can spoil it.
   return solve_newton();
 }
 
@@ -145,7 +155,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobian(const NOX::Abstract::V
   return Ok;
 }
 
-NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::ParameterList&, const NOX::Abstract::Vector& input,
+NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::ParameterList&,
+                                                                 const NOX::Abstract::Vector& input,
                                                                  NOX::Abstract::Vector& result) const {
   if (!isJacobian()) return BadDependency;
   const MixedVector& rhs = BeamVector::of(input);
@@ -191,8 +202,8 @@ void BeamGroup::setParam(std::string id, double value) {
   parameters_.setValue(id, value);
 }
 
-NOX::Abstract::Group::ReturnType BeamGroup::computeDfDpMulti(const std::vector<int>& ids, NOX::Abstract::MultiVector& dfdp,
-                                                             bool is_valid_f) {
+NOX::Abstract::Group::ReturnType BeamGroup::computeDfDpMulti(const std::vector<int>& ids,
+                                                             NOX::Abstract::MultiVector& dfdp, bool is_valid_f) {
   if (!is_valid_f) {
     computeF();
     dfdp[0] = *f_;
@@ -212,6 +223,8 @@ double BeamGroup::computeScaledDotProduct(const NOX::Abstract::Vector& a, const 
   return a.innerProduct(b) / static_cast<double>(a.length());
 }
 
-void BeamGroup::scaleVector(NOX::Abstract::Vector& x) const { x.scale(1.0 / std::sqrt(static_cast<double>(x.length()))); }
+void BeamGroup::scaleVector(NOX::Abstract::Vector& x) const {
+  x.scale(1.0 / std::sqrt(static_cast<double>(x.length())));
+}
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
-/// The nonlinear system that NOX and LOCA see. It owns "x + a d": displacements and interior unknowns are added, rotations are
-/// composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
+/// The nonlinear system that NOX and LOCA see. It owns "x + a d": displacements and interior unknowns are added,
+/// rotations are composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
 #pragma once
 
 #include "nonlinear/beam_problem.hpp"
@@ -20,8 +20,8 @@ class BeamGroup : public LOCA::Abstract::Group {
   /// Called once for every converged step.
   using StepObserver = std::function<void(const BeamGroup& group, double load_factor)>;
 
-  BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem, const State& initial,
-            double load_factor, StepObserver observer);
+  BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
+            const State& initial, double load_factor, StepObserver observer);
   BeamGroup(const BeamGroup& other, NOX::CopyType type);
   BeamGroup& operator=(const BeamGroup& source);
 

@@ -18,14 +18,14 @@ class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : assembler(scene, comm, {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance}),
-        linear_solver(make_direct_solver(assembler.matrix(), parameters.linear.method, parameters.linear.residual_tolerance,
-                                         assembler.times())) {}
+        linear_solver(make_direct_solver(assembler.matrix(), parameters.linear.method,
+                                         parameters.linear.residual_tolerance, assembler.times())) {}
 
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;
   WorkCount work;
-  const void* tangent_owner = nullptr;   ///< the group whose state the matrix and the interior responses belong to
-  std::string last_failure;              ///< why the last linear solve failed; empty when it did not
+  const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to
+  std::string last_failure;             ///< why the last linear solve failed; empty when it did not
 };
 
 }  // namespace mixbeam

@@ -1,5 +1,6 @@
-/// A mixed vector as NOX and LOCA see it. Increments and scaled residuals are vectors in the true sense; the "solution vector"
-/// of a BeamGroup is only a coordinate (the sum of all increments so far), because configurations with rotations do not add.
+/// A mixed vector as NOX and LOCA see it. Increments and scaled residuals are vectors in the true sense; the "solution
+/// vector" of a BeamGroup is only a coordinate (the sum of all increments so far), because configurations with
+/// rotations do not add.
 #pragma once
 
 #include "discretization/mixed_vector.hpp"
@@ -32,8 +33,8 @@ class BeamVector : public NOX::Abstract::Vector {
   NOX::Abstract::Vector& scale(double gamma) override;
   NOX::Abstract::Vector& scale(const NOX::Abstract::Vector& a) override;
   NOX::Abstract::Vector& update(double alpha, const NOX::Abstract::Vector& a, double gamma) override;
-  NOX::Abstract::Vector& update(double alpha, const NOX::Abstract::Vector& a, double beta, const NOX::Abstract::Vector& b,
-                                double gamma) override;
+  NOX::Abstract::Vector& update(double alpha, const NOX::Abstract::Vector& a, double beta,
+                                const NOX::Abstract::Vector& b, double gamma) override;
   Teuchos::RCP<NOX::Abstract::Vector> clone(NOX::CopyType type) const override;
   double norm(NormType type) const override;
   double norm(const NOX::Abstract::Vector& weights) const override;

@@ -37,7 +37,8 @@ struct GatherPlan {
   }
 };
 
-/// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by rank.
+/// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by
+/// rank.
 class RootCopy {
  public:
   explicit RootCopy(const Teuchos::RCP<DofMatrix>& matrix) : distributed_(matrix) {
@@ -58,8 +59,8 @@ class RootCopy {
   }
   void gather(const DofVector& from, double* to) const {
     const auto mine = from.getLocalViewHost(Tpetra::Access::ReadOnly);
-    MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(), rows_.offsets.data(),
-                MPI_DOUBLE, 0, mpi_);
+    MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(),
+                rows_.offsets.data(), MPI_DOUBLE, 0, mpi_);
   }
   void scatter(const double* from, DofVector& to) const {
     const auto mine = to.getLocalViewHost(Tpetra::Access::OverwriteAll);
@@ -82,14 +83,16 @@ class RootCopy {
     Graph::row_map_type::non_const_type start("mixbeam::root_row_start", n + 1);
     Graph::entries_type::non_const_type all_columns("mixbeam::root_column", is_root_ ? entries_.total() : 0);
     std::vector<int> all_lengths(n);
-    MPI_Gatherv(lengths.data(), rows, MPI_INT, all_lengths.data(), rows_.counts.data(), rows_.offsets.data(), MPI_INT, 0, mpi_);
-    MPI_Gatherv(column.data(), entries, MPI_INT, all_columns.data(), entries_.counts.data(), entries_.offsets.data(), MPI_INT,
+    MPI_Gatherv(lengths.data(), rows, MPI_INT, all_lengths.data(), rows_.counts.data(), rows_.offsets.data(), MPI_INT,
                 0, mpi_);
+    MPI_Gatherv(column.data(), entries, MPI_INT, all_columns.data(), entries_.counts.data(), entries_.offsets.data(),
+                MPI_INT, 0, mpi_);
     if (!is_root_) return;
     for (int i = 0; i < n; ++i) start(i + 1) = start(i) + all_lengths[i];
     const Communicator self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
     const auto map = Teuchos::rcp(new DofMap(n, 0, self));
-    DofMatrix::local_matrix_host_type::values_type::non_const_type values("mixbeam::root_values", all_columns.extent(0));
+    DofMatrix::local_matrix_host_type::values_type::non_const_type values("mixbeam::root_values",
+                                                                          all_columns.extent(0));
     root_ = Teuchos::rcp(new DofMatrix(map, map, start, all_columns, values));
     root_->expertStaticFillComplete(map, map);
   }
@@ -103,7 +106,10 @@ class RootCopy {
 class DirectSolver : public LinearSolver {
  public:
   DirectSolver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, double tolerance, PhaseTimes& times)
-      : matrix_(matrix), method_(method), tolerance_(tolerance), times_(times),
+      : matrix_(matrix),
+        method_(method),
+        tolerance_(tolerance),
+        times_(times),
         correction_(Teuchos::rcp(new DofVector(matrix->getDomainMap()))),
         residual_(Teuchos::rcp(new DofVector(matrix->getRangeMap()))) {
     if (!Amesos2::query(method)) throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
@@ -183,7 +189,7 @@ class DirectSolver : public LinearSolver {
   std::string method_;
   double tolerance_;
   PhaseTimes& times_;
-  std::unique_ptr<RootCopy> root_;   ///< several ranks only
+  std::unique_ptr<RootCopy> root_;  ///< several ranks only
   Teuchos::RCP<Amesos2Solver> solver_;
   Teuchos::RCP<DofVector> x_, b_, correction_, residual_;
 };

@@ -29,13 +29,14 @@ class LinearSolver {
 };
 
 /// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2").
-/// On several ranks the matrix is gathered to rank 0 and factorised there: Amesos2's own gathering hands KLU2 a compressed
-/// column matrix, and that path returns wrong solutions without a message in Trilinos 13.2 built with GCC 12.
+/// On several ranks the matrix is gathered to rank 0 and factorised there: Amesos2's own gathering hands KLU2 a
+/// compressed column matrix, and that path returns wrong solutions without a message in Trilinos 13.2 built with
+/// GCC 12.
 std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
                                                  double residual_tolerance, PhaseTimes& times);
 
-/// max over rows of |b - A x|_i / (|A| X + |b|)_i, X the largest displacement or rotation in x: dimensionless, and blind to
-/// the units of rows and columns. Collective.
+/// max over rows of |b - A x|_i / (|A| X + |b|)_i, X the largest displacement or rotation in x: dimensionless, and
+/// blind to the units of rows and columns. Collective.
 double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b);
 
 }  // namespace mixbeam

@@ -5,11 +5,11 @@
 
 #include <LOCA_GlobalData.H>
 #include <LOCA_Stepper.H>
-#include <NOX_Observer.hpp>
 #include <NOX_StatusTest_Combo.H>
 #include <NOX_StatusTest_Factory.H>
 #include <NOX_StatusTest_FiniteValue.H>
 #include <NOX_StatusTest_MaxIters.H>
+#include <NOX_Observer.hpp>
 #include <Teuchos_oblackholestream.hpp>
 
 #include <algorithm>
@@ -23,8 +23,8 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin leaves
-/// room for the rotation limit of Newton's method.
+/// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin
+/// leaves room for the rotation limit of Newton's method.
 constexpr double kLargestPrescribedTurn = 0.5 * kPi;
 
 /// Counts Newton iterations, also those of failed attempts.
@@ -87,8 +87,8 @@ StepSizes step_sizes(const Scene& scene, const LoadPathParameters& path) {
   const bool fixed = path.method == LoadPathMethod::fixed;
   const double rotation = largest_prescribed_rotation(scene);
   const double allowed = rotation > 0.0 ? std::min(1.0, kLargestPrescribedTurn / rotation) : 1.0;
-  // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more than the
-  // rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
+  // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more
+  // than the rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
   const double equal = 1.0 / path.steps + 2.0 * std::numeric_limits<double>::epsilon() * scene.stages;
   StepSizes sizes{fixed ? equal : path.initial_step, path.minimum_step, fixed ? equal : path.maximum_step};
   sizes.maximum = std::min(sizes.maximum, allowed);
@@ -129,11 +129,13 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
 /// What the path knows while LOCA walks along it: the last converged state and the report of each step.
 class PathRecorder {
  public:
-  PathRecorder(const Teuchos::RCP<BeamProblem>& problem, State& state, const PathObserver& observer, LoadPathResult& result)
+  PathRecorder(const Teuchos::RCP<BeamProblem>& problem, State& state, const PathObserver& observer,
+               LoadPathResult& result)
       : problem_(problem), state_(state), observer_(observer), result_(result) {}
 
   void converged(const BeamGroup& group, double load_factor) {
-    if (started_ && load_factor == result_.load_factor) return;  // the start of a later stage is the end of the one before
+    if (started_ && load_factor == result_.load_factor)
+      return;  // the start of a later stage is the end of the one before
     state_ = group.state();
     const int done = problem_->work.newton_iterations;
     StepReport report;
@@ -157,21 +159,23 @@ class PathRecorder {
 
 std::string failure_text(const BeamProblem& problem, const LoadPathResult& result, double smallest_step) {
   std::ostringstream text;
-  text << "no equilibrium was found beyond load factor " << result.load_factor << ": the step was reduced to its minimum of "
-       << smallest_step << ".";
+  text << "no equilibrium was found beyond load factor " << result.load_factor
+       << ": the step was reduced to its minimum of " << smallest_step << ".";
   if (!problem.last_failure.empty()) text << " Last linear solve: " << problem.last_failure << ".";
   const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
   text << " Largest rotation between an element and its vertices: " << angle.angle << " rad (member \"" << angle.member
        << "\", element " << angle.element << "; must stay below pi).";
-  text << " What to try: a smaller \"Minimum Step\" or \"Initial Step\" in \"Load Path\", a larger \"Maximum Iterations\" or a "
-          "smaller \"Maximum Rotation\" in \"Newton\", more elements; if the tangent is singular here, the load has reached a "
+  text << " What to try: a smaller \"Minimum Step\" or \"Initial Step\" in \"Load Path\", a larger \"Maximum "
+          "Iterations\" or a "
+          "smaller \"Maximum Rotation\" in \"Newton\", more elements; if the tangent is singular here, the load has "
+          "reached a "
           "limit point.";
   return text.str();
 }
 
 /// One stage: LOCA from load factor `from` to `to`. Returns whether it arrived.
-bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start, double from,
-                  double to, int steps_left, PathRecorder& recorder, LoadPathResult& result) {
+bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
+                  double from, double to, int steps_left, PathRecorder& recorder, LoadPathResult& result) {
   const auto top = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
   top->sublist("LOCA") = loca_list(problem->assembler.scene(), parameters, from, to, steps_left);
   top->sublist("NOX") = nox_list(problem, parameters);
@@ -181,7 +185,9 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   bool arrived = false;
   try {
     const auto status = with_guards(NOX::StatusTest::buildStatusTests(tests, *global->locaUtils));
-    const auto observer = [&recorder](const BeamGroup& group, double load_factor) { recorder.converged(group, load_factor); };
+    const auto observer = [&recorder](const BeamGroup& group, double load_factor) {
+      recorder.converged(group, load_factor);
+    };
     const auto group = Teuchos::rcp(new BeamGroup(global, problem, start, from, observer));
     LOCA::Stepper stepper(global, group, status, top);
     arrived = stepper.run() == LOCA::Abstract::Iterator::Finished;
@@ -199,14 +205,15 @@ void check_end_angles(const BeamProblem& problem) {
   constexpr double kMargin = 1e-9;
   const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
   if (angle.angle < kPi * (1.0 - kMargin)) return;
-  throw ConvergenceError("element " + std::to_string(angle.element) + " of member \"" + angle.member +
-                         "\" turns by pi against its vertices, where rotations are no longer unique: use more elements there");
+  throw ConvergenceError(
+      "element " + std::to_string(angle.element) + " of member \"" + angle.member +
+      "\" turns by pi against its vertices, where rotations are no longer unique: use more elements there");
 }
 
 }  // namespace
 
-LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
-                                const PathObserver& observer) {
+LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                State& state, const PathObserver& observer) {
   LoadPathResult result;
   PathRecorder recorder(problem, state, observer, result);
   const int stages = problem->assembler.scene().stages;
@@ -217,7 +224,8 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
     result.iterations_of_stage.push_back(problem->work.newton_iterations - before);
     result.newton_iterations += result.iterations_of_stage.back();
     if (!arrived) {
-      result.failure = failure_text(*problem, result, step_sizes(problem->assembler.scene(), parameters.load_path).minimum);
+      result.failure =
+          failure_text(*problem, result, step_sizes(problem->assembler.scene(), parameters.load_path).minimum);
       return result;
     }
     check_end_angles(*problem);

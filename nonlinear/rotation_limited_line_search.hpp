@@ -1,5 +1,5 @@
-/// Newton steps limited by rotation instead of residual: far from equilibrium the residual says little, but a vertex that turns
-/// by more than a fraction of a radian in one iteration leaves the range of the linearisation.
+/// Newton steps limited by rotation instead of residual: far from equilibrium the residual says little, but a vertex
+/// that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
 #pragma once
 
 #include <NOX_LineSearch_Generic.H>
@@ -9,9 +9,9 @@
 
 namespace mixbeam {
 
-/// Accepts the full step when no vertex turns by more than `maximum_rotation`, or when the full step brings forces and moments
-/// into balance better than before (pure bending and similar problems converge in three iterations only that way); otherwise
-/// scales the increment so that no vertex turns further.
+/// Accepts the full step when no vertex turns by more than `maximum_rotation`, or when the full step brings forces and
+/// moments into balance better than before (pure bending and similar problems converge in three iterations only that
+/// way); otherwise scales the increment so that no vertex turns further.
 class RotationLimitedLineSearch : public NOX::LineSearch::Generic {
  public:
   explicit RotationLimitedLineSearch(double maximum_rotation) : maximum_rotation_(maximum_rotation) {}

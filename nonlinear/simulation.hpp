@@ -34,7 +34,8 @@ class Simulation {
     return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
   }
   /// Record of the present state for a result file.
-  StepRecord record(const StepReport& report, int points_per_element, const std::vector<std::string>& monitored_points) const;
+  StepRecord record(const StepReport& report, int points_per_element,
+                    const std::vector<std::string>& monitored_points) const;
 
  private:
   std::array<double, 6> motion(const std::string& point) const;

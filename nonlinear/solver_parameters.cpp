@@ -88,12 +88,13 @@ ListSpec linear_solver_spec() {
                .below(1.0)
                .by_default(defaults.residual_tolerance)
                .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
-  spec.add(real("Force Stiffness Cap")
-               .at_least(1e3)
-               .at_most(1e14)
-               .by_default(defaults.force_stiffness_cap)
-               .means("Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of "
-                      "EI / L^2 and the forces at work; results do not depend on it."));
+  spec.add(
+      real("Force Stiffness Cap")
+          .at_least(1e3)
+          .at_most(1e14)
+          .by_default(defaults.force_stiffness_cap)
+          .means("Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of "
+                 "EI / L^2 and the forces at work; results do not depend on it."));
   return spec;
 }
 
@@ -160,7 +161,8 @@ RCP<ParameterList> given_list(const ParameterList& list, const std::string& name
   return Teuchos::rcp(new ParameterList(list.sublist(name)));
 }
 
-RCP<ParameterList> given_status_tests(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+RCP<ParameterList> given_status_tests(const ParameterList& list, const ParameterSource& source,
+                                      const ParameterPath& path) {
   RCP<ParameterList> tests = given_list(list, "Status Tests");
   const std::string problem = tests.is_null() ? "" : problem_of_status_tests(*tests);
   if (!problem.empty()) throw source.error(child(path, "Status Tests"), "NOX refuses this list: " + problem);

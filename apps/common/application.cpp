@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kSamplesPerElement = 9;
 
-/// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a busy machine may keep a
-/// thread waiting; a run below takes a fraction of a second anyway.
+/// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a busy machine may
+/// keep a thread waiting; a run below takes a fraction of a second anyway.
 constexpr long long kWorkForThreads = 10000;
 
 /// Load factors are sums of rounded steps.

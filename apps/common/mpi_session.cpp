@@ -14,8 +14,8 @@ namespace mixbeam {
 
 namespace {
 
-// Without mpirun, Open MPI searches for a network and a daemon for 0.3 s before it finds that it is alone; a small scene is
-// solved in a tenth of that.
+// Without mpirun, Open MPI searches for a network and a daemon for 0.3 s before it finds that it is alone; a small
+// scene is solved in a tenth of that.
 void tell_open_mpi_that_it_is_alone() {
   if (std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return;  // started by mpirun
   const int keep_the_users_choice = 0;
@@ -25,8 +25,8 @@ void tell_open_mpi_that_it_is_alone() {
   setenv("OMPI_MCA_mtl", "^ofi", keep_the_users_choice);
 }
 
-/// Vectors and states of large models come and go in every iteration. By default glibc returns such blocks to the system, and
-/// the page faults of getting them back cost as much as the arithmetic.
+/// Vectors and states of large models come and go in every iteration. By default glibc returns such blocks to the
+/// system, and the page faults of getting them back cost as much as the arithmetic.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int kNever = 2'000'000'000;

@@ -13,8 +13,11 @@ void Progress::report(const StepReport& report) {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   const double to_go = report.load_factor > 0.0 ? elapsed * (stages_ - report.load_factor) / report.load_factor : 0.0;
   char line[200];
-  std::snprintf(line, sizeof line, "%s: step %3d  load factor %8.5f of %d  iterations %3d  residual %8.1e  elapsed %7.3f s  to go %7.3f s\n",
-                label_.c_str(), report.step, report.load_factor, stages_, report.newton_iterations, report.residual, elapsed, to_go);
+  std::snprintf(
+      line, sizeof line,
+      "%s: step %3d  load factor %8.5f of %d  iterations %3d  residual %8.1e  elapsed %7.3f s  to go %7.3f s\n",
+      label_.c_str(), report.step, report.load_factor, stages_, report.newton_iterations, report.residual, elapsed,
+      to_go);
   out_ << line << std::flush;
 }
 

@@ -83,7 +83,8 @@ int TablePrinter::rows_out_of_tolerance() const {
 
 std::vector<std::size_t> TablePrinter::column_widths() const {
   std::vector<std::string> heads = labels_;
-  for (std::size_t i = 0; i < quantities_.size(); ++i) heads.insert(heads.end(), {reference_, "mixbeam", "difference  "});
+  for (std::size_t i = 0; i < quantities_.size(); ++i)
+    heads.insert(heads.end(), {reference_, "mixbeam", "difference  "});
   std::vector<std::size_t> widths;
   for (std::size_t column = 0; column < heads.size(); ++column) {
     std::size_t width = heads[column].size();

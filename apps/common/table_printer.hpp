@@ -14,7 +14,8 @@ enum class Agreement {
   informative  ///< shown beside the paper's value, no agreement asked for
 };
 
-/// The paper's value as printed there (or that of another reference), and ours. An empty `paper` means that there is none.
+/// The paper's value as printed there (or that of another reference), and ours. An empty `paper` means that there is
+/// none.
 struct ComparedValue {
   std::string paper;
   double own = 0.0;

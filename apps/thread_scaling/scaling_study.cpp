@@ -53,7 +53,8 @@ void time_iteration(BeamProblem& problem, const State& state, MixedVector& resid
 }
 
 /// All numbers of threads in turn on the same problem; the first round warms up and is not counted.
-std::map<int, PhaseSamples> measure(const Scene& scene, Application& app, const std::vector<int>& threads, int repetitions) {
+std::map<int, PhaseSamples> measure(const Scene& scene, Application& app, const std::vector<int>& threads,
+                                    int repetitions) {
   BeamProblem problem(scene, app.communicator, app.solver);
   const State state = problem.assembler.reference_state();
   MixedVector residual = problem.assembler.create_vector(), increment = problem.assembler.create_vector();
@@ -94,10 +95,14 @@ std::string processor_name() {
 /// What the figures were measured with, beside them.
 void write_machine(Application& app) {
   const std::vector<std::pair<std::string, std::string>> facts = {
-      {"processor", processor_name()}, {"cores", std::to_string(std::thread::hardware_concurrency())},
-      {"version", kVersion}, {"compiler", kCompiler}, {"flags", kFlags}};
+      {"processor", processor_name()},
+      {"cores", std::to_string(std::thread::hardware_concurrency())},
+      {"version", kVersion},
+      {"compiler", kCompiler},
+      {"flags", kFlags}};
   std::unique_ptr<CsvTable> csv;
-  if (app.writes_files()) csv = std::make_unique<CsvTable>(app.output / "machine.csv", std::vector<std::string>{"name", "value"});
+  if (app.writes_files())
+    csv = std::make_unique<CsvTable>(app.output / "machine.csv", std::vector<std::string>{"name", "value"});
   for (const auto& [name, value] : facts) {
     app.out() << name << ": " << value << "\n";
     if (csv != nullptr) csv->add_row({name, value});
@@ -107,8 +112,8 @@ void write_machine(Application& app) {
 void print_samples(std::ostream& out, int elements, int order, const std::map<int, PhaseSamples>& samples) {
   const PhaseSamples& one = samples.begin()->second;
   char text[200];
-  std::snprintf(text, sizeof text, "\n%d elements of order %d: median seconds (speed-up against %d thread%s)\n", elements, order,
-                samples.begin()->first, samples.begin()->first == 1 ? "" : "s");
+  std::snprintf(text, sizeof text, "\n%d elements of order %d: median seconds (speed-up against %d thread%s)\n",
+                elements, order, samples.begin()->first, samples.begin()->first == 1 ? "" : "s");
   out << text;
   for (const auto& [phase, values] : one) {
     std::snprintf(text, sizeof text, "  %-24s", phase.c_str());
@@ -116,7 +121,8 @@ void print_samples(std::ostream& out, int elements, int order, const std::map<in
     for (const auto& [threads, of_threads] : samples) {
       const auto entry = of_threads.find(phase);
       if (entry == of_threads.end()) continue;
-      std::snprintf(text, sizeof text, "  %d: %9.5f (%4.2f)", threads, median(entry->second), median(values) / median(entry->second));
+      std::snprintf(text, sizeof text, "  %d: %9.5f (%4.2f)", threads, median(entry->second),
+                    median(values) / median(entry->second));
       out << text;
     }
     out << "\n";
@@ -135,9 +141,16 @@ ListSpec scaling_spec() {
   spec.add(counts("Elements", {1000, 10000, 100000}, "Numbers of elements of the chain."));
   spec.add(counts("Orders", {1, 2, 4}, "Element orders, 1 to 8."));
   spec.add(counts("Threads", {1, 2}, "Numbers of threads; the first is the reference of the speed-up."));
-  spec.add(integer("Repetitions").at_least(1).at_most(1000).by_default(7).means("Timed iterations for each number of threads."));
-  spec.add(integer("Repetitions of Runs").at_least(0).at_most(1000).by_default(3).means(
-      "Timed runs from the straight rod to equilibrium for each number of threads."));
+  spec.add(integer("Repetitions")
+               .at_least(1)
+               .at_most(1000)
+               .by_default(7)
+               .means("Timed iterations for each number of threads."));
+  spec.add(integer("Repetitions of Runs")
+               .at_least(0)
+               .at_most(1000)
+               .by_default(3)
+               .means("Timed runs from the straight rod to equilibrium for each number of threads."));
   return spec;
 }
 
@@ -146,8 +159,9 @@ void run_scaling_study(Application& app) {
   const auto threads = study.get<Teuchos::Array<int>>("Threads").toVector();
   std::unique_ptr<CsvTable> csv;
   if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "thread_scaling.csv",
-                                     std::vector<std::string>{"elements", "order", "threads", "phase", "median_seconds"});
+    csv =
+        std::make_unique<CsvTable>(app.output / "thread_scaling.csv",
+                                   std::vector<std::string>{"elements", "order", "threads", "phase", "median_seconds"});
   write_machine(app);
   for (int elements : study.get<Teuchos::Array<int>>("Elements"))
     for (int order : study.get<Teuchos::Array<int>>("Orders")) {

@@ -22,8 +22,8 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
   const std::string scene = changed_scene("thread_scaling", end_of_file, study, folder);
   ASSERT_EQ(run_program("thread_scaling", scene, folder), 0) << text_of(folder / "output.txt");
   const std::string table = text_of(folder / "thread_scaling.csv");
-  for (const char* phase : {"residual", "element tangent", "assemble", "numeric factorisation", "solve", "recover", "update",
-                            "element work", "whole iteration", "run, per iteration"})
+  for (const char* phase : {"residual", "element tangent", "assemble", "numeric factorisation", "solve", "recover",
+                            "update", "element work", "whole iteration", "run, per iteration"})
     for (const char* key : {"40,1,1,", "40,3,2,"}) {
       const std::string text = phase;
       const std::string cell = text.find(',') == std::string::npos ? text : "\"" + text + "\"";
