@@ -4,6 +4,7 @@
 
 #include "kernels/element_kinematics.hpp"
 #include "tests/problems/scenes.hpp"
+#include "tests/scene_units.hpp"
 #include "tests/worst_error.hpp"
 
 #include <gtest/gtest.h>
@@ -395,35 +396,12 @@ TEST(Assembler, LoadDerivativeIsThatOfTheResidual) {
   }
 }
 
-/// All numbers of a state and its loads in other units; powers of two, so that no digit changes.
+/// Other units of length and force; powers of two, so that no digit changes.
 constexpr double kLength = 1048576.0, kForce = 1.0 / 4194304.0;
-
-Scene in_other_units(Scene scene) {
-  const auto scale = [](Vector3& v, double factor) {
-    for (double& x : v) x *= factor;
-  };
-  Section& s = scene.sections[0];
-  s.axial_stiffness *= kForce;
-  scale(scene.supports[0].prescribed_displacement, kLength);
-  for (double& x : s.shear_stiffness) x *= kForce;
-  for (double& x : s.bending_stiffness) x *= kForce * kLength * kLength;
-  s.torsional_stiffness *= kForce * kLength * kLength;
-  for (Point& point : scene.points) scale(point.position, kLength);
-  for (Member& member : scene.members) scale(member.curve.center, kLength);
-  for (PointLoad& load : scene.point_loads) {
-    scale(load.force, kForce);
-    scale(load.moment, kForce * kLength);
-  }
-  for (DistributedLoad& load : scene.distributed_loads) {
-    scale(load.force, kForce / kLength);
-    scale(load.couple, kForce);
-  }
-  return scene;
-}
 
 TEST(Assembler, ScaledResidualDoesNotKnowTheUnits) {
   const Scene scene = loaded_scene();
-  Assembler here(scene, this_rank(), {}), there(in_other_units(scene), this_rank(), {});
+  Assembler here(scene, this_rank(), {}), there(in_other_units(scene, kLength, kForce), this_rank(), {});
   const State a = some_state(here), b = there.reference_state();
   Kokkos::deep_copy(b.views.vertex_rotation, a.views.vertex_rotation);
   Kokkos::deep_copy(b.views.element_triad, a.views.element_triad);

@@ -1,6 +1,7 @@
 // Exact statements about solutions: they hold for the discrete solution, too, so no mesh enters their tolerances.
 #include "kernels/rotation.hpp"
 #include "tests/problems/solve.hpp"
+#include "tests/scene_units.hpp"
 
 #include <vector>
 
@@ -68,31 +69,6 @@ TEST(Identities, TurningTheSceneTurnsTheAnswer) {
     }
     EXPECT_EQ(here.result().newton_iterations, there.result().newton_iterations) << scene.name;
   }
-}
-
-/// Lengths multiplied by `length`, forces by `force`; stiffnesses and moments follow.
-Scene in_other_units(Scene scene, double length, double force) {
-  const auto scale = [](Vector3& v, double factor) {
-    for (double& x : v) x *= factor;
-  };
-  for (Section& s : scene.sections) {
-    s.axial_stiffness *= force;
-    for (double& x : s.shear_stiffness) x *= force;
-    s.torsional_stiffness *= force * length * length;
-    for (double& x : s.bending_stiffness) x *= force * length * length;
-  }
-  for (Point& point : scene.points) scale(point.position, length);
-  for (Member& member : scene.members) scale(member.curve.center, length);
-  for (Support& support : scene.supports) scale(support.prescribed_displacement, length);
-  for (PointLoad& load : scene.point_loads) {
-    scale(load.force, force);
-    scale(load.moment, force * length);
-  }
-  for (DistributedLoad& load : scene.distributed_loads) {
-    scale(load.force, force / length);
-    scale(load.couple, force);
-  }
-  return scene;
 }
 
 TEST(Identities, UnitsDoNotMatter) {

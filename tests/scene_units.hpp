@@ -1,0 +1,36 @@
+/// The same scene in other units of length and force.
+#pragma once
+
+#include "discretization/scene.hpp"
+
+namespace mixbeam {
+
+/// Lengths multiplied by `length`, forces by `force`; stiffnesses and moments follow.
+inline Scene in_other_units(Scene scene, double length, double force) {
+  const auto scale = [](Vector3& v, double factor) {
+    for (double& x : v) x *= factor;
+  };
+  for (Section& s : scene.sections) {
+    s.axial_stiffness *= force;
+    for (double& x : s.shear_stiffness) x *= force;
+    s.torsional_stiffness *= force * length * length;
+    for (double& x : s.bending_stiffness) x *= force * length * length;
+  }
+  for (Point& point : scene.points) scale(point.position, length);
+  for (Member& member : scene.members) {
+    scale(member.curve.center, length);
+    member.curve.rise *= length;
+  }
+  for (Support& support : scene.supports) scale(support.prescribed_displacement, length);
+  for (PointLoad& load : scene.point_loads) {
+    scale(load.force, force);
+    scale(load.moment, force * length);
+  }
+  for (DistributedLoad& load : scene.distributed_loads) {
+    scale(load.force, force / length);
+    scale(load.couple, force);
+  }
+  return scene;
+}
+
+}  // namespace mixbeam
