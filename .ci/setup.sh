@@ -14,7 +14,9 @@ readonly required_packages=(
   libtrilinos-anasazi-dev libtrilinos-shylu-dev
   libtrilinos-sacado-dev libgtest-dev
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
+  libmuparser-dev libgsl-dev
   python3-matplotlib python3-h5py
+  python3-vtk9 # a test opens the results with VTK's own readers
 )
 
 say() { printf '== %s\n' "$*"; }

@@ -12,6 +12,8 @@ find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(LibXml2 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_package(GSL REQUIRED)
+find_package(muparser CONFIG REQUIRED)
 
 # --- HDF5: the variant that Trilinos links, which is the one built for Open MPI -----------------------------------------
 set(HDF5_PREFER_PARALLEL TRUE)

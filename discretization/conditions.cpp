@@ -50,13 +50,6 @@ VertexSupport vertex_support(const Support& support, int local) {
 
 }  // namespace
 
-double stage_amplitude(double load_factor, Stage stage) { return std::clamp(load_factor - (stage - 1), 0.0, 1.0); }
-
-double stage_amplitude_slope(double load_factor, Stage stage) {
-  const double x = load_factor - (stage - 1);
-  return x >= 0.0 && x < 1.0 ? 1.0 : 0.0;
-}
-
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure) {
   Conditions conditions;
   const VertexPartition& partition = structure.partition;

@@ -1,16 +1,12 @@
 /// Loads and supports as one rank applies them, at any load factor.
 #pragma once
 
+#include "discretization/amplitude.hpp"
 #include "discretization/structure.hpp"
 
 #include <vector>
 
 namespace mixbeam {
-
-/// clamp(load_factor - (stage - 1), 0, 1)
-double stage_amplitude(double load_factor, Stage stage);
-/// Slope of the amplitude; at the joint of two stages the one of the later stage.
-double stage_amplitude_slope(double load_factor, Stage stage);
 
 /// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
 struct VertexLoad {

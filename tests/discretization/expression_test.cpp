@@ -1,0 +1,43 @@
+#include "discretization/expression.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+TEST(Expression, EvaluatesFormulasOfNamedVariables) {
+  const Expression f("2*x^2 - sin(pi*y) + atan2(y, x)", {"x", "y"});
+  EXPECT_DOUBLE_EQ(f({3.0, 0.5}), 18.0 - 1.0 + std::atan2(0.5, 3.0));
+  EXPECT_DOUBLE_EQ(f({1.0, 0.0}), 2.0);
+  EXPECT_DOUBLE_EQ(Expression("t < 1 ? t : 1", {"t"})(0.25), 0.25);
+  EXPECT_EQ(Expression()(std::vector<double>{}), 0.0);
+}
+
+TEST(Expression, CopiesStayIndependentOfLaterEvaluations) {
+  const Expression f("s", {"s"});
+  const Expression copy = f;
+  EXPECT_EQ(f(2.0), 2.0);
+  EXPECT_EQ(copy(3.0), 3.0);
+  EXPECT_EQ(f(4.0), 4.0);
+}
+
+TEST(Expression, TellsWhatIsWrongWithAText) {
+  for (const char* text : {"", "2*", "x + q", "sin(", "1, 2", "s = 3 +", "((((((("}) {
+    try {
+      Expression(text, {"x"});
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_FALSE(std::string(error.what()).empty()) << text;
+    }
+  }
+  EXPECT_THROW(Expression(std::string(20000, '1'), {}), std::invalid_argument);
+}
+
+TEST(Expression, DivisionByZeroIsANumberForTheCallerToJudge) {
+  EXPECT_FALSE(std::isfinite(Expression("1/x", {"x"})(0.0)));
+}
+
+}  // namespace
+}  // namespace mixbeam
