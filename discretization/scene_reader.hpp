@@ -1,5 +1,5 @@
 /// The work behind read_scene (scene_parameters.hpp): one pass over a validated list, with every check that needs more
-/// than one parameter at a time.
+/// than one parameter at a time. Supports, loads and all else that acts are in scene_reader_conditions.hpp.
 #pragma once
 
 #include "discretization/parameter_source.hpp"
@@ -9,7 +9,6 @@
 
 #include <string>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -29,29 +28,18 @@ class SceneReader {
   void read_members();
   void place_curve_ends();
   void check_members();
-  void read_supports();
-  void read_point_loads();
-  void read_distributed_loads();
   void check_points_are_used() const;
-  void check_stages();
 
   Curve read_curve(const List& list, const ParameterPath& path) const;
   void place_curve_end(std::size_t member_index);
   void check_curve(const Member& member) const;
   void check_line(const Member& member) const;
   void check_second_axis(const Member& member) const;
-  void check_support(const Support& support, const List& list, const ParameterPath& path);
-  void check_follower(const PointLoad& load, const ParameterPath& path) const;
-  void check_loaded(const List& list, const std::string& first, const std::string& second,
-                    const ParameterPath& path) const;
 
-  /// Throws unless `point` is a point that a member touches.
-  void check_touched_point(const std::string& point, const ParameterPath& path) const;
   InputError unknown(const ParameterPath& path, const std::string& what, const std::string& name,
                      const Index& known) const;
   ParameterPath member_path(const Member& member, const std::string& parameter = "") const;
   const Vector3& position_of(const std::string& point) const;
-  void use_stage(Stage stage, const ParameterPath& path);
 
   const List& list_;
   const ParameterSource& source_;
@@ -59,8 +47,6 @@ class SceneReader {
   Scene scene_;
   Index section_index_, point_index_, member_index_;
   std::vector<bool> point_touched_;
-  std::unordered_map<std::string, std::string> support_at_;  ///< point -> name of its support
-  std::vector<std::pair<Stage, ParameterPath>> stages_used_;
 };
 
 }  // namespace mixbeam
