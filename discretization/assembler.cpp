@@ -12,19 +12,6 @@ namespace {
 
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
-/// Force and moment that a vertex load exerts at a state, spatial.
-struct SpatialLoad {
-  Vec force, moment;
-};
-SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
-  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
-  if (load.frame == LoadFrame::follower) {
-    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
-    spatial = {turn * spatial.force, turn * spatial.moment};
-  }
-  return spatial;
-}
-
 }  // namespace
 
 Assembler::Assembler(const Scene& scene, const Communicator& comm, const AssemblerOptions& options)
@@ -93,10 +80,9 @@ void Assembler::set_support_rows(const State& state, double load_factor, const K
 }
 
 /// Unscaled element residuals, interior rows straight into `out`.
-void Assembler::evaluate_elements(const State& state, MixedVector& out) {
+void Assembler::evaluate_elements(const StructureViews& views, const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
-  for (const ElementBlock& block : structure_.blocks)
-    evaluate_residual(block, structure_.views, state.views, equations_);
+  for (const ElementBlock& block : structure_.blocks) evaluate_residual(block, views, state.views, equations_);
   equations_.interior_residual = KernelView<double*>();
   gather_rows(equations_.residual, out.vertex());
 }
@@ -104,13 +90,25 @@ void Assembler::evaluate_elements(const State& state, MixedVector& out) {
 void Assembler::residual(const State& state, double load_factor, MixedVector& out) {
   PhaseTimer timer(times_, "residual");
   set_load_factor(load_factor);
-  evaluate_elements(state, out);
+  evaluate_elements(structure_.views, state, out);
   const KernelView<double*> rows = out.vertex();
   add_vertex_loads(state, load_factor, rows);
   set_support_rows(state, load_factor, rows);
-  scales_ = residual_scales(magnitude(state), structure_.length, structure_.shortest_element,
-                            structure_.bending_reference, options_.residual_tolerance);
+  scales_ = scales_of(state, load_factor);
   scale_rows(out, false);
+}
+
+ResidualScales Assembler::scales_of(const State& state, double load_factor) {
+  set_load_factor(load_factor);
+  return residual_scales(magnitude(state), structure_.length, structure_.shortest_element, structure_.bending_reference,
+                         options_.residual_tolerance);
+}
+
+void Assembler::element_rows(const State& state, double load_factor, bool with_line_loads, MixedVector& out) {
+  set_load_factor(load_factor);
+  StructureViews views = structure_.views;
+  if (!with_line_loads) views.member_load = {};
+  evaluate_elements(views, state, out);
 }
 
 namespace {
@@ -279,7 +277,7 @@ void Assembler::load_derivative(const State& state, double load_factor, MixedVec
     for (int pass = 0; pass < 2; ++pass) {
       MixedVector& target = pass == 0 ? unloaded : out;
       set_line_loads(conditions_, pass == 0 ? 0.0 : load_factor, pass == 1, structure_.views);
-      evaluate_elements(state, target);
+      evaluate_elements(structure_.views, state, target);
     }
     out.update(-1.0, unloaded, 1.0);
     line_loads_set_ = false;

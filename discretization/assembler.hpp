@@ -30,6 +30,7 @@ class Assembler {
   const Teuchos::RCP<const DofMap>& map() const { return row_map_; }
   const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
   const ElementEquations& equations() const { return equations_; }
+  const Conditions& conditions() const { return conditions_; }
   PhaseTimes& times() { return times_; }
 
   State reference_state() const { return mixbeam::reference_state(structure_, mesh_); }
@@ -37,6 +38,13 @@ class Assembler {
 
   /// Mixed residual, every row divided by its scale.
   void residual(const State& state, double load_factor, MixedVector& out);
+
+  /// Unscaled rows of the elements alone, without point loads and supports: the forces and moments (spatial) that hold
+  /// the elements at each vertex in place, and the interior rows. `with_line_loads` false: as if the members carried
+  /// none.
+  void element_rows(const State& state, double load_factor, bool with_line_loads, MixedVector& out);
+  /// Scales that residual() would use.
+  ResidualScales scales_of(const State& state, double load_factor);
 
   /// Element tangents, the global matrix and the condensed residual of `state`; call residual() of the same state
   /// first.
@@ -82,7 +90,7 @@ class Assembler {
   void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
-  void evaluate_elements(const State& state, MixedVector& out);
+  void evaluate_elements(const StructureViews& views, const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const;

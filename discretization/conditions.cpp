@@ -58,14 +58,24 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     if (partition.owns(global))
       conditions.loads.push_back(vertex_load(load, scene, mesh, global, global - partition.owned_first()));
   }
-  for (const Support& support : scene.supports) {
-    const int global = vertex_of(mesh, support.point);
-    if (partition.owns(global))
-      conditions.supports.push_back(vertex_support(support, global - partition.owned_first()));
+  for (size_t i = 0; i < scene.supports.size(); ++i) {
+    const int global = vertex_of(mesh, scene.supports[i].point);
+    if (!partition.owns(global)) continue;
+    conditions.supports.push_back(vertex_support(scene.supports[i], global - partition.owned_first()));
+    conditions.supports.back().index = static_cast<int>(i);
   }
   for (const DistributedLoad& load : scene.distributed_loads)
     conditions.line_loads.push_back({member_index(scene, load.member), load.force, load.couple, load.stage});
   return conditions;
+}
+
+SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
+  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
+  if (load.frame == LoadFrame::follower) {
+    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
+    spatial = {turn * spatial.force, turn * spatial.moment};
+  }
+  return spatial;
 }
 
 double largest_prescribed_rotation(const Scene& scene) {

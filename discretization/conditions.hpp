@@ -18,6 +18,7 @@ struct VertexLoad {
 
 struct VertexSupport {
   int vertex = 0;  ///< owned local vertex
+  int index = 0;   ///< in Scene::supports
   bool fixed[6] = {};
   Vec3<double> displacement{}, rotation{};
   bool rotation_prescribed = false;  ///< all three rotations fixed: the triad follows exp(amplitude * rotation)
@@ -38,6 +39,12 @@ struct Conditions {
 };
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
+
+/// Force and moment that a vertex load exerts at a state, spatial.
+struct SpatialLoad {
+  Vec3<double> force, moment;
+};
+SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state);
 
 /// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene).
 double largest_prescribed_rotation(const Scene& scene);

@@ -12,7 +12,11 @@ Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, c
 }
 
 const LoadPathResult& Simulation::run(const PathObserver& observer) {
-  result_ = follow_load_path(problem_, parameters_, state_, observer);
+  const PathObserver remember = [&](const StepReport& report, const State& state) {
+    load_factor_ = report.load_factor;
+    if (observer) observer(report, state);
+  };
+  result_ = follow_load_path(problem_, parameters_, state_, remember);
   return result_;
 }
 

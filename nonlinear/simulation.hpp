@@ -1,6 +1,7 @@
 /// One scene, solved: the facade that applications and tests use.
 #pragma once
 
+#include "discretization/reactions.hpp"
 #include "discretization/sampling.hpp"
 #include "nonlinear/load_path.hpp"
 
@@ -17,6 +18,8 @@ class Simulation {
 
   const LoadPathResult& result() const { return result_; }
   const State& state() const { return state_; }
+  /// Load factor of state(), also inside an observer.
+  double load_factor() const { return load_factor_; }
   const Scene& scene() const { return problem_->assembler.scene(); }
   const Assembler& assembler() const { return problem_->assembler; }
   const PhaseTimes& times() const { return problem_->assembler.times(); }
@@ -27,6 +30,10 @@ class Simulation {
   Vector3 position(const std::string& point) const;
   /// Rotation vector of Lambda_V, norm at most pi.
   Vector3 rotation(const std::string& point) const;
+  /// Forces and moments of the supports on the structure, in the order of the scene.
+  std::vector<Reaction> reactions() const { return mixbeam::reactions(problem_->assembler, state_, load_factor_); }
+  /// Sums of loads and reactions: errors below 1e-10 in every converged state.
+  Balance balance() const { return mixbeam::balance(problem_->assembler, state_, load_factor_); }
   std::vector<MemberSamples> samples(int points_per_element) const;
   StrainEnergy strain_energy() const { return mixbeam::strain_energy(assembler(), state_); }
   /// See l2_norm in sampling.hpp.
@@ -43,6 +50,7 @@ class Simulation {
   SolverParameters parameters_;
   Teuchos::RCP<BeamProblem> problem_;
   State state_;
+  double load_factor_ = 0.0;
   LoadPathResult result_;
 };
 

@@ -1,0 +1,263 @@
+#include "discretization/reactions.hpp"
+
+#include "kernels/element_kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+
+namespace mixbeam {
+
+namespace {
+
+Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
+
+/// A force and a moment, the moment about some fixed point.
+struct Wrench {
+  Vec force{}, moment{};
+  void add(const Vec& f, const Vec& m, const Vec& arm) {
+    force += f;
+    moment += m + cross(arm, f);
+  }
+};
+
+using Rows = KernelView<const double*>;
+
+Vec vector_at(const Rows& rows, size_t first) { return load_vector(&rows(first)); }
+
+/// Rows of all vertices that supports have to hold: elements minus point loads.
+void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor,
+                          const KernelView<double*>& rows) {
+  for (const VertexLoad& load : conditions.loads) {
+    const SpatialLoad spatial = spatial_load(load, stage_amplitude(load_factor, load.stage), state);
+    for (int i = 0; i < 3; ++i) {
+      rows(kVertexDofs * load.vertex + i) -= spatial.force[i];
+      rows(kVertexDofs * load.vertex + 3 + i) -= spatial.moment[i];
+    }
+  }
+}
+
+/// Force and moment of one support on its vertex, from the rows that it has to hold.
+SpatialLoad support_reaction(const VertexSupport& support, const Rows& rows) {
+  SpatialLoad reaction{};
+  for (int i = 0; i < 3; ++i) {
+    if (support.fixed[i]) reaction.force[i] = rows(kVertexDofs * support.vertex + i);
+    if (support.fixed[3 + i]) reaction.moment[i] = rows(kVertexDofs * support.vertex + 3 + i);
+  }
+  return reaction;
+}
+
+/// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: in a
+/// rigid rotation of the vertices this is what the displacements of the element can turn.
+struct TangentPolynomial {
+  Vec coefficient[kMaximumOrder];  ///< of the Legendre polynomials
+
+  TangentPolynomial(const ElementBlock& block, int e, const Vec& chord) {
+    const int points = axial_points(block.order, block.force_integration);
+    const double h = block.reference(e, block.reference_layout.length());
+    double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
+    gauss_rule(points, xi, weight);
+    coefficient[0] = (1.0 / h) * chord;
+    for (int j = 1; j < block.order; ++j) coefficient[j] = Vec{{0.0, 0.0, 0.0}};
+    for (int q = 0; q < points; ++q) {
+      legendre(block.order, xi[q], P);
+      const Vec tangent = load_vector(&block.reference(e, block.reference_layout.tangent(q)));
+      for (int j = 1; j < block.order; ++j) coefficient[j] += (0.5 * (2 * j + 1) * weight[q] * P[j]) * tangent;
+    }
+  }
+  Vec at(int order, const double* P) const {
+    Vec value{{0.0, 0.0, 0.0}};
+    for (int j = 0; j < order; ++j) value += P[j] * coefficient[j];
+    return value;
+  }
+};
+
+/// An element with what its two sums below need.
+struct ElementView {
+  const ElementBlock& block;
+  const State& state;
+  int e;
+  TangentPolynomial tangent;
+  const double* interior;
+  Quat triad;
+
+  ElementView(const ElementBlock& of, const State& at, const Mesh& mesh, const MeshElement& element, int index)
+      : block(of),
+        state(at),
+        e(index),
+        tangent(of, index,
+                to_vec(mesh.vertex_position[element.vertex[1]]) - to_vec(mesh.vertex_position[element.vertex[0]])),
+        interior(at.views.interior.data() + of.interior_offset + static_cast<size_t>(index) * of.interior.unknowns()),
+        triad(load_quaternion(&at.views.element_triad(of.first_element + index, 0))) {}
+
+  /// Moment of the spatial forces n at the Gauss points over the part of the reference tangent that the quadrature does
+  /// not share with the polynomial: see Balance::curve_moment.
+  Vec curve_moment() const {
+    Vec sum{{0.0, 0.0, 0.0}};
+    const int axial = axial_points(block.order, block.force_integration);
+    add_curve_moment(0, axial, sum);
+    if (block.interior.force_points > axial) add_curve_moment(axial, block.interior.force_points - axial, sum);
+    return sum;
+  }
+
+  /// Virtual work of line loads in the motions of the interior of the element, when everything turns: `rows` is what
+  /// the loads add to the rows of this element.
+  Vec moment_of_interior_load(const double* rows) const {
+    Vec sum = -(rotation_matrix(triad) * load_vector(rows + block.interior.spin()));
+    for (int j = 1; j < block.order; ++j)
+      sum += -cross(tangent.coefficient[j] + load_vector(interior + block.interior.bubble(j)),
+                    load_vector(rows + block.interior.bubble(j)));
+    return sum;
+  }
+
+ private:
+  void add_curve_moment(int first, int count, Vec& sum) const {
+    double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
+    gauss_rule(count, xi, weight);
+    const double h = block.reference(e, block.reference_layout.length());
+    for (int q = 0; q < count; ++q) {
+      legendre(block.order, xi[q], P);
+      Vec psi{{0.0, 0.0, 0.0}};
+      for (int j = 1; j < block.order; ++j) psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
+      const Vec force =
+          rotation_matrix(triad * exp_quaternion(psi)) * load_vector(interior + block.interior.force(first + q));
+      const Vec here = load_vector(&block.reference(e, block.reference_layout.tangent(first + q)));
+      sum += (0.5 * h * weight[q]) * cross(tangent.at(block.order, P) - here, force);
+    }
+  }
+};
+
+/// Everything that the balance adds up, of one rank.
+class BalanceSums {
+ public:
+  BalanceSums(Assembler& assembler, const State& state, double load_factor)
+      : assembler_(assembler), state_(state), load_factor_(load_factor), center_(box_center(assembler.mesh())) {
+    MixedVector rows = assembler.create_vector();
+    assembler.element_rows(state, load_factor, true, rows);
+    if (assembler.structure().views.member_load.extent(0) > 0) add_line_loads(rows);
+    subtract_point_loads(assembler.conditions(), state, load_factor, rows.vertex());
+    add_point_loads();
+    for (const VertexSupport& support : assembler.conditions().supports) {
+      const SpatialLoad reaction = support_reaction(support, rows.vertex());
+      add(reactions_, support.vertex, reaction);
+    }
+    for_each_owned_element([&](const ElementView& element) { curve_moment_ += element.curve_moment(); });
+  }
+
+  Balance over_all_ranks() const;
+
+ private:
+  static Vec box_center(const Mesh& mesh) {
+    Vec low = to_vec(mesh.vertex_position.front()), high = low;
+    for (const Vector3& p : mesh.vertex_position)
+      for (int i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], p[i]);
+        high[i] = std::max(high[i], p[i]);
+      }
+    return 0.5 * (low + high);
+  }
+  Vec arm(int vertex) const {
+    const int global = assembler_.structure().local_vertex_to_global[vertex];
+    return to_vec(assembler_.mesh().vertex_position[global]) +
+           load_vector(&state_.views.vertex_displacement(vertex, 0)) - center_;
+  }
+  void add(Wrench& sum, int vertex, const SpatialLoad& load) {
+    const Vec lever = arm(vertex);
+    sum.add(load.force, load.moment, lever);
+    largest_force_ = std::max(largest_force_, norm(load.force));
+    largest_moment_ = std::max({largest_moment_, norm(load.moment), norm(cross(lever, load.force))});
+  }
+  void add_point_loads() {
+    for (const VertexLoad& load : assembler_.conditions().loads)
+      add(applied_, load.vertex, spatial_load(load, stage_amplitude(load_factor_, load.stage), state_));
+  }
+  void add_line_loads(const MixedVector& loaded) {
+    MixedVector difference = assembler_.create_vector();
+    assembler_.element_rows(state_, load_factor_, false, difference);
+    difference.update(1.0, loaded, -1.0);
+    const Rows rows = difference.vertex(), interior = difference.interior();
+    for (int v = 0; v < assembler_.structure().owned_vertices; ++v) {
+      const size_t first = static_cast<size_t>(kVertexDofs) * v;
+      applied_.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v));
+    }
+    for_each_owned_element([&](const ElementView& element) {
+      const size_t first =
+          element.block.increment_offset + static_cast<size_t>(element.e) * element.block.interior.increments();
+      applied_.moment += element.moment_of_interior_load(&interior(first));
+    });
+  }
+  /// Elements that start at a vertex of this rank: each element of the mesh on one rank.
+  template <class Action>
+  void for_each_owned_element(const Action& action) const {
+    const Structure& structure = assembler_.structure();
+    const Mesh& mesh = assembler_.mesh();
+    for (const ElementBlock& block : structure.blocks)
+      for (int e = 0; e < block.count; ++e)
+        if (block.vertices(e, 0) < structure.owned_vertices)
+          action(ElementView(block, state_, mesh,
+                             mesh.elements[structure.local_element_to_mesh[block.first_element + e]], e));
+  }
+
+  Assembler& assembler_;
+  const State& state_;
+  double load_factor_;
+  Vec center_;
+  Wrench applied_, reactions_;
+  Vec curve_moment_{};
+  double largest_force_ = 0.0, largest_moment_ = 0.0;
+};
+
+Balance BalanceSums::over_all_ranks() const {
+  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  std::array<double, 15> mine{}, all{};
+  const Vec parts[5] = {applied_.force, applied_.moment, reactions_.force, reactions_.moment, curve_moment_};
+  for (int part = 0; part < 5; ++part) store_vector(parts[part], &mine[3 * part]);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 15, mine.data(), all.data());
+  // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
+  const ResidualScales scales = assembler_.scales_of(state_, load_factor_);
+  const double force = maximum_over_ranks(comm, std::max(largest_force_, scales.force));
+  const double moment = maximum_over_ranks(comm, std::max(largest_moment_, scales.moment));
+  Balance result;
+  result.center = to_array(center_);
+  result.applied_force = {all[0], all[1], all[2]};
+  result.applied_moment = {all[3], all[4], all[5]};
+  result.reaction_force = {all[6], all[7], all[8]};
+  result.reaction_moment = {all[9], all[10], all[11]};
+  const Vec curve = load_vector(&all[12]);
+  result.force_error = norm(to_vec(result.applied_force) + to_vec(result.reaction_force)) / force;
+  result.moment_error = norm(to_vec(result.applied_moment) + to_vec(result.reaction_moment) - curve) / moment;
+  result.curve_moment = norm(curve) / moment;
+  return result;
+}
+
+}  // namespace
+
+std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor) {
+  MixedVector rows = assembler.create_vector();
+  assembler.element_rows(state, load_factor, true, rows);
+  subtract_point_loads(assembler.conditions(), state, load_factor, rows.vertex());
+  const std::vector<Support>& supports = assembler.scene().supports;
+  std::vector<double> mine(6 * supports.size(), 0.0), all(mine.size());
+  for (const VertexSupport& support : assembler.conditions().supports) {
+    const SpatialLoad reaction = support_reaction(support, rows.vertex());
+    store_vector(reaction.force, &mine[6 * support.index]);
+    store_vector(reaction.moment, &mine[6 * support.index + 3]);
+  }
+  if (!mine.empty())
+    Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
+                       all.data());
+  std::vector<Reaction> result;
+  for (size_t i = 0; i < supports.size(); ++i) {
+    const double* values = &all[6 * i];
+    result.push_back({supports[i].point, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}});
+  }
+  return result;
+}
+
+Balance balance(Assembler& assembler, const State& state, double load_factor) {
+  return BalanceSums(assembler, state, load_factor).over_all_ranks();
+}
+
+}  // namespace mixbeam
