@@ -13,9 +13,7 @@ Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
 /// Reference triad of a member at the vertex where a follower load acts.
 Quat reference_triad_at(const Mesh& mesh, int member, int vertex) {
-  const MeshMember& m = mesh.members[member];
-  const bool at_start = mesh.elements[m.first_element].vertex[0] == vertex;
-  return m.curve.triad(at_start ? 0.0 : m.curve.length);
+  return mesh.members[member].curve.triad(arc_length_of_vertex(mesh, member, vertex));
 }
 
 VertexLoad vertex_load(const PointLoad& load, const Scene& scene, const Mesh& mesh, int global, int local) {

@@ -1,14 +1,21 @@
 #include "discretization/mesh.hpp"
 
+#include "discretization/element_division.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/nearest_name.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/vector_algebra.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace mixbeam {
 
 namespace {
+
+// Of the member's length: points are written with a dozen digits or more.
+constexpr double kPlaceTolerance = 1e-9;
 
 /// Vertex of a point, created at `position` when the point is met for the first time.
 int find_or_add_vertex(Mesh& mesh, const std::string& point, const Vector3& position) {
@@ -19,61 +26,122 @@ int find_or_add_vertex(Mesh& mesh, const std::string& point, const Vector3& posi
 
 Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
 
-void add_member(Mesh& mesh, const Member& member, int index, const Vector3& start, const Vector3& end) {
-  MeshMember added;
-  added.curve = make_reference_curve(member, start, end);
-  added.first_element = static_cast<int>(mesh.elements.size());
-  added.elements = member.elements;
-  int here = find_or_add_vertex(mesh, member.start_point, start);
-  for (int i = 0; i < member.elements; ++i) {
-    const double s = added.curve.length * (i + 1) / member.elements;
-    int next;
-    if (i + 1 == member.elements) {
-      next = find_or_add_vertex(mesh, member.end_point, end);
-    } else {
-      next = mesh.vertices();
-      mesh.vertex_position.push_back(to_array(added.curve.position(s)));
+/// Positions of all points and curves of all members, as far as they are known.
+class Placement {
+ public:
+  explicit Placement(const Scene& scene) : scene_(scene), curves_(scene.members.size()) {
+    for (const Point& point : scene.points) position_[point.name] = point.position;
+    // ends of curves and inner points may follow from their members, in whatever order these come
+    bool found = true;
+    while (found) {
+      found = false;
+      for (std::size_t m = 0; m < scene.members.size(); ++m)
+        if (!curves_[m].has_value() && is_ready(scene.members[m])) {
+          place(m);
+          found = true;
+        }
     }
+  }
+
+  const ReferenceCurve& curve(std::size_t member) const {
+    if (curves_[member].has_value()) return *curves_[member];
+    const Member& unplaced = scene_.members[member];
+    const std::string& missing = position_.count(unplaced.start_point) ? unplaced.end_point : unplaced.start_point;
+    throw InputError("member \"" + unplaced.name + "\": the position of its point \"" + missing + "\" is not known");
+  }
+  const Vector3& position(const std::string& point) const { return position_.at(point); }
+
+ private:
+  bool is_ready(const Member& member) const {
+    return position_.count(member.start_point) &&
+           (member.curve.shape != CurveShape::line || position_.count(member.end_point));
+  }
+
+  void place(std::size_t index) {
+    const Member& member = scene_.members[index];
+    const Vector3& start = position_.at(member.start_point);
+    const auto end = position_.find(member.end_point);
+    const ReferenceCurve& curve =
+        curves_[index].emplace(make_reference_curve(member, start, end == position_.end() ? start : end->second));
+    position_.try_emplace(member.end_point, to_array(curve.position(curve.length)));
+    for (const InnerPoint& inner : member.inner_points)
+      place_on(curve, curve.length * inner.position, inner.point, member);
+  }
+
+  /// Gives a point its place on the curve, or checks that it is there.
+  void place_on(const ReferenceCurve& curve, double s, const std::string& point, const Member& member) {
+    const Vector3 here = to_array(curve.position(s));
+    const Vector3& known = position_.try_emplace(point, here).first->second;
+    const double distance = vector_algebra::norm(vector_algebra::difference(known, here));
+    if (distance > kPlaceTolerance * curve.length)
+      throw InputError("point \"" + point + "\" is at " + to_text(known) + ", but member \"" + member.name +
+                       "\" passes it at " + to_text(here));
+  }
+
+  const Scene& scene_;
+  std::map<std::string, Vector3> position_;
+  std::vector<std::optional<ReferenceCurve>> curves_;
+};
+
+/// Arc lengths of the vertices; equal elements come from one division each.
+std::vector<double> vertex_arc_lengths(const ElementDivision& division, double length) {
+  std::vector<double> s;
+  for (int i = 0; i <= division.elements(); ++i)
+    s.push_back(division.is_equal ? length * i / division.elements() : length * division.station[i]);
+  s.back() = length;
+  return s;
+}
+
+/// Name of the point at every vertex of a member, empty where there is none.
+std::vector<std::string> vertex_points(const Member& member, const ElementDivision& division) {
+  std::vector<std::string> points(division.station.size());
+  points.front() = member.start_point;
+  points.back() = member.end_point;
+  for (std::size_t i = 0; i < member.inner_points.size(); ++i)
+    points[division.inner_vertex[i]] = member.inner_points[i].point;
+  return points;
+}
+
+void add_member(Mesh& mesh, const Member& member, int index, const Placement& placement) {
+  const ElementDivision division = divide(member);
+  const std::vector<std::string> points = vertex_points(member, division);
+  MeshMember added;
+  added.curve = placement.curve(index);
+  added.first_element = static_cast<int>(mesh.elements.size());
+  added.elements = division.elements();
+  added.vertex_arc_length = vertex_arc_lengths(division, added.curve.length);
+  added.has_equal_elements = division.is_equal;
+  int here = find_or_add_vertex(mesh, member.start_point, placement.position(member.start_point));
+  for (int i = 0; i < added.elements; ++i) {
+    const std::string& point = points[i + 1];
+    int next = mesh.vertices();
+    if (point.empty())
+      mesh.vertex_position.push_back(to_array(added.curve.position(added.vertex_arc_length[i + 1])));
+    else
+      next = find_or_add_vertex(mesh, point, placement.position(point));
     mesh.elements.push_back({index, i, {here, next}});
     here = next;
   }
   mesh.members.push_back(added);
 }
 
-std::map<std::string, Vector3> point_positions(const Scene& scene) {
-  std::map<std::string, Vector3> position;
-  for (const Point& point : scene.points) position[point.name] = point.position;
-  // ends of arcs and helices may follow from their curve, in whatever order the members come
-  bool found = true;
-  while (found) {
-    found = false;
-    for (const Member& member : scene.members) {
-      if (member.curve.shape == CurveShape::line || position.count(member.end_point) ||
-          !position.count(member.start_point))
-        continue;
-      position[member.end_point] = end_position(member, position.at(member.start_point));
-      found = true;
-    }
-  }
-  return position;
-}
-
 }  // namespace
 
 Mesh build_mesh(const Scene& scene) {
   Mesh mesh;
-  const std::map<std::string, Vector3> position = point_positions(scene);
-  const auto place = [&](const Member& member, const std::string& point) {
-    const auto entry = position.find(point);
-    if (entry == position.end())
-      throw InputError("member \"" + member.name + "\": the position of its point \"" + point + "\" is not known");
-    return entry->second;
-  };
-  for (size_t m = 0; m < scene.members.size(); ++m) {
-    const Member& member = scene.members[m];
-    add_member(mesh, member, static_cast<int>(m), place(member, member.start_point), place(member, member.end_point));
-  }
+  const Placement placement(scene);
+  for (size_t m = 0; m < scene.members.size(); ++m) add_member(mesh, scene.members[m], static_cast<int>(m), placement);
   return mesh;
+}
+
+double arc_length_of_vertex(const Mesh& mesh, int member, int vertex) {
+  const MeshMember& m = mesh.members[member];
+  const auto first = mesh.elements.begin() + m.first_element;
+  if (first->vertex[0] == vertex) return 0.0;
+  if ((first + m.elements - 1)->vertex[1] == vertex) return m.curve.length;
+  for (int i = 0; i < m.elements; ++i)
+    if ((first + i)->vertex[1] == vertex) return m.vertex_arc_length[i + 1];
+  throw InputError("member " + std::to_string(member + 1) + " does not pass through vertex " + std::to_string(vertex));
 }
 
 int vertex_of(const Mesh& mesh, const std::string& point) {

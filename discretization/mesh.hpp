@@ -19,9 +19,21 @@ struct MeshElement {
 /// One member in the mesh: its curve and where its elements and vertices are.
 struct MeshMember {
   ReferenceCurve curve;
-  int first_element = 0;  ///< in Mesh::elements, consecutive
-  int elements = 0;
-  double element_length() const { return curve.length / elements; }
+  int first_element = 0;                  ///< in Mesh::elements, consecutive
+  int elements = 0;                       ///< may exceed what the scene asks for, see divide (element_division.hpp)
+  std::vector<double> vertex_arc_length;  ///< s of its vertices, elements + 1 of them from 0 to the curve's length
+  bool has_equal_elements = true;         ///< then lengths come from one division and do not differ by rounding
+
+  /// Reference length of its element `index`.
+  double element_length(int index) const {
+    return has_equal_elements ? curve.length / elements : vertex_arc_length[index + 1] - vertex_arc_length[index];
+  }
+  /// Arc length s along the member at xi in [-1, 1] of its element `index`.
+  double arc_length(int index, double xi) const {
+    const double inside = 0.5 * (1.0 + xi);
+    return has_equal_elements ? element_length(index) * (index + inside)
+                              : vertex_arc_length[index] + element_length(index) * inside;
+  }
 };
 
 /// Vertices are numbered along the members, so a chain has a narrow band.
@@ -32,13 +44,26 @@ struct Mesh {
   std::map<std::string, int> vertex_of_point;
 
   int vertices() const { return static_cast<int>(vertex_position.size()); }
+  const MeshMember& member_of(const MeshElement& element) const { return members[element.member]; }
+  double element_length(const MeshElement& element) const { return member_of(element).element_length(element.index); }
+  /// Arc length along its member at xi in [-1, 1] of an element.
+  double arc_length(const MeshElement& element, double xi) const {
+    return member_of(element).arc_length(element.index, xi);
+  }
 };
 
-/// Divides every member into elements of equal length. Throws std::invalid_argument for a degenerate curve.
+/// Divides every member into elements, see divide (element_division.hpp). Inner points become vertices. Ends of arcs,
+/// helices and parametric curves and inner points may be absent from the points of the scene: they follow from their
+/// curve. Throws std::invalid_argument for a degenerate curve or division, InputError for a point whose position is not
+/// known or is not where the curve passes.
 Mesh build_mesh(const Scene& scene);
 
 /// Vertex of a named point; throws InputError with the nearest name when no member touches it.
 int vertex_of(const Mesh& mesh, const std::string& point);
+
+/// Arc length of a vertex along one of its members; 0 where a closed member begins and ends. Throws InputError when the
+/// member does not pass through the vertex.
+double arc_length_of_vertex(const Mesh& mesh, int member, int vertex);
 
 /// Index of a member by name; throws InputError with the nearest name.
 int member_index(const Scene& scene, const std::string& name);

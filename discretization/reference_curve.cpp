@@ -105,19 +105,21 @@ Vector3 start_second_axis(const Member& member, const Vector3& start, const Vect
 }  // namespace
 
 Vec3<double> ReferenceCurve::position(double s) const {
-  const Vec3<double> mean_tangent = tangent_map(s * curvature) * Vec3<double>{{1.0, 0.0, 0.0}};
+  const Vec3<double> mean_tangent = tangent_map(s * start_curvature) * Vec3<double>{{1.0, 0.0, 0.0}};
   return origin + s * (rotation_matrix(start_triad) * mean_tangent);
 }
 
 // The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
 Quaternion<double> ReferenceCurve::triad(double s) const {
-  return normalized(start_triad * exp_quaternion(s * curvature));
+  return normalized(start_triad * exp_quaternion(s * start_curvature));
 }
 
 Vec3<double> ReferenceCurve::tangent(double s) const {
   const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
   return (1.0 / norm(g1)) * g1;
 }
+
+Vec3<double> ReferenceCurve::curvature(double) const { return start_curvature; }
 
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
   check_curve(member.curve, start, end);
@@ -133,7 +135,7 @@ ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, 
   if (member.curve.shape != CurveShape::line) {
     // Lambda_0 kappa0 = (angle / length) axis
     const Vector3 turning_rate = scaled(member.curve.angle / curve.length, axis_direction(member.curve));
-    curve.curvature = {{dot(g1, turning_rate), dot(g2, turning_rate), dot(g3, turning_rate)}};
+    curve.start_curvature = {{dot(g1, turning_rate), dot(g2, turning_rate), dot(g3, turning_rate)}};
   }
   return curve;
 }

@@ -15,7 +15,7 @@ namespace mixbeam {
 struct ReferenceCurve {
   Vec3<double> origin;             ///< r0(0)
   Quaternion<double> start_triad;  ///< Lambda_0(0)
-  Vec3<double> curvature;          ///< kappa0, material: (torsion, bending about g2, bending about g3)
+  Vec3<double> start_curvature;    ///< kappa0(0), material: (torsion, bending about g2, bending about g3)
   double length;
 
   /// r0(s) = r0(0) + s Lambda_0(0) T(s kappa0) e1, the integral of the tangent
@@ -24,6 +24,8 @@ struct ReferenceCurve {
   Quaternion<double> triad(double s) const;
   /// g1(s), of unit length
   Vec3<double> tangent(double s) const;
+  /// kappa0(s), material
+  Vec3<double> curvature(double s) const;
 };
 
 /// A line that should run along e3 deviates by the last digits of its points, which must not decide about g2. [radian]

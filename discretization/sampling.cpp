@@ -79,7 +79,7 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   const double h = block.reference(e, 0);
   const double* interior = interior_of(block, state, e);
   PointSample sample;
-  sample.arc_length = h * (element.index + 0.5 * (1.0 + xi));
+  sample.arc_length = mesh.arc_length(element, xi);
   sample.reference_position = member.curve.position(sample.arc_length);
   const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(e, 0), 0));
   const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(e, 1), 0));

@@ -70,7 +70,7 @@ void fill_reference(const ReferenceCurve& curve, double start, double length, co
   for (int end = 0; end < 2; ++end) store_quaternion(curve.triad(start + end * length), row + layout.end_triad(end));
   for (int q = 0; q < layout.force_points; ++q)
     store_vector(curve.tangent(start + 0.5 * length * (1.0 + tables.force_xi[q])), row + layout.tangent(q));
-  for (int q = 0; q <= K; ++q) store_vector(curve.curvature, row + layout.curvature(q));
+  for (int q = 0; q <= K; ++q) store_vector(curve.start_curvature, row + layout.curvature(q));
 }
 
 template <int K>
@@ -79,8 +79,8 @@ void fill_block(ElementBlock& block, const Structure& structure, const Mesh& mes
   for (int e = 0; e < block.count; ++e) {
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     const MeshMember& member = mesh.members[element.member];
-    const double h = member.element_length();
-    const double start = member.curve.length * element.index / member.elements;
+    const double h = mesh.element_length(element);
+    const double start = member.vertex_arc_length[element.index];
     fill_reference(member.curve, start, h, tables, block.reference_layout, &block.reference(e, 0));
     for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
     block.member(e) = element.member;
@@ -151,8 +151,8 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   structure.length = characteristic_length(mesh);
   structure.bending_reference = largest_bending_stiffness(scene);
   structure.shortest_element = std::numeric_limits<double>::max();
-  for (const MeshMember& member : mesh.members)
-    structure.shortest_element = std::min(structure.shortest_element, member.element_length());
+  for (const MeshElement& element : mesh.elements)
+    structure.shortest_element = std::min(structure.shortest_element, mesh.element_length(element));
   std::map<BlockKey, std::vector<int>> kinds;
   for (size_t e = 0; e < mesh.elements.size(); ++e)
     if (is_local(mesh.elements[e], structure.partition))
@@ -190,13 +190,13 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
       const int local = block.first_element + e;
       const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
       const MeshMember& member = mesh.members[element.member];
-      const double h = member.element_length();
-      store_quaternion(member.curve.triad(h * (element.index + 0.5)), &state.views.element_triad(local, 0));
+      const double h = mesh.element_length(element);
+      store_quaternion(member.curve.triad(mesh.arc_length(element, 0.0)), &state.views.element_triad(local, 0));
       if (block.order > 1) {
         // constant curvature: Lambda_0 = Lambda_mid exp(xi h/2 kappa0), exactly the first Legendre mode
         double* interior =
             &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
-        store_vector((0.5 * h) * member.curve.curvature, interior + block.interior.relative_rotation(1));
+        store_vector((0.5 * h) * member.curve.start_curvature, interior + block.interior.relative_rotation(1));
       }
     }
   }

@@ -69,7 +69,7 @@ Vec3<double> offset_of_paper(const Simulation& simulation) {
   const Member& member = simulation.scene().members.front();
   const MeshMember& mesh_member = simulation.assembler().mesh().members.front();
   const ReferenceCurve& curve = mesh_member.curve;
-  const double h = mesh_member.element_length();
+  const double h = mesh_member.element_length(0);
   std::vector<double> points(member.order), weights(member.order);
   gauss_rule(member.order, points.data(), weights.data());
   Vec3<double> offset = projected_position(curve, 0.0, h, member.order, -1.0) -

@@ -188,7 +188,7 @@ TEST(ReferenceCurve, CurvatureInAnotherFrameIsSeen) {
   // The components of kappa0 for the principal normal, used with another second axis: the classic mistake.
   for (const Description& given : descriptions()) {
     ReferenceCurve curve = curve_of(given, kOtherSecondAxis);
-    curve.curvature = curve_of(given).curvature;
+    curve.start_curvature = curve_of(given).start_curvature;
     EXPECT_FALSE(position_error(ClassicCurve(given), curve).at_most(kPositionError)) << given.name;
   }
 }
@@ -278,7 +278,7 @@ TEST(ReferenceCurve, CurvatureIsTheRateOfTheTriad) {
       WorstError worst;
       for_many_points(curve, [&](double s) {
         const Vec3<double> kappa = curvature_by_differentiation(exact, turn, s);
-        worst.see(distance(curve.curvature, kappa) / (norm(kappa) * exact.sharpness), exact.name, ", s = ", s);
+        worst.see(distance(curve.start_curvature, kappa) / (norm(kappa) * exact.sharpness), exact.name, ", s = ", s);
       });
       EXPECT_TRUE(worst.at_most(kCurvatureError));
     }
@@ -292,9 +292,9 @@ TEST(ReferenceCurve, CurvatureAndTorsionOfTheTextbook) {
     const auto torsion = static_cast<double>(exact.w * exact.rise / exact.length);
     const auto bending = static_cast<double>(exact.w * exact.w * exact.radius);
     const double bound = kCurvatureError * exact.sharpness * static_cast<double>(exact.w);
-    const Vec3<double> kappa = curve_of(given).curvature;
+    const Vec3<double> kappa = curve_of(given).start_curvature;
     EXPECT_LE(distance(kappa, Vec3<double>{{torsion, 0.0, bending}}), bound) << exact.name;
-    const Vec3<double> turned = curve_of(given, kOtherSecondAxis).curvature;
+    const Vec3<double> turned = curve_of(given, kOtherSecondAxis).start_curvature;
     EXPECT_NEAR(turned[0], torsion, bound) << exact.name;
     EXPECT_NEAR(std::hypot(turned[1], turned[2]), bending, bound) << exact.name;
     if (given.rise == 0.0) {
@@ -335,7 +335,7 @@ TEST(ReferenceCurve, SecondAxisOfAnArcKeepsItsAngleToTheNormal) {
   // 0).
   const Description arc = {"arc", {4, 0, 0}, {0, 0, 0}, {0, 0, 1}, 2.0, 0.0};
   const ReferenceCurve curve = curve_of(arc, {0, 0, 1});
-  EXPECT_LE(distance(curve.curvature, Vec3<double>{{0, 0.25, 0}}), kCurvatureError);
+  EXPECT_LE(distance(curve.start_curvature, Vec3<double>{{0, 0.25, 0}}), kCurvatureError);
   for (const double s : {0.0, 3.0, 8.0}) {
     EXPECT_LE(distance(column(curve.triad(s), 1), Vec3<double>{{0, 0, 1}}), kDirectionError);
   }
@@ -353,7 +353,7 @@ TEST(ReferenceCurve, LineAlongE1HasTheIdentity) {
   EXPECT_EQ(curve.start_triad.x, 0.0);
   EXPECT_EQ(curve.start_triad.y, 0.0);
   EXPECT_EQ(curve.start_triad.z, 0.0);
-  EXPECT_EQ(norm(curve.curvature), 0.0);
+  EXPECT_EQ(norm(curve.start_curvature), 0.0);
   EXPECT_EQ(curve.length, 7.0);
   EXPECT_EQ(distance(curve.position(3.5), Vec3<double>{{4.5, 2, 3}}), 0.0);
 }
