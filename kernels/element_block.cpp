@@ -9,9 +9,9 @@
 
 namespace mixbeam {
 
-template <int K>
+template <int K, bool General>
 void residual_loop(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&);
-template <int K>
+template <int K, bool General>
 void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
                   const ElementEquations&);
 
@@ -27,6 +27,17 @@ void for_order(int order, Action&& action) {
   else
     throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." +
                                 std::to_string(kMaximumOrder));
+}
+
+/// for_order with the kind of section as well: action(order, std::bool_constant<General>).
+template <class Action>
+void for_kind(const ElementBlock& block, Action&& action) {
+  for_order(block.order, [&](auto order) {
+    if (block.general_section)
+      action(order, std::true_type());
+    else
+      action(order, std::false_type());
+  });
 }
 
 /// Interior increments are the response rows times (d slope_0, spin a, spin b, 1).
@@ -82,7 +93,9 @@ struct ApplyLoop {
 
 void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                        const ElementEquations& equations) {
-  for_order(block.order, [&](auto order) { residual_loop<order.value>(block, structure, state, equations); });
+  for_kind(block, [&](auto order, auto general) {
+    residual_loop<order.value, general.value>(block, structure, state, equations);
+  });
 }
 
 void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
@@ -92,8 +105,9 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations) {
-  for_order(block.order,
-            [&](auto order) { tangent_loop<order.value>(block, structure, state, rhs_interior, equations); });
+  for_kind(block, [&](auto order, auto general) {
+    tangent_loop<order.value, general.value>(block, structure, state, rhs_interior, equations);
+  });
 }
 
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,

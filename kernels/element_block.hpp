@@ -51,9 +51,11 @@ struct ElementBlock {
   size_t response_offset = 0;
   InteriorLayout interior;
   ReferenceLayout reference_layout;
-  KernelView<double**> reference;  ///< (element of the block, ReferenceLayout)
-  KernelView<int* [2]> vertices;   ///< (element of the block, end): local vertex
-  KernelView<int*> member;         ///< (element of the block)
+  KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
+  KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
+  KernelView<int*> member;          ///< (element of the block)
+  bool general_section = false;     ///< sections of this block are coupled or vary along the element
+  KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.

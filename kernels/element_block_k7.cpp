@@ -2,8 +2,9 @@
 
 namespace mixbeam {
 
-template void residual_loop<7>(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&);
-template void tangent_loop<7>(const ElementBlock&, const StructureViews&, const StateViews&,
-                              const KernelView<const double*>&, const ElementEquations&);
+template void residual_loop<7, false>(const ElementBlock&, const StructureViews&, const StateViews&,
+                                      const ElementEquations&);
+template void tangent_loop<7, false>(const ElementBlock&, const StructureViews&, const StateViews&,
+                                     const KernelView<const double*>&, const ElementEquations&);
 
 }  // namespace mixbeam

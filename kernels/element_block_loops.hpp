@@ -1,15 +1,15 @@
-/// The loops of element_block.hpp for one order, instantiated in element_block_k<order>.cpp (one translation unit per
-/// order keeps the build parallel).
+/// The loops of element_block.hpp for one order and kind of section, instantiated in element_block_k<order>.cpp and
+/// element_block_general_k<order>.cpp (one translation unit each keeps the build parallel).
 #pragma once
 
 #include "kernels/element_block.hpp"
-#include "kernels/element_tangent.hpp"
+#include "kernels/element_tangent_general.hpp"
 
 namespace mixbeam {
 
 /// Views of one block, gathered element by element into named values. Captured by value: inside a kernel no View is
 /// copied.
-template <int K>
+template <int K, bool General>
 struct ElementGather {
   KernelView<const double**> reference;
   KernelView<const int* [2]> vertices;
@@ -19,6 +19,7 @@ struct ElementGather {
   KernelView<const double*> interior;
   KernelView<const SectionConstants*> section;
   KernelView<const LineLoad*> load;
+  KernelView<const double**> compliance;
   InteriorLayout layout;
   ReferenceLayout reference_layout;
   ElementTables<K> tables;
@@ -35,6 +36,7 @@ struct ElementGather {
         interior(state.interior),
         section(structure.member_section),
         load(structure.member_load),
+        compliance(block.compliance),
         layout(block.interior),
         reference_layout(block.reference_layout),
         tables(block.force_integration),
@@ -53,14 +55,25 @@ struct ElementGather {
     in.reference = &reference(e, 0);
     return in;
   }
+  /// SectionConstants of the member, or the compliances of this element.
+  KOKKOS_INLINE_FUNCTION decltype(auto) section_of(int e) const {
+    const SectionConstants& constants = section(member(e));
+    if constexpr (General)
+      return GeneralSection{&compliance(e, 0),
+                            {layout.order, layout.force_points},
+                            constants.force_stiffness_limit,
+                            constants.moment_stiffness_limit};
+    else
+      return (constants);
+  }
   KOKKOS_INLINE_FUNCTION const LineLoad* line_load(int e) const {
     return load.extent(0) == 0 ? nullptr : &load(member(e));
   }
 };
 
-template <int K>
+template <int K, bool General>
 struct ResidualLoop {
-  ElementGather<K> gather;
+  ElementGather<K, General> gather;
   KernelView<double* [12]> residual;
   KernelView<double*> interior_residual, largest_end_angle;
   size_t increment_offset;
@@ -69,8 +82,8 @@ struct ResidualLoop {
     const ElementInput in = gather.input(e);
     const ElementKinematics<K> kinematics(in, gather.layout);
     ElementGradient<K> gradient;
-    element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout,
-                     gather.section(gather.member(e)), gather.line_load(e), gradient);
+    element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout, gather.section_of(e),
+                     gather.line_load(e), gradient);
     const int element = gather.first_element + e;
     store_residual(gradient, kinematics, gather.layout,
                    interior_residual.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments(),
@@ -95,19 +108,19 @@ KOKKOS_INLINE_FUNCTION void replace_gradient(const double* rhs, const ElementKin
 }
 
 /// Builds the reduced system of one element and keeps what the recovery of N and M needs.
-template <int K>
+template <int K, bool General>
 struct CondensedElement {
   ReducedSystem<K> system;
-  MomentRows<K> moment_rows;
-  ForceRows force_rows_[ElementTables<K>::kMaximumForcePoints];
+  std::conditional_t<General, GeneralMomentRows<K>, MomentRows<K>> moment_rows;
+  ForceRows<std::conditional_t<General, Mat, Vec>> force_rows_[ElementTables<K>::kMaximumForcePoints];
   ElementGradient<K> gradient;
   double response[ReducedSystem<K>::kInteriorSize][kResponseColumns];
   double tangent[9][9];
   double reduced_gradient[9];
 
-  KOKKOS_INLINE_FUNCTION void build(const ElementGather<K>& gather, int e, const ElementInput& in,
+  KOKKOS_INLINE_FUNCTION void build(const ElementGather<K, General>& gather, int e, const ElementInput& in,
                                     const ElementKinematics<K>& kinematics, const double* given_rhs) {
-    const SectionConstants& section = gather.section(gather.member(e));
+    const auto& section = gather.section_of(e);
     const ElementTables<K>& tables = gather.tables;
     const LineLoad* load = gather.line_load(e);
     clear_system();
@@ -118,9 +131,11 @@ struct CondensedElement {
     for (int q = 0; q < tables.force_points; ++q) {
       ForcePoint<K> point(q, in, kinematics, tables, gather.layout, gather.reference_layout, section);
       point.strain_error = gradient.strain_error[q];
-      force_rows_[q] = force_rows(point, q, tables, section);
+      force_rows_[q] = force_rows(point, tangent_force_stiffness(q, tables, section));
       add_force_tangent(point, force_rows_[q], tables.force_legendre[q], system);
       add_force_correction(point, force_rows_[q], tables.force_legendre[q], system);
+      if constexpr (General)
+        moment_rows.couple(point, force_rows_[q], section.force_moment(q), tables.force_legendre[q]);
     }
     if constexpr (K > 1)
       for (int q = 0; q <= K; ++q) {
@@ -131,6 +146,7 @@ struct CondensedElement {
     for (int end = 0; end < 2; ++end)
       add_end_tangent(end, EndRotation<K>(end, in, kinematics, gather.layout, gather.reference_layout), moment_rows,
                       system);
+    if constexpr (General) moment_rows.add_compliance(section, tables, kinematics.length);
     condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
     system.mirror();
@@ -140,14 +156,15 @@ struct CondensedElement {
   }
 
   /// Rows of the increments: response of N (pointwise), M (by mode), psi, beta (spatial) and w.
-  KOKKOS_INLINE_FUNCTION void store_response(const ElementGather<K>& gather, int e,
+  KOKKOS_INLINE_FUNCTION void store_response(const ElementGather<K, General>& gather, int e,
                                              const ElementKinematics<K>& kinematics, double* rows) const {
     const InteriorLayout& layout = gather.layout;
-    const SectionConstants& section = gather.section(gather.member(e));
-    for (int q = 0; q < layout.force_points; ++q)
-      store_force_response(q, gather.tables.force_legendre[q], rows + kResponseColumns * layout.force(q));
+    const auto& section = gather.section_of(e);
     for (int j = 0; j <= K; ++j)
       store_moment_response(j, section, kinematics.length, rows + kResponseColumns * layout.moment(j));
+    for (int q = 0; q < layout.force_points; ++q)
+      store_force_response(q, section, gather.tables.force_legendre[q], rows + kResponseColumns * layout.moment(0),
+                           rows + kResponseColumns * layout.force(q));
     for (int j = 1; j < K; ++j) {
       copy_rows(3 * ReducedBlocks<K>::psi(j), rows + kResponseColumns * layout.relative_rotation(j));
       const double(*slope)[kResponseColumns] = response + 3 * ReducedBlocks<K>::slope(j);
@@ -171,9 +188,7 @@ struct CondensedElement {
     for (int b = 0; b < ReducedBlocks<K>::kCount; ++b)
       for (int i = 0; i < 3; ++i)
         for (int j = i + 1; j < 3; ++j) system.matrix[3 * b + i][3 * b + j] = 0.0;
-    for (int j = 0; j <= K; ++j)
-      for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3 * (K + 2); ++c) moment_rows.row[j][r][c] = 0.0;
+    moment_rows.clear();
   }
   KOKKOS_INLINE_FUNCTION void add_gradient() {
     using Blocks = ReducedBlocks<K>;
@@ -186,10 +201,12 @@ struct CondensedElement {
     for (int i = 0; i < 3; ++i)
       for (int c = 0; c < kResponseColumns; ++c) rows[kResponseColumns * i + c] = response[first + i][c];
   }
-  /// dN = C (gamma - C^-1 N + d gamma)
-  KOKKOS_INLINE_FUNCTION void store_force_response(int q, const double* P, double* rows) const {
+  /// dN = C (gamma - C^-1 N + d gamma); with coupling less S_NM dM, `moments` being the responses of all of M.
+  template <class AnySection>
+  KOKKOS_INLINE_FUNCTION void store_force_response(int q, [[maybe_unused]] const AnySection& section, const double* P,
+                                                   [[maybe_unused]] const double* moments, double* rows) const {
     using Blocks = ReducedBlocks<K>;
-    const ForceRows& force = force_rows_[q];
+    const auto& force = force_rows_[q];
     for (int c = 0; c < kResponseColumns; ++c) {
       Vec slope{{0.0, 0.0, 0.0}}, psi{{0.0, 0.0, 0.0}};
       if (c < 3) slope[c] = 1.0;
@@ -202,10 +219,22 @@ struct CondensedElement {
       Vec strain = force.slope * slope + force.spin * spin;
       if constexpr (K > 1) strain += force.psi * psi;
       if (c == 9) strain += gradient.strain_error[q];
-      for (int i = 0; i < 3; ++i) rows[kResponseColumns * i + c] = force.stiffness[i] * strain[i];
+      if constexpr (General) {
+        Vec moment{{0.0, 0.0, 0.0}};
+        for (int j = 0; j < K; ++j)
+          for (int i = 0; i < 3; ++i) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
+        strain += -(section.force_moment(q) * moment);
+        strain = force.stiffness * strain;
+      } else {
+        for (int i = 0; i < 3; ++i) strain[i] = force.stiffness[i] * strain[i];
+      }
+      for (int i = 0; i < 3; ++i) rows[kResponseColumns * i + c] = strain[i];
     }
   }
   /// dM_j = (2j + 1)/h C (row_j + d row_j)
+  KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const GeneralSection&, double, double* rows) const {
+    for (int r = 0; r < 3; ++r) moment_rows.response_row(3 * j + r, response, rows + kResponseColumns * r);
+  }
   KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const SectionConstants& section, double length,
                                                     double* rows) const {
     for (int r = 0; r < 3; ++r) {
@@ -222,9 +251,9 @@ struct CondensedElement {
   }
 };
 
-template <int K>
+template <int K, bool General>
 struct TangentLoop {
-  ElementGather<K> gather;
+  ElementGather<K, General> gather;
   KernelView<double* [12]> condensed_residual;
   KernelView<double* [144]> condensed_tangent;
   KernelView<double*> response;
@@ -236,7 +265,7 @@ struct TangentLoop {
     const ElementKinematics<K> kinematics(in, gather.layout);
     const size_t increments = gather.layout.increments();
     const double* rhs = given_rhs.extent(0) == 0 ? nullptr : given_rhs.data() + increment_offset + e * increments;
-    CondensedElement<K> element;
+    CondensedElement<K, General> element;
     element.build(gather, e, in, kinematics, rhs);
     element.store_response(gather, e, kinematics,
                            response.data() + response_offset + e * increments * kResponseColumns);
@@ -245,7 +274,7 @@ struct TangentLoop {
     store_condensed_residual(element, kinematics, &condensed_residual(index, 0));
   }
 
-  KOKKOS_INLINE_FUNCTION static void store_condensed_residual(const CondensedElement<K>& element,
+  KOKKOS_INLINE_FUNCTION static void store_condensed_residual(const CondensedElement<K, General>& element,
                                                               const ElementKinematics<K>& kinematics, double* row) {
     const Vec force = (1.0 / kinematics.length) * (kinematics.triad * load_vector(element.reduced_gradient));
     store_vector(element.gradient.vertex_force[0] - force, row);
@@ -255,24 +284,24 @@ struct TangentLoop {
   }
 };
 
-template <int K>
+template <int K, bool General>
 void residual_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                    const ElementEquations& equations) {
-  const ResidualLoop<K> loop{ElementGather<K>(block, structure, state), equations.residual, equations.interior_residual,
-                             equations.largest_end_angle, block.increment_offset};
+  const ResidualLoop<K, General> loop{ElementGather<K, General>(block, structure, state), equations.residual,
+                                      equations.interior_residual, equations.largest_end_angle, block.increment_offset};
   Kokkos::parallel_for("mixbeam::elements::residual", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }
 
-template <int K>
+template <int K, bool General>
 void tangent_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                   const KernelView<const double*>& given_rhs, const ElementEquations& equations) {
-  const TangentLoop<K> loop{ElementGather<K>(block, structure, state),
-                            equations.condensed_residual,
-                            equations.condensed_tangent,
-                            equations.response,
-                            given_rhs,
-                            block.increment_offset,
-                            block.response_offset};
+  const TangentLoop<K, General> loop{ElementGather<K, General>(block, structure, state),
+                                     equations.condensed_residual,
+                                     equations.condensed_tangent,
+                                     equations.response,
+                                     given_rhs,
+                                     block.increment_offset,
+                                     block.response_offset};
   Kokkos::parallel_for("mixbeam::elements::tangent", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }
 

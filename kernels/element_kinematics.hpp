@@ -2,7 +2,7 @@
 /// does not depend on Lambda_lo at all, which makes the discrete strains objective to the last digits.
 #pragma once
 
-#include "kernels/element_layout.hpp"
+#include "kernels/general_section.hpp"
 #include "kernels/rotation.hpp"
 
 namespace mixbeam {
@@ -82,6 +82,16 @@ struct PointRotation {
   }
 };
 
+/// Force strain that the resultants of the element make in a general section: S_NN N + S_NM M at a force point. The
+/// degree k of M has no part in it: P_k is zero at the k Gauss points.
+template <int K>
+KOKKOS_INLINE_FUNCTION Vec coupled_force_strain(const GeneralSection& section, int q, const ElementInput& in,
+                                                const ElementTables<K>& tables, const InteriorLayout& layout) {
+  Vec moment{{0.0, 0.0, 0.0}};
+  for (int j = 0; j < K; ++j) moment += tables.force_legendre[q][j] * load_vector(in.interior + layout.moment(j));
+  return section.force_force(q) * load_vector(in.interior + layout.force(q)) + section.force_moment(q) * moment;
+}
+
 /// Force strain at one point, gamma = Lambda^T r' - e1 (paper eq. for gamma), and the resultant there.
 template <int K>
 struct ForcePoint {
@@ -89,19 +99,24 @@ struct ForcePoint {
   Vec p;             ///< Lambda_lo^T r'
   Vec pulled_back;   ///< Lambda^T r' = gamma + e1
   Vec force;         ///< N, material
-  Vec strain_error;  ///< gamma - C^-1 N, masked: the residual of the constitutive equation
+  Vec strain_error;  ///< gamma - C^-1 N, masked: the residual of the constitutive equation (general: all of S)
   double weight;     ///< quadrature weight times h/2
 
+  template <class AnySection>
   KOKKOS_INLINE_FUNCTION ForcePoint(int q, const ElementInput& in, const ElementKinematics<K>& kinematics,
                                     const ElementTables<K>& tables, const InteriorLayout& layout,
-                                    const ReferenceLayout& reference, const SectionConstants& section)
+                                    const ReferenceLayout& reference, const AnySection& section)
       : rotation(kinematics.relative_rotation(tables.force_legendre[q])) {
     p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), tables.force_legendre[q]);
     pulled_back = K > 1 ? transpose_times(rotation.exp, p) : p;
     force = load_vector(in.interior + layout.force(q));
-    const double mask[3] = {tables.axial[q], tables.shear[q], tables.shear[q]};
-    for (int i = 0; i < 3; ++i)
-      strain_error[i] = mask[i] * (pulled_back[i] - (i == 0 ? 1.0 : 0.0) - section.force_compliance[i] * force[i]);
+    if constexpr (kIsGeneral<AnySection>) {
+      strain_error = pulled_back - Vec{{1.0, 0.0, 0.0}} - coupled_force_strain(section, q, in, tables, layout);
+    } else {
+      const double mask[3] = {tables.axial[q], tables.shear[q], tables.shear[q]};
+      for (int i = 0; i < 3; ++i)
+        strain_error[i] = mask[i] * (pulled_back[i] - (i == 0 ? 1.0 : 0.0) - section.force_compliance[i] * force[i]);
+    }
     weight = 0.5 * kinematics.length * tables.force_weight[q];
   }
 };

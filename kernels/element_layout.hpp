@@ -44,6 +44,16 @@ struct ReferenceLayout {
   KOKKOS_INLINE_FUNCTION int size() const { return 9 + 3 * (force_points + order + 1); }
 };
 
+/// Offsets into the compliances of one element with a general section (coupled, or varying along the element), 3 x 3
+/// row-major blocks of the 6 x 6 compliance S: S_NN and S_NM at the force points, S_MM at the k + 1 moment points.
+struct GeneralSectionLayout {
+  int order = 0, force_points = 0;
+  KOKKOS_INLINE_FUNCTION int force_force(int q) const { return 18 * q; }
+  KOKKOS_INLINE_FUNCTION int force_moment(int q) const { return 18 * q + 9; }
+  KOKKOS_INLINE_FUNCTION int moment_moment(int q) const { return 18 * force_points + 9 * q; }
+  KOKKOS_INLINE_FUNCTION int size() const { return 18 * force_points + 9 * (order + 1); }
+};
+
 /// Quadrature of the element and the values of its shape functions there, for one order and integration rule.
 template <int K>
 struct ElementTables {
@@ -92,6 +102,9 @@ struct SectionConstants {
   double tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
   double moment_stiffness[3];         ///< GIt, EI2, EI3
   double moment_compliance[3];
+  /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
+  /// these.
+  double force_stiffness_limit, moment_stiffness_limit;
 };
 
 /// Dead load per unit reference length, spatial components.

@@ -88,11 +88,42 @@ KOKKOS_INLINE_FUNCTION void clear(ElementGradient<K>& g) {
   g.largest_end_angle = 0.0;
 }
 
-/// Gradient of the element energy. `load` may be null: a scene without line loads pays nothing.
+/// Complementary energy of M, constant section: h/(2j + 1) C_kappa^-1 M_j in moment row j.
 template <int K>
+KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                                  const ElementTables<K>&, const InteriorLayout& layout,
+                                                  const SectionConstants& section, ElementGradient<K>& g) {
+  for (int j = 0; j <= K; ++j)
+    for (int i = 0; i < 3; ++i)
+      g.moment_row[j][i] -=
+          kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
+}
+
+/// The same for a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force
+/// points.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput& in, const ElementKinematics<K>& kinematics,
+                                                  const ElementTables<K>& tables, const InteriorLayout& layout,
+                                                  const GeneralSection& section, ElementGradient<K>& g) {
+  const double half = 0.5 * kinematics.length;
+  for (int q = 0; q <= K; ++q) {
+    Vec moment{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= K; ++j) moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
+    const Vec strain = (half * tables.moment_weight[q]) * (section.moment_moment(q) * moment);
+    for (int j = 0; j <= K; ++j) g.moment_row[j] += (-tables.moment_legendre[q][j]) * strain;
+  }
+  for (int q = 0; q < tables.force_points; ++q) {
+    const Vec force = load_vector(in.interior + layout.force(q));
+    const Vec strain = (half * tables.force_weight[q]) * transpose_times(section.force_moment(q), force);
+    for (int j = 0; j < K; ++j) g.moment_row[j] += (-tables.force_legendre[q][j]) * strain;
+  }
+}
+
+/// Gradient of the element energy. `load` may be null: a scene without line loads pays nothing.
+template <int K, class AnySection>
 KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const ElementKinematics<K>& kinematics,
                                              const ElementTables<K>& tables, const InteriorLayout& layout,
-                                             const ReferenceLayout& reference, const SectionConstants& section,
+                                             const ReferenceLayout& reference, const AnySection& section,
                                              const LineLoad* load, ElementGradient<K>& g) {
   clear(g);
   for (int q = 0; q < tables.force_points; ++q) {
@@ -104,10 +135,7 @@ KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const Eleme
     const MomentPoint<K> point(q, in, kinematics, tables, layout, reference);
     add_moment_gradient(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, g);
   }
-  for (int j = 0; j <= K; ++j)
-    for (int i = 0; i < 3; ++i)
-      g.moment_row[j][i] -=
-          kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
+  add_moment_compliance(in, kinematics, tables, layout, section, g);
   for (int end = 0; end < 2; ++end) {
     const EndRotation<K> joint(end, in, kinematics, layout, reference);
     add_end_gradient(end, joint, g);

@@ -1,6 +1,6 @@
 /// Condensed tangent of one element: second variation of the energy (with the second-order expansion of exp in each
-/// spin, so conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal) - rotations
-/// and bubbles.
+/// spin, so conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal, unless the
+/// section is general) - rotations and bubbles.
 #pragma once
 
 #include "kernels/element_block.hpp"
@@ -42,9 +42,10 @@ struct ReducedSystem {
 };
 
 /// d gamma / d(p, w, psi) at a force point, kept for the recovery of N.
+template <class Stiffness>
 struct ForceRows {
   Mat slope, spin, psi;
-  Vec stiffness;  ///< capped tangent stiffness, masked
+  Stiffness stiffness;  ///< capped tangent stiffness: diagonal and masked (Vec), or (S_NN capped)^-1 (Mat)
 };
 
 /// d(moment row j) / d(w, psi_1 .., vertex spins): block columns w, psi_1 .. psi_{k-1}, a, b.
@@ -54,6 +55,11 @@ struct MomentRows {
   KOKKOS_INLINE_FUNCTION void add(int j, int block, double factor, const Mat& m) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) row[j][r][3 * block + c] += factor * m(r, c);
+  }
+  KOKKOS_INLINE_FUNCTION void clear() {
+    for (int j = 0; j <= K; ++j)
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3 * (K + 2); ++c) row[j][r][c] = 0.0;
   }
   /// Block of the reduced system behind a block column.
   KOKKOS_INLINE_FUNCTION static constexpr int reduced(int block) {
@@ -70,23 +76,40 @@ KOKKOS_INLINE_FUNCTION Mat weighted_product(const Mat& m, const Vec& d, const Ma
   return r;
 }
 
+/// m^T c n
+KOKKOS_INLINE_FUNCTION Mat weighted_product(const Mat& m, const Mat& c, const Mat& n) { return transpose(m) * (c * n); }
+
+/// w C e
+KOKKOS_INLINE_FUNCTION Vec weighted_stress(double w, const Vec& c, const Vec& e) {
+  return {{w * c[0] * e[0], w * c[1] * e[1], w * c[2] * e[2]}};
+}
+KOKKOS_INLINE_FUNCTION Vec weighted_stress(double w, const Mat& c, const Vec& e) { return w * (c * e); }
+
 template <int K>
-KOKKOS_INLINE_FUNCTION ForceRows force_rows(const ForcePoint<K>& point, int q, const ElementTables<K>& tables,
-                                            const SectionConstants& section) {
-  ForceRows rows;
+KOKKOS_INLINE_FUNCTION Vec tangent_force_stiffness(int q, const ElementTables<K>& tables,
+                                                   const SectionConstants& section) {
+  const double* stiffness = section.tangent_force_stiffness;
+  return {{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
+}
+template <int K>
+KOKKOS_INLINE_FUNCTION Mat tangent_force_stiffness(int q, const ElementTables<K>&, const GeneralSection& section) {
+  return inverse_of_symmetric(capped_compliance(section.force_force(q), section.force_stiffness_limit));
+}
+
+template <int K, class Stiffness>
+KOKKOS_INLINE_FUNCTION ForceRows<Stiffness> force_rows(const ForcePoint<K>& point, const Stiffness& stiffness) {
+  ForceRows<Stiffness> rows;
   rows.slope = transpose(point.rotation.exp);
   rows.spin = K > 1 ? rows.slope * hat(point.p) : hat(point.p);
   rows.psi = K > 1 ? hat(point.pulled_back) * transpose(point.rotation.tangent) : zero_matrix<double>();
-  const double* stiffness = section.tangent_force_stiffness;
-  rows.stiffness =
-      Vec{{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
+  rows.stiffness = stiffness;
   return rows;
 }
 
 /// Material part B^T C B and geometric part (with the stored N) of one force point, expanded into the Legendre modes.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_force_tangent(const ForcePoint<K>& point, const ForceRows& rows, const double* P,
-                                              ReducedSystem<K>& system) {
+template <int K, class Stiffness>
+KOKKOS_INLINE_FUNCTION void add_force_tangent(const ForcePoint<K>& point, const ForceRows<Stiffness>& rows,
+                                              const double* P, ReducedSystem<K>& system) {
   using Blocks = ReducedBlocks<K>;
   const Vec nu = K > 1 ? point.rotation.exp * point.force : point.force;
   const Mat slope_slope = weighted_product(rows.slope, rows.stiffness, rows.slope);
@@ -119,12 +142,11 @@ KOKKOS_INLINE_FUNCTION void add_force_tangent(const ForcePoint<K>& point, const 
 }
 
 /// Reduced gradient of one force point: B^T C (gamma - C^-1 N), on top of the gradient with the stored N.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_force_correction(const ForcePoint<K>& point, const ForceRows& rows, const double* P,
-                                                 ReducedSystem<K>& system) {
+template <int K, class Stiffness>
+KOKKOS_INLINE_FUNCTION void add_force_correction(const ForcePoint<K>& point, const ForceRows<Stiffness>& rows,
+                                                 const double* P, ReducedSystem<K>& system) {
   using Blocks = ReducedBlocks<K>;
-  Vec correction;
-  for (int i = 0; i < 3; ++i) correction[i] = point.weight * rows.stiffness[i] * point.strain_error[i];
+  const Vec correction = weighted_stress(point.weight, rows.stiffness, point.strain_error);
   system.add(Blocks::spin(), 1.0, transpose_times(rows.spin, correction));
   const Vec slope = transpose_times(rows.slope, correction);
   for (int j = 0; j < K; ++j) system.add(Blocks::slope(j), P[j], slope);
@@ -134,9 +156,10 @@ KOKKOS_INLINE_FUNCTION void add_force_correction(const ForcePoint<K>& point, con
   }
 }
 
-template <int K>
+/// `rows`: MomentRows or GeneralMomentRows.
+template <int K, class Rows>
 KOKKOS_INLINE_FUNCTION void add_moment_tangent(const MomentPoint<K>& point, const double* P, const double* slope,
-                                               double length, MomentRows<K>& rows, ReducedSystem<K>& system) {
+                                               double length, Rows& rows, ReducedSystem<K>& system) {
   if constexpr (K > 1) {
     const Vec& psi = point.rotation.psi;
     const Mat strain_slope = transpose(point.rotation.tangent);
@@ -159,8 +182,8 @@ KOKKOS_INLINE_FUNCTION void add_moment_tangent(const MomentPoint<K>& point, cons
 /// Boundary term at one end. The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with tau = T^T dpsi and
 /// tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside the Hessian of the
 /// log.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K>& joint, MomentRows<K>& rows,
+template <int K, class Rows>
+KOKKOS_INLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K>& joint, Rows& rows,
                                             ReducedSystem<K>& system) {
   using Blocks = ReducedBlocks<K>;
   const Mat slope = inverse_tangent_transpose_derivative(joint.phi, joint.moment, joint.coefficient);
@@ -239,9 +262,36 @@ KOKKOS_INLINE_FUNCTION void condense_moments(const MomentRows<K>& rows, const Ve
   }
 }
 
-/// Solves the interior blocks for the response of w, psi, slope_1.. : Gaussian elimination with row pivoting of
-/// [H_ii | H_ir, R_i]; on return `response` holds -H_ii^-1 [H_ir | R_i]. A zero pivot leaves non-finite numbers, which
-/// the residual test of the same iteration reports.
+/// Gaussian elimination with row pivoting of N rows and M columns: the first N columns become upper triangular. A zero
+/// pivot leaves non-finite numbers, which the residual test of the same iteration reports.
+template <int N, int M>
+KOKKOS_INLINE_FUNCTION void eliminate_rows(double (*a)[M]) {
+  for (int k = 0; k < N; ++k) {
+    int pivot = k;
+    double largest = a[k][k] < 0 ? -a[k][k] : a[k][k];
+    for (int i = k + 1; i < N; ++i) {
+      const double size = a[i][k] < 0 ? -a[i][k] : a[i][k];
+      if (size > largest) {
+        largest = size;
+        pivot = i;
+      }
+    }
+    if (pivot != k)
+      for (int j = k; j < M; ++j) {
+        const double swap = a[k][j];
+        a[k][j] = a[pivot][j];
+        a[pivot][j] = swap;
+      }
+    const double inverse = 1.0 / a[k][k];
+    for (int i = k + 1; i < N; ++i) {
+      const double factor = a[i][k] * inverse;
+      for (int j = k + 1; j < M; ++j) a[i][j] -= factor * a[k][j];
+    }
+  }
+}
+
+/// Solves the interior blocks for the response of w, psi, slope_1.. : elimination of [H_ii | H_ir, R_i]; on return
+/// `response` holds -H_ii^-1 [H_ir | R_i].
 template <int K>
 KOKKOS_INLINE_FUNCTION void solve_interior(const ReducedSystem<K>& system, double (*response)[kResponseColumns]) {
   constexpr int n = ReducedSystem<K>::kInteriorSize, m = n + kResponseColumns;
@@ -250,28 +300,7 @@ KOKKOS_INLINE_FUNCTION void solve_interior(const ReducedSystem<K>& system, doubl
     for (int j = 0; j < n + 9; ++j) a[i][j] = system.matrix[i][j];
     a[i][n + 9] = system.rhs[i];
   }
-  for (int k = 0; k < n; ++k) {
-    int pivot = k;
-    double largest = a[k][k] < 0 ? -a[k][k] : a[k][k];
-    for (int i = k + 1; i < n; ++i) {
-      const double size = a[i][k] < 0 ? -a[i][k] : a[i][k];
-      if (size > largest) {
-        largest = size;
-        pivot = i;
-      }
-    }
-    if (pivot != k)
-      for (int j = k; j < m; ++j) {
-        const double swap = a[k][j];
-        a[k][j] = a[pivot][j];
-        a[pivot][j] = swap;
-      }
-    const double inverse = 1.0 / a[k][k];
-    for (int i = k + 1; i < n; ++i) {
-      const double factor = a[i][k] * inverse;
-      for (int j = k + 1; j < m; ++j) a[i][j] -= factor * a[k][j];
-    }
-  }
+  eliminate_rows<n, m>(a);
   for (int i = n - 1; i >= 0; --i) {
     const double inverse = 1.0 / a[i][i];
     for (int c = 0; c < kResponseColumns; ++c) {

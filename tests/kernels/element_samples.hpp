@@ -299,6 +299,8 @@ class SampleBlock {
       section.moment_compliance[i] = sample.element.moment_compliance[i];
       section.moment_stiffness[i] = 1.0 / sample.element.moment_compliance[i];
     }
+    // only general sections read them
+    section.force_stiffness_limit = section.moment_stiffness_limit = 0.0;
   }
   void fill_load(int e, const EnergyElement& element) {
     LineLoad& load = structure.member_load(block.member(e));
