@@ -1,6 +1,7 @@
 #include "discretization/scene_parameters.hpp"
 
 #include "discretization/scene_reader_conditions.hpp"
+#include "discretization/scene_reader_sections.hpp"
 
 namespace mixbeam {
 namespace {
@@ -11,24 +12,6 @@ constexpr double kLargestAngle = 1e6;         // beyond that sine and cosine los
 /// A position or a direction.
 ParameterSpec bounded_vector(const std::string& name) {
   return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
-}
-
-ListSpec section_spec() {
-  ListSpec spec("Linear elastic section: a stiffness for each strain, in the section's own axes 1 (along), 2, 3.");
-  spec.add(real("EA").above(0.0).or_infinite().means(
-      "Axial stiffness [force]; inf or the switch Inextensible for none of the strain."));
-  spec.add(real("GA2").above(0.0).or_infinite().means(
-      "Shear stiffness in direction 2 [force]; inf or the switch Shear Rigid for none of the strain."));
-  spec.add(real("GA3").above(0.0).or_infinite().means(
-      "Shear stiffness in direction 3 [force]; inf or the switch Shear Rigid for none of the strain."));
-  spec.add(real("GIt").above(0.0).required().means("Torsional stiffness [force * length^2]."));
-  spec.add(real("EI2").above(0.0).required().means("Bending stiffness about axis 2 [force * length^2]."));
-  spec.add(real("EI3").above(0.0).required().means("Bending stiffness about axis 3 [force * length^2]."));
-  spec.add(boolean("Inextensible").by_default(false).means("True: no axial strain; EA must then not be given."));
-  spec.add(boolean("Shear Rigid")
-               .by_default(false)
-               .means("True: no shear strain, sections stay normal to the axis; GA2 and GA3 must then not be given."));
-  return spec;
 }
 
 ListSpec curve_spec() {

@@ -6,11 +6,11 @@
 #include "discretization/scene_names.hpp"
 #include "discretization/scene_parameters.hpp"
 #include "discretization/scene_reader_conditions.hpp"
+#include "discretization/scene_reader_sections.hpp"
 #include "discretization/validate.hpp"
 #include "discretization/vector_algebra.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 namespace mixbeam {
@@ -25,21 +25,6 @@ const std::map<std::string, ForceIntegration> kForceIntegrations = {{"full", For
                                                                     {"both reduced", ForceIntegration::both_reduced}};
 const std::map<std::string, CurveShape> kShapes = {
     {"line", CurveShape::line}, {"arc", CurveShape::circular_arc}, {"helix", CurveShape::helix}};
-
-/// A stiffness, or infinity when the switch rules the strain out.
-double read_stiffness(const ParameterList& list, const std::string& name, const std::string& rigid_switch,
-                      const ParameterSource& source, const ParameterPath& path) {
-  const bool rigid = list.get<bool>(rigid_switch);
-  const bool given = list.isParameter(name);
-  if (rigid && given) {
-    throw source.error(child(path, name), "value " + shortest(list.get<double>(name)) + ", but \"" + rigid_switch +
-                                              "\" is true; allowed: one of the two");
-  }
-  if (!rigid && !given) {
-    throw source.error(child(path, name), "missing; allowed: a double > 0, or inf, or \"" + rigid_switch + "\" = true");
-  }
-  return rigid ? std::numeric_limits<double>::infinity() : list.get<double>(name);
-}
 
 }  // namespace
 
@@ -64,20 +49,8 @@ Scene SceneReader::read() {
 }
 
 void SceneReader::read_sections() {
-  const List& sections = list_.sublist("Sections");
-  for (const std::string& name : names_of(sections)) {
-    const List& list = sections.sublist(name);
-    const ParameterPath path = child(child(path_, "Sections"), name);
-    Section section;
-    section.name = name;
-    section.axial_stiffness = read_stiffness(list, "EA", "Inextensible", source_, path);
-    section.shear_stiffness = {read_stiffness(list, "GA2", "Shear Rigid", source_, path),
-                               read_stiffness(list, "GA3", "Shear Rigid", source_, path)};
-    section.torsional_stiffness = list.get<double>("GIt");
-    section.bending_stiffness = {list.get<double>("EI2"), list.get<double>("EI3")};
-    section_index_.emplace(name, scene_.sections.size());
-    scene_.sections.push_back(section);
-  }
+  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), source_, child(path_, "Sections"));
+  for (std::size_t i = 0; i < scene_.sections.size(); ++i) section_index_.emplace(scene_.sections[i].name, i);
 }
 
 void SceneReader::read_points() {
