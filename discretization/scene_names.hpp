@@ -20,6 +20,8 @@ class SceneNames {
   /// Null if there is no member of this name.
   const Member* member(const std::string& name) const;
   bool has_point(const std::string& name) const { return points_.count(name) > 0; }
+  /// Of a point of the scene.
+  const Vector3& position(const std::string& point) const { return scene_.points[points_.at(point)].position; }
   /// Members that start, end, or have an inner point there, one entry for each time; null if there is none.
   const std::vector<const Member*>* members_at(const std::string& point) const;
   /// In the order of the scene.

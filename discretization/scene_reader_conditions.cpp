@@ -1,216 +1,156 @@
 #include "discretization/scene_reader_conditions.hpp"
 
+#include "discretization/condition_reader.hpp"
+#include "discretization/formula_check.hpp"
+#include "discretization/load_cases.hpp"
 #include "discretization/message_text.hpp"
+#include "discretization/name_pattern.hpp"
 #include "discretization/nearest_name.hpp"
-#include "discretization/number_text.hpp"
 #include "discretization/parameter_access.hpp"
-#include "discretization/scene_names.hpp"
-#include "discretization/vector_algebra.hpp"
 
 #include <algorithm>
-#include <unordered_map>
-#include <utility>
 
 namespace mixbeam {
 namespace {
 
-using namespace vector_algebra;
-
-const std::vector<std::string> kAxes = {"x", "y", "z"};
-const std::map<std::string, LoadFrame> kFrames = {{"dead", LoadFrame::dead}, {"follower", LoadFrame::follower}};
-
-std::array<bool, 3> get_axes(const Teuchos::ParameterList& list, const std::string& name) {
-  const auto& words = list.get<Teuchos::Array<std::string>>(name);
-  std::array<bool, 3> axes{};
-  for (std::size_t i = 0; i < 3; ++i) axes[i] = std::find(words.begin(), words.end(), kAxes[i]) != words.end();
-  return axes;
-}
-
-/// One pass over what acts on a scene whose points and members are complete.
-class ConditionReader {
- public:
-  ConditionReader(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
-                  Scene& scene)
-      : scene_list_(scene_list), source_(source), path_(path), scene_(scene), names_(scene) {}
-
-  void read();
-
- private:
-  using List = Teuchos::ParameterList;
-
-  void read_supports();
-  void read_point_loads();
-  void read_distributed_loads();
-  void check_stages();
-
-  void check_support(const Support& support, const List& list, const ParameterPath& path);
-  void check_follower(const PointLoad& load, const ParameterPath& path) const;
-  void check_loaded(const List& list, const std::string& first, const std::string& second,
-                    const ParameterPath& path) const;
-  /// Throws unless `point` is a point that a member touches.
-  void check_touched_point(const std::string& point, const ParameterPath& path) const;
-  void use_stage(Stage stage, const ParameterPath& path) { stages_used_.emplace_back(stage, path); }
-
-  const List& scene_list_;
-  const ParameterSource& source_;
-  const ParameterPath& path_;
-  Scene& scene_;
-  const SceneNames names_;
-  std::unordered_map<std::string, std::string> support_at_;  ///< point -> name of its support
-  std::vector<std::pair<Stage, ParameterPath>> stages_used_;
-};
-
-void ConditionReader::read() {
-  read_supports();
-  read_point_loads();
-  read_distributed_loads();
-  check_stages();
-}
-
-void ConditionReader::read_supports() {
-  const List& supports = scene_list_.sublist("Supports");
-  for (const std::string& name : names_of(supports)) {
-    const List& list = supports.sublist(name);
-    const ParameterPath path = child(child(path_, "Supports"), name);
-    Support support;
-    support.point = list.get<std::string>("Point");
-    support.displacement_fixed = get_axes(list, "Fixed Displacement");
-    support.rotation_fixed = get_axes(list, "Fixed Rotation");
-    support.prescribed_displacement = get_vector(list, "Prescribed Displacement");
-    support.prescribed_rotation = get_vector(list, "Prescribed Rotation");
-    support.stage = list.get<int>("Stage");
-    check_touched_point(support.point, path);
-    const auto [earlier, is_new] = support_at_.emplace(support.point, name);
-    if (!is_new) {
-      throw source_.error(child(path, "Point"), "value \"" + excerpt(support.point) + "\" is supported by \"" +
-                                                    excerpt(earlier->second) +
-                                                    "\" already; allowed: one support per point");
-    }
-    check_support(support, list, path);
-    scene_.supports.push_back(support);
-  }
-}
-
-void ConditionReader::check_support(const Support& support, const List& list, const ParameterPath& path) {
-  const auto count = [](const std::array<bool, 3>& fixed) { return std::count(fixed.begin(), fixed.end(), true); };
-  const auto rotations = count(support.rotation_fixed);
-  if (count(support.displacement_fixed) + rotations == 0)
-    throw source_.error(path, "fixes nothing; allowed: at least one direction");
-  if (rotations == 1) {
-    throw source_.error(child(path, "Fixed Rotation"),
-                        "one axis only, which leaves two to turn about (not supported); allowed: "
-                        "{}, two axes (a hinge about the third), or {x, y, z}");
-  }
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (support.prescribed_displacement[i] == 0.0 || support.displacement_fixed[i]) continue;
-    throw source_.error(child(path, "Prescribed Displacement"),
-                        "value " + to_text(support.prescribed_displacement) + " moves direction " + kAxes[i] +
-                            ", which \"Fixed Displacement\" leaves free; allowed: zero there, or " + kAxes[i] +
-                            " fixed");
-  }
-  if (!is_zero(support.prescribed_rotation) && rotations != 3) {
-    throw source_.error(child(path, "Prescribed Rotation"), "value " + to_text(support.prescribed_rotation) +
-                                                                "; allowed: only with \"Fixed Rotation\" = {x, y, z}");
-  }
-  const bool moves = !is_zero(support.prescribed_displacement) || !is_zero(support.prescribed_rotation);
-  if (moves) use_stage(support.stage, child(path, "Stage"));
-  if (!moves && is_given(list, "Stage") && support.stage != 1) {
-    throw source_.error(child(path, "Stage"), "value " + std::to_string(support.stage) +
-                                                  ", but nothing is prescribed; a support holds from the beginning");
-  }
-}
-
-void ConditionReader::read_point_loads() {
-  const List& loads = scene_list_.sublist("Point Loads");
-  for (const std::string& name : names_of(loads)) {
-    const List& list = loads.sublist(name);
-    const ParameterPath path = child(child(path_, "Point Loads"), name);
-    PointLoad load;
-    load.point = list.get<std::string>("Point");
-    load.force = get_vector(list, "Force");
-    load.moment = get_vector(list, "Moment");
-    load.frame = translated(list, "Frame", kFrames);
-    if (list.isParameter("Member")) load.member = list.get<std::string>("Member");
-    load.stage = list.get<int>("Stage");
-    check_touched_point(load.point, path);
-    check_loaded(list, "Force", "Moment", path);
-    if (load.frame == LoadFrame::follower) check_follower(load, path);
-    if (load.frame == LoadFrame::dead && list.isParameter("Member")) {
-      throw source_.error(child(path, "Member"), "value \"" + excerpt(load.member) +
-                                                     "\" has no meaning for a dead load; "
-                                                     "allowed: with \"Frame\" = \"follower\" only");
-    }
-    use_stage(load.stage, child(path, "Stage"));
-    scene_.point_loads.push_back(load);
-  }
-}
-
-void ConditionReader::check_follower(const PointLoad& load, const ParameterPath& path) const {
-  const Member* const member = names_.member(load.member);
-  if (member != nullptr && has_one_end_at(*member, load.point)) return;
-  std::vector<std::string> touching;
-  for (const Member* candidate : *names_.members_at(load.point)) {
-    if (has_one_end_at(*candidate, load.point)) touching.push_back(candidate->name);
-  }
-  const bool closed = member != nullptr && member->start_point == load.point;
-  const std::string seen =
-      load.member.empty() ? "missing for a follower load" : "value \"" + excerpt(load.member) + "\"";
-  throw source_.error(child(path, "Member"), seen + (closed ? " has both ends at the point" : "") +
-                                                 "; allowed: a member with one end at \"" + excerpt(load.point) +
-                                                 "\": " + quoted_list(touching) + did_you_mean(load.member, touching));
-}
-
-void ConditionReader::read_distributed_loads() {
-  const List& loads = scene_list_.sublist("Distributed Loads");
-  for (const std::string& name : names_of(loads)) {
-    const List& list = loads.sublist(name);
-    const ParameterPath path = child(child(path_, "Distributed Loads"), name);
-    DistributedLoad load;
-    load.member = list.get<std::string>("Member");
-    load.force = get_vector(list, "Force");
-    load.couple = get_vector(list, "Couple");
-    load.stage = list.get<int>("Stage");
-    if (names_.member(load.member) == nullptr)
-      throw unknown_name(source_, child(path, "Member"), "member", load.member, names_.member_names());
-    check_loaded(list, "Force", "Couple", path);
-    use_stage(load.stage, child(path, "Stage"));
-    scene_.distributed_loads.push_back(load);
-  }
-}
-
-void ConditionReader::check_loaded(const List& list, const std::string& first, const std::string& second,
-                                   const ParameterPath& path) const {
-  if (is_given(list, first) || is_given(list, second)) return;
-  throw source_.error(path, "loads nothing; allowed: \"" + first + "\" or \"" + second + "\" or both");
-}
-
-void ConditionReader::check_stages() {
-  std::stable_sort(stages_used_.begin(), stages_used_.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  Stage last = 0;
-  for (const auto& [stage, path] : stages_used_) {
-    if (stage > last + 1) {
-      throw source_.error(path, "value " + std::to_string(stage) + ", but nothing acts in stage " +
-                                    std::to_string(last + 1) + "; allowed: stages 1, 2, 3, ... without gaps");
-    }
-    last = stage;
-  }
-  scene_.stages = std::max(last, 1);
-}
-
-void ConditionReader::check_touched_point(const std::string& point, const ParameterPath& path) const {
-  if (names_.members_at(point) != nullptr) return;
-  if (!names_.has_point(point)) throw unknown_name(source_, child(path, "Point"), "point", point, names_.point_names());
-  throw source_.error(child(path, "Point"), "value \"" + excerpt(point) +
-                                                "\": no member starts or ends there; allowed: "
-                                                "points of members");
-}
+// Wildcards multiply: a line of text must not fill the memory.
+constexpr std::size_t kMostConditions = 2'000'000;
+constexpr std::size_t kMostLoadCases = 1000;
+constexpr std::size_t kLongestPattern = 1000;  // matching takes time in proportion to it
+constexpr int kSamplesPerStage = 8;            // of an amplitude: catches a pole at simple fractions
 
 }  // namespace
 
 void read_conditions(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
                      Scene& scene) {
   ConditionReader(scene_list, source, path, scene).read();
+}
+
+void ConditionReader::read() {
+  read_load_cases();
+  read_supports();
+  read_joints();
+  read_point_loads();
+  read_distributed_loads();
+  read_eigenstrains();
+  check_stages();
+  check_amplitudes();
+}
+
+void ConditionReader::read_load_cases() {
+  if (!scene_list_.isParameter("Load Cases")) return;
+  const ParameterPath path = child(path_, "Load Cases");
+  const auto& names = scene_list_.get<Teuchos::Array<std::string>>("Load Cases");
+  if (static_cast<std::size_t>(names.size()) > kMostLoadCases)
+    throw source_.error(path, std::to_string(names.size()) + " names; allowed: " + std::to_string(kMostLoadCases));
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) throw source_.error(path, "names \"" + excerpt(name) + "\" twice; allowed: once");
+    scene_.load_cases.push_back(name);
+  }
+}
+
+ConditionReader::Schedule ConditionReader::read_schedule(const List& list, const ParameterPath& path) {
+  Schedule schedule;
+  schedule.stage = list.get<int>("Stage");
+  schedule.amplitude = get_text_or_empty(list, "Amplitude");
+  schedule.load_case = get_text_or_empty(list, "Case");
+  const std::vector<std::string>& cases = scene_.load_cases;
+  if (list.isParameter("Case") && std::find(cases.begin(), cases.end(), schedule.load_case) == cases.end()) {
+    throw source_.error(child(path, "Case"), "value \"" + excerpt(schedule.load_case) +
+                                                 "\" is not a load case of the scene; allowed: names in \"Load "
+                                                 "Cases\": " +
+                                                 quoted_list(cases) + did_you_mean(schedule.load_case, cases));
+  }
+  if (list.isParameter("Amplitude")) {
+    checked_formula(schedule.amplitude, {"t"}, source_, child(path, "Amplitude"));
+    amplitudes_.emplace_back(schedule.amplitude, child(path, "Amplitude"));
+  }
+  const bool ramp = schedule.amplitude.empty();
+  stages_used_.push_back({ramp ? schedule.stage : 1, schedule.stage, schedule.load_case, child(path, "Stage")});
+  return schedule;
+}
+
+void ConditionReader::check_stages() {
+  std::stable_sort(stages_used_.begin(), stages_used_.end(),
+                   [](const UsedStage& a, const UsedStage& b) { return a.first < b.first; });
+  std::vector<std::string> cases = scene_.load_cases;
+  if (cases.empty()) cases.emplace_back();
+  for (const std::string& load_case : cases) check_stages_of_case(load_case);
+  scene_.stages = stages_in_use(scene_);
+}
+
+void ConditionReader::check_stages_of_case(const std::string& load_case) const {
+  Stage last = 0;
+  for (const UsedStage& used : stages_used_) {
+    if (!used.load_case.empty() && used.load_case != load_case) continue;
+    if (used.first > last + 1) {
+      const std::string inside = load_case.empty() ? "" : " of load case \"" + excerpt(load_case) + "\"";
+      throw source_.error(used.path, "value " + std::to_string(used.first) + ", but nothing acts in stage " +
+                                         std::to_string(last + 1) + inside +
+                                         "; allowed: stages 1, 2, 3, ... without gaps");
+    }
+    last = std::max(last, used.last);
+  }
+}
+
+void ConditionReader::check_amplitudes() const {
+  std::vector<std::vector<double>> samples;
+  for (int i = 0; i <= kSamplesPerStage * scene_.stages; ++i)
+    samples.push_back({static_cast<double>(i) / kSamplesPerStage});
+  std::set<std::string> checked;  // many loads may share one
+  for (const auto& [text, path] : amplitudes_) {
+    if (!checked.insert(text).second) continue;
+    check_finite(checked_formula(text, {"t"}, source_, path), {"t"}, samples, source_, path);
+  }
+}
+
+std::vector<std::string> ConditionReader::points_meant(const List& list, const ParameterPath& list_path) {
+  const ParameterPath path = child(list_path, "Point");
+  const auto& text = list.get<std::string>("Point");
+  if (names_.members_at(text) != nullptr) {
+    count(1, path);
+    return {text};
+  }
+  if (names_.has_point(text)) {
+    throw source_.error(path,
+                        "value \"" + excerpt(text) + "\": no member starts or ends there; allowed: points of members");
+  }
+  const std::vector<std::string> points = has_wildcard(text) && text.size() <= kLongestPattern
+                                              ? names_meant(text, names_.point_names())
+                                              : std::vector<std::string>{};
+  if (points.empty()) throw unknown_name(source_, path, "point", text, names_.point_names());
+  count(points.size(), path);
+  return points;
+}
+
+std::vector<const Member*> ConditionReader::members_meant(const List& list, const ParameterPath& list_path) {
+  const ParameterPath path = child(list_path, "Member");
+  const auto& text = list.get<std::string>("Member");
+  std::vector<const Member*> members;
+  if (const Member* const member = names_.member(text)) {
+    members.push_back(member);
+  } else if (has_wildcard(text) && text.size() <= kLongestPattern) {
+    for (const Member& candidate : scene_.members)
+      if (matches(text, candidate.name)) members.push_back(&candidate);
+  }
+  if (members.empty()) throw unknown_name(source_, path, "member", text, names_.member_names());
+  count(members.size(), path);
+  return members;
+}
+
+void ConditionReader::count(std::size_t more, const ParameterPath& path) {
+  conditions_ += more;
+  if (conditions_ <= kMostConditions) return;
+  throw source_.error(path, "brings the scene to " + std::to_string(conditions_) +
+                                " loads and supports; allowed: " + std::to_string(kMostConditions));
+}
+
+void ConditionReader::check_any_given(const List& list, const std::vector<std::string>& parameters,
+                                      const std::string& problem, const ParameterPath& path) const {
+  const bool any = std::any_of(parameters.begin(), parameters.end(),
+                               [&](const std::string& parameter) { return is_given(list, parameter); });
+  if (!any) throw source_.error(path, problem + "; allowed: one or more of " + quoted_list(parameters));
 }
 
 }  // namespace mixbeam

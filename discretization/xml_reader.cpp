@@ -39,6 +39,24 @@ Problem parse_text(const std::string& text, std::string& value) {
   return "";
 }
 
+/// Where the entries of an array end: at its commas and at its end. A comma inside parentheses belongs to the entry,
+/// like in max(x, 1), unless the parentheses do not match.
+std::vector<std::size_t> ends_of_entries(const std::string& text) {
+  std::vector<std::size_t> all, outside;
+  int depth = 0;
+  bool match = true;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '(') ++depth;
+    if (text[i] == ')') match = --depth >= 0 && match;
+    if (text[i] != ',') continue;
+    all.push_back(i);
+    if (depth == 0) outside.push_back(i);
+  }
+  std::vector<std::size_t>& ends = match && depth == 0 ? outside : all;
+  ends.push_back(text.size());
+  return ends;
+}
+
 template <typename T>
 Problem parse_text(const std::string& text, Teuchos::Array<T>& values) {
   const std::string braced = trimmed(text);
@@ -47,14 +65,14 @@ Problem parse_text(const std::string& text, Teuchos::Array<T>& values) {
   }
   const std::string inside = braced.substr(1, braced.size() - 2);
   if (trimmed(inside).empty()) return "";
-  for (std::size_t begin = 0; begin <= inside.size();) {
-    const std::size_t comma = std::min(inside.find(',', begin), inside.size());
-    const std::string entry = trimmed(inside.substr(begin, comma - begin));
+  std::size_t begin = 0;
+  for (const std::size_t end : ends_of_entries(inside)) {
+    const std::string entry = trimmed(inside.substr(begin, end - begin));
     if (entry.empty()) return "value \"" + excerpt(braced) + "\" has an empty entry; allowed: values between commas";
     T value{};
     if (Problem problem = parse_text(entry, value); !problem.empty()) return "in an array: " + problem;
     values.push_back(value);
-    begin = comma + 1;
+    begin = end + 1;
   }
   return "";
 }

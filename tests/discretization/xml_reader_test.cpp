@@ -76,6 +76,17 @@ TEST(XmlReader, RefusesNumbersThatDoNotFit) {
   expect_parts(error_in(parameter("a", "double", "1e999")), {"does not fit a double"});
 }
 
+TEST(XmlReader, KeepsCommasInParenthesesInTheEntry) {
+  const auto words_in = [](const std::string& value) {
+    return parse_xml(in_list(parameter("words", "Array(string)", value)), "file.xml")
+        .list->get<Teuchos::Array<std::string>>("words")
+        .toVector();
+  };
+  EXPECT_EQ(words_in("{max(s, min(x, 1)), 0, (s,s)}"), (std::vector<std::string>{"max(s, min(x, 1))", "0", "(s,s)"}));
+  EXPECT_EQ(words_in("{a), b, (c}"), (std::vector<std::string>{"a)", "b", "(c"}));
+  EXPECT_EQ(words_in("{(a, b}"), (std::vector<std::string>{"(a", "b"}));
+}
+
 TEST(XmlReader, RefusesBadArraysAndSwitches) {
   expect_parts(error_in(parameter("a", "Array(double)", "1, 2, 3")), {"not an array", "{1, 2, 3}"});
   expect_parts(error_in(parameter("a", "Array(double)", "{1, abc}")), {"in an array", "\"abc\" is not a number"});

@@ -1,0 +1,35 @@
+#include "discretization/name_pattern.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam {
+namespace {
+
+TEST(NamePattern, StarsStandForAnyCharacters) {
+  for (const std::string name : {"strut 1", "strut 12", "strut "}) EXPECT_TRUE(matches("strut *", name)) << name;
+  for (const std::string name : {"strut", "Strut 1", "a strut 1", ""}) EXPECT_FALSE(matches("strut *", name)) << name;
+  EXPECT_TRUE(matches("*", ""));
+  EXPECT_TRUE(matches("**", "x"));
+  EXPECT_TRUE(matches("a*b*c", "a b b c"));
+  EXPECT_FALSE(matches("a*b*c", "a b b c d"));
+  EXPECT_TRUE(matches("*.*", "1.2"));
+  EXPECT_TRUE(matches("*aab", "aaaab"));  // the star must give way more than once
+  EXPECT_FALSE(matches("", "a"));
+  EXPECT_FALSE(matches("a?", "ab"));  // nothing else is special
+}
+
+TEST(NamePattern, TakesNoExponentialTime) {
+  std::string pattern;
+  for (int i = 0; i < 50; ++i) pattern += "a*";
+  EXPECT_FALSE(matches(pattern + "b", std::string(2000, 'a')));
+}
+
+TEST(NamePattern, AnExactNameMeansItself) {
+  const std::vector<std::string> names = {"leg 1", "leg *", "leg 2"};
+  EXPECT_EQ(names_meant("leg *", names), (std::vector<std::string>{"leg *"}));
+  EXPECT_EQ(names_meant("leg*", names), names);
+  EXPECT_TRUE(names_meant("leg", names).empty());
+}
+
+}  // namespace
+}  // namespace mixbeam

@@ -1,0 +1,305 @@
+/// Supports, joints, loads, eigenstrains and load cases as a scene file gives them.
+#include "discretization/expression.hpp"
+#include "discretization/load_cases.hpp"
+#include "discretization/print_parameters.hpp"
+#include "input_text.hpp"
+
+#include <sstream>
+
+namespace mixbeam {
+namespace {
+
+std::string word(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"string\" value=\"" + value + "\"/>";
+}
+std::string words(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"Array(string)\" value=\"" + value + "\"/>";
+}
+std::string numbers(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"Array(double)\" value=\"" + value + "\"/>";
+}
+std::string number(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"double\" value=\"" + value + "\"/>";
+}
+std::string stage(int value) {
+  return "<Parameter name=\"Stage\" type=\"int\" value=\"" + std::to_string(value) + "\"/>";
+}
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
+}
+
+/// Three legs of different directions that meet at "hub", and a ring that starts and ends at "foot 3".
+std::string tripod(const std::string& supports, const std::string& more) {
+  const std::string section = list("rod", number("EA", "1e4") + number("GA2", "5e3") + number("GA3", "5e3") +
+                                              number("GIt", "2") + number("EI2", "2") + number("EI3", "2"));
+  const auto leg = [](const std::string& name, const std::string& start) {
+    return list(name, word("Start", start) + word("End", "hub") + word("Section", "rod"));
+  };
+  const std::string ring =
+      list("ring", word("Start", "foot 3") + word("End", "foot 3") + word("Section", "rod") +
+                       list("Curve", word("Shape", "arc") + numbers("Center", "{0, -3, 0}") +
+                                         numbers("Axis", "{0, 0, 1}") + number("Angle", "6.283185307179586")));
+  return list("tripod",
+              list("Scene", list("Sections", section) +
+                                list("Points", numbers("foot 1", "{4, 0, 0}") + numbers("foot 2", "{0, 4, 0}") +
+                                                   numbers("foot 3", "{0, -4, 0}") + numbers("hub", "{0, 0, 2}")) +
+                                list("Members",
+                                     leg("leg 1", "foot 1") + leg("leg 2", "foot 2") + leg("strut", "foot 3") + ring) +
+                                list("Supports", supports) + more));
+}
+
+const std::string kClamps = list("clamps", word("Point", "foot *"));
+Scene tripod_with(const std::string& more) { return scene_from(tripod(kClamps, more)); }
+Scene supported_by(const std::string& supports) { return scene_from(tripod(supports, "")); }
+
+void expect_refused(const std::string& more, const std::vector<std::string>& parts) {
+  SCOPED_TRACE(more);
+  const std::string message = message_of([&] { tripod_with(more); });
+  expect_parts(message, parts);
+  expect_parts(message, {"scene.xml:1: ", "XML path \"Scene / "});
+}
+void expect_support_refused(const std::string& support, const std::vector<std::string>& parts) {
+  SCOPED_TRACE(support);
+  expect_parts(message_of([&] { supported_by(list("S", word("Point", "hub") + support)); }), parts);
+}
+std::string line_load(const std::string& inside) { return list("Distributed Loads", list("L", inside)); }
+std::string point_load(const std::string& inside) { return list("Point Loads", list("L", inside)); }
+std::string eigenstrain(const std::string& inside) { return list("Eigenstrains", list("E", inside)); }
+std::string joint(const std::string& inside) { return list("Joints", list("J", inside)); }
+
+TEST(Supports, WildcardsMeanEveryPoint) {
+  const Scene scene = supported_by(kClamps);
+  ASSERT_EQ(scene.supports.size(), 3U);
+  EXPECT_EQ(scene.supports[0].point, "foot 1");
+  EXPECT_EQ(scene.supports[2].point, "foot 3");
+  EXPECT_EQ(scene.supports[2].axes, kGlobalAxes);
+  expect_parts(message_of([&] { supported_by(kClamps + list("again", word("Point", "foot 2"))); }),
+               {"\"foot 2\" is supported by \"clamps\""});
+  expect_parts(message_of([&] { supported_by(list("S", word("Point", "feet *"))); }),
+               {"Supports / S / Point", "\"feet *\" is not a point", "\"foot 1\""});
+}
+
+TEST(Supports, HaveAxesOfTheirOwn) {
+  const Scene scene = supported_by(list("S", word("Point", "hub") + numbers("Axes", "{0, 0, -5, 0, 3, 40}")));
+  const Axes& axes = scene.supports[0].axes;
+  EXPECT_EQ(axes[0], (Vector3{0, 0, -1}));
+  EXPECT_EQ(axes[1], (Vector3{0, 1, 0}));
+  EXPECT_EQ(axes[2], (Vector3{1, 0, 0}));  // -e3 x e2 = e1
+  expect_support_refused(numbers("Axes", "{0, 0, 1, 0, 0, -2}"), {"S / Axes", "parallel"});
+  expect_support_refused(numbers("Axes", "{0, 0, 1, 0, 0, 0}"), {"S / Axes", "no direction"});
+  expect_support_refused(numbers("Axes", "{0, 0, 1}"), {"S / Axes", "6 values"});
+}
+
+TEST(Supports, MayBeSpringsInFreeDirections) {
+  const std::string free = words("Fixed Displacement", "{x}") + words("Fixed Rotation", "{}");
+  const Scene scene =
+      supported_by(list("S", word("Point", "hub") + free + numbers("Displacement Stiffness", "{0, 3, 4}") +
+                                 numbers("Rotation Stiffness", "{5, 0, 6}")));
+  EXPECT_EQ(scene.supports[0].displacement_stiffness, (Vector3{0, 3, 4}));
+  EXPECT_EQ(scene.supports[0].rotation_stiffness, (Vector3{5, 0, 6}));
+  expect_support_refused(free + numbers("Displacement Stiffness", "{1, 0, 0}"),
+                         {"S / Displacement Stiffness", "(1, 0, 0)", "direction x", "\"Fixed Displacement\" fixes"});
+  expect_support_refused(numbers("Rotation Stiffness", "{0, 0, 1}"), {"S / Rotation Stiffness", "direction z"});
+  expect_support_refused(free + numbers("Displacement Stiffness", "{0, -1, 0}"), {"value >= 0"});
+  expect_support_refused(free + numbers("Displacement Stiffness", "{0, inf, 0}"), {"value >= 0"});
+  const std::string loose = words("Fixed Displacement", "{}") + words("Fixed Rotation", "{}");
+  EXPECT_NO_THROW(
+      supported_by(list("S", word("Point", "hub") + loose + numbers("Displacement Stiffness", "{1, 1, 1}"))));
+  expect_support_refused(loose, {"fixes nothing", "or a spring"});
+}
+
+TEST(Supports, OneFixedRotation) {
+  const Scene scene = supported_by(list("S", word("Point", "hub") + words("Fixed Rotation", "{z}")));
+  EXPECT_EQ(scene.supports[0].rotation_fixed, (std::array<bool, 3>{false, false, true}));
+  expect_support_refused(words("Fixed Rotation", "{z}") + numbers("Prescribed Rotation", "{0, 0, 1}"),
+                         {"Prescribed Rotation", "only with"});
+}
+
+TEST(Supports, MoveWithAnAmplitude) {
+  const std::string motion = numbers("Prescribed Displacement", "{1, 0, 0}");
+  const Scene scene =
+      supported_by(list("S", word("Point", "hub") + motion + word("Amplitude", "sin(pi*t)") + stage(3)));
+  EXPECT_EQ(scene.supports[0].amplitude, "sin(pi*t)");
+  EXPECT_EQ(scene.stages, 3);  // a function of t acts in all stages up to its own: there is no gap
+  expect_support_refused(motion + word("Amplitude", "sin(pi*s)"),
+                         {"S / Amplitude", "is no formula", "\"s", "a formula of t"});
+  expect_support_refused(motion + word("Amplitude", "ln(t)"), {"S / Amplitude", "is -inf at t = 0", "finite"});
+  expect_support_refused(motion + word("Amplitude", "1/(t - 1/2)"), {"at t = 0.5"});
+  expect_support_refused(word("Amplitude", "t"), {"S / Amplitude", "nothing is prescribed"});
+}
+
+TEST(PointLoads, WildcardsMeanEveryPoint) {
+  const std::string force = numbers("Force", "{0, 0, 1}");
+  EXPECT_EQ(tripod_with(point_load(word("Point", "*") + force)).point_loads.size(), 4U);
+  const Scene follower =
+      tripod_with(point_load(word("Point", "foot *") + force + word("Frame", "follower") + word("Member", "*")));
+  ASSERT_EQ(follower.point_loads.size(), 3U);
+  EXPECT_EQ(follower.point_loads[1].member, "leg 2");
+  EXPECT_EQ(follower.point_loads[2].member, "strut");  // the ring has both ends there
+  expect_refused(point_load(word("Point", "hub") + force + word("Frame", "follower") + word("Member", "leg *")),
+                 {"L / Member", "\"leg *\" means several of them", "\"leg 1\", \"leg 2\", \"strut\""});
+  expect_refused(point_load(word("Point", "foot 3") + force + word("Frame", "follower") + word("Member", "ring")),
+                 {"\"ring\" has both ends at the point"});
+}
+
+TEST(DistributedLoads, ByFormula) {
+  const Scene scene =
+      tripod_with(line_load(word("Member", "leg*") + words("Force Formula", "{0, max(s, x), -3*(1 - x)}") +
+                            word("Frame", "follower") + word("Amplitude", "t^2")));
+  ASSERT_EQ(scene.distributed_loads.size(), 2U);
+  const DistributedLoad& load = scene.distributed_loads[1];
+  EXPECT_EQ(load.member, "leg 2");
+  EXPECT_EQ(load.force_formula[1], "max(s, x)");
+  EXPECT_EQ(load.frame, LoadFrame::follower);
+  EXPECT_EQ(load.amplitude, "t^2");
+  EXPECT_TRUE(load.couple_formula[0].empty());
+  expect_refused(line_load(word("Member", "strut") + words("Couple Formula", "{0, 0, 1/x}")),
+                 {"L / Couple Formula", "\"1/x\" is inf at s = 0, x = 0"});
+  // The strut is sqrt(20) long: the root ends before it.
+  expect_refused(line_load(word("Member", "strut") + words("Couple Formula", "{0, 0, sqrt(4 - s)}")), {"is ", "x = 1"});
+  EXPECT_NO_THROW(tripod_with(line_load(word("Member", "strut") + words("Couple Formula", "{0, 0, sqrt(4.5 - s)}"))));
+  expect_refused(line_load(word("Member", "strut") + words("Force Formula", "{0, 0, 1 +}")), {"is no formula"});
+  expect_refused(line_load(word("Member", "strut") + words("Force Formula", "{0, 0, t}")), {"a formula of s and x"});
+  expect_refused(line_load(word("Member", "strut") + words("Force Formula", "{0, 0}")), {"has 2 entries"});
+  expect_refused(
+      line_load(word("Member", "strut") + words("Force Formula", "{0, 0, 1}") + numbers("Force", "{0, 0, 1}")),
+      {"given beside \"Force\"", "one of the two"});
+  expect_refused(line_load(word("Member", "strut")), {"loads nothing", "\"Force Formula\""});
+  expect_refused(line_load(word("Member", "srtut*") + numbers("Force", "{0, 0, 1}")),
+                 {"\"srtut*\" is not a member", "did you mean \"strut\"?"});
+}
+
+TEST(Eigenstrains, AreRead) {
+  const Scene scene = tripod_with(eigenstrain(word("Member", "ring") + numbers("Strain", "{1e-3, 0, 0}") +
+                                              words("Curvature Formula", "{0, x, 0.1}") + number("Temperature", "50") +
+                                              number("Expansion Coefficient", "1e-5") + stage(1)));
+  ASSERT_EQ(scene.eigenstrains.size(), 1U);
+  EXPECT_DOUBLE_EQ(scene.eigenstrains[0].strain[0], 1e-3 + 50 * 1e-5);
+  EXPECT_EQ(scene.eigenstrains[0].curvature_formula[1], "x");
+  const Scene along =
+      tripod_with(eigenstrain(word("Member", "leg *") + words("Strain Formula", "{s > 1 ? 1e-3 : 0, 0, 0}") +
+                              number("Temperature", "-50") + number("Expansion Coefficient", "1e-5")));
+  ASSERT_EQ(along.eigenstrains.size(), 2U);
+  const Expression axial(along.eigenstrains[0].strain_formula[0], {"s", "x"});
+  EXPECT_DOUBLE_EQ(axial({0.5, 0.1}), -5e-4);
+  EXPECT_DOUBLE_EQ(axial({1.5, 0.3}), 5e-4);
+  expect_refused(eigenstrain(word("Member", "ring") + number("Temperature", "50")),
+                 {"E / Expansion Coefficient", "missing"});
+  expect_refused(eigenstrain(word("Member", "ring")), {"strains nothing"});
+  expect_refused(eigenstrain(word("Member", "rings") + numbers("Strain", "{1, 0, 0}")), {"did you mean \"ring\"?"});
+}
+
+TEST(Joints, AreRead) {
+  const Scene scene = tripod_with(joint(word("Point", "hub") + words("Members", "{leg *}") + word("Kind", "hinge") +
+                                        numbers("Axis", "{0, 2, 0}") + number("Stiffness", "7")));
+  ASSERT_EQ(scene.joints.size(), 1U);
+  EXPECT_EQ(scene.joints[0].name, "J");
+  EXPECT_EQ(scene.joints[0].point, "hub");
+  EXPECT_EQ(scene.joints[0].members, (std::vector<std::string>{"leg 1", "leg 2"}));
+  EXPECT_EQ(scene.joints[0].kind, JointKind::hinge);
+  EXPECT_EQ(scene.joints[0].axis, (Vector3{0, 2, 0}));
+  EXPECT_EQ(scene.joints[0].stiffness, 7.0);
+}
+
+TEST(Joints, AreRefusedWithAPlace) {
+  const std::string hub = word("Point", "hub"), ball = word("Kind", "ball");
+  const std::string hinge = word("Kind", "hinge"), axis = numbers("Axis", "{0, 1, 0}");
+  expect_refused(joint(hub + words("Members", "{leg 1, leg 2, strut}") + ball),
+                 {"J / Members", "all members at \"hub\" are in joints", "none is left"});
+  expect_refused(joint(hub + words("Members", "{*}") + ball), {"all members at \"hub\""});
+  expect_refused(joint(hub + words("Members", "{leg 1, leg *}") + ball),
+                 {"\"leg 1\" is in a joint at \"hub\" already"});
+  const std::string second = list("K", hub + words("Members", "{leg 1}") + ball);
+  expect_refused(list("Joints", list("J", hub + words("Members", "{leg 1}") + ball) + second),
+                 {"Joints / K / Members", "\"leg 1\" is in a joint"});
+  expect_refused(joint(hub + words("Members", "{ring}") + ball), {"\"ring\"", "members with one end at \"hub\""});
+  expect_refused(joint(word("Point", "foot 3") + words("Members", "{ring}") + ball),
+                 {"one end at \"foot 3\": \"strut\""});
+  expect_refused(joint(hub + words("Members", "{lge 1}") + ball), {"is not a member", "did you mean \"leg 1\"?"});
+  expect_refused(joint(hub + words("Members", "{bar *}") + ball), {"\"bar *\"", "members with one end at \"hub\""});
+  expect_refused(joint(word("Point", "hbu") + words("Members", "{leg 1}") + ball), {"did you mean \"hub\"?"});
+  expect_refused(joint(hub + words("Members", "{}") + ball), {"is empty"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + word("Kind", "hing")), {"did you mean \"hinge\"?"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + hinge), {"J / Axis", "missing"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + numbers("Axis", "{0, 0, 0}")), {"no direction"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + ball + axis), {"J / Axis", "no meaning for a ball"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + axis + number("Stiffness", "-1")), {"value >= 0"});
+}
+
+const std::string kCases = words("Load Cases", "{wind, snow}");
+
+std::string force_at_hub(const std::string& name, const std::string& more) {
+  return list(name, word("Point", "hub") + numbers("Force", "{0, 0, 1}") + more);
+}
+
+TEST(LoadCases, SelectWhatActs) {
+  const Scene scene = tripod_with(
+      kCases + list("Point Loads", force_at_hub("always", "") + force_at_hub("gust", word("Case", "wind") + stage(2)) +
+                                       force_at_hub("drift", word("Case", "snow"))));
+  EXPECT_EQ(scene.load_cases, (std::vector<std::string>{"wind", "snow"}));
+  EXPECT_EQ(scene.stages, 2);
+  const Scene wind = scene_of_case(scene, "wind");
+  ASSERT_EQ(wind.point_loads.size(), 2U);
+  EXPECT_EQ(wind.point_loads[1].stage, 2);
+  EXPECT_EQ(wind.stages, 2);
+  EXPECT_TRUE(wind.load_cases.empty());
+  EXPECT_EQ(scene_of_case(scene, "snow").point_loads.size(), 2U);
+  EXPECT_EQ(scene_of_case(scene, "snow").stages, 1);
+  EXPECT_EQ(scene_of_case(scene, "").point_loads.size(), 1U);
+  EXPECT_THROW(scene_of_case(scene, "sonw"), std::invalid_argument);
+}
+
+TEST(LoadCases, MoveSupportsInTheirCaseOnly) {
+  const std::string moved = list("S", word("Point", "foot 1") + numbers("Prescribed Displacement", "{1, 0, 0}") +
+                                          word("Amplitude", "t") + word("Case", "snow"));
+  const Scene scene = scene_from(tripod(moved, kCases));
+  EXPECT_EQ(scene_of_case(scene, "snow").supports[0].prescribed_displacement[0], 1.0);
+  EXPECT_EQ(scene_of_case(scene, "snow").supports[0].amplitude, "t");
+  const Scene wind = scene_of_case(scene, "wind");
+  ASSERT_EQ(wind.supports.size(), 1U);
+  EXPECT_TRUE(wind.supports[0].displacement_fixed[0]);
+  EXPECT_EQ(wind.supports[0].prescribed_displacement[0], 0.0);
+  EXPECT_EQ(wind.supports[0].amplitude, "");
+}
+
+TEST(LoadCases, HaveStagesWithoutGapsEach) {
+  const auto loads = [](const std::string& common, const std::string& first, const std::string& second) {
+    return kCases + list("Point Loads", force_at_hub("a", common) + force_at_hub("b", word("Case", "wind") + first) +
+                                            force_at_hub("c", word("Case", "snow") + second));
+  };
+  EXPECT_NO_THROW(tripod_with(loads("", stage(2), stage(2))));
+  EXPECT_NO_THROW(tripod_with(loads(stage(2), stage(1), stage(1))));
+  expect_refused(loads("", stage(2), stage(3)),
+                 {"Point Loads / c / Stage", "value 3", "stage 2 of load case \"snow\""});
+  expect_refused(loads(stage(2), stage(1), stage(3)), {"Point Loads / a / Stage", "stage 1 of load case \"snow\""});
+  expect_refused(loads("", word("Case ", ""), ""), {"unknown name"});
+}
+
+TEST(LoadCases, AreRefusedWithThePlace) {
+  expect_refused(kCases + list("Point Loads", force_at_hub("a", word("Case", "wnid"))),
+                 {"a / Case", "\"wnid\" is not a load case", "\"wind\", \"snow\"", "did you mean \"wind\"?"});
+  expect_refused(list("Point Loads", force_at_hub("a", word("Case", "wind"))), {"a / Case", "(none)"});
+  expect_refused(words("Load Cases", "{wind, wind}"), {"Scene / Load Cases", "\"wind\" twice"});
+}
+
+TEST(NamePatterns, ExactNamesWin) {
+  // A member whose own name contains a star.
+  const std::string starred =
+      replaced(tripod(kClamps, line_load(word("Member", "leg *") + numbers("Force", "{1, 0, 0}"))), "name=\"strut\"",
+               "name=\"leg *\"");
+  const Scene scene = scene_from(starred);
+  ASSERT_EQ(scene.distributed_loads.size(), 1U);
+  EXPECT_EQ(scene.distributed_loads[0].member, "leg *");
+}
+
+TEST(SceneConditions, ManualNamesEveryParameter) {
+  std::ostringstream out;
+  print_parameters(out, scene_spec(), "Scene");
+  expect_parts(out.str(),
+               {"Load Cases: Array(string); optional", "[Joints]", "[<joint>] any number", "Kind: string, one of",
+                "Displacement Stiffness: Array(double) of 3 values, value >= 0", "[Eigenstrains]",
+                "Force Formula: Array(string) of 3 values; optional", "Expansion Coefficient", "Amplitude"});
+}
+
+}  // namespace
+}  // namespace mixbeam
