@@ -1,57 +1,61 @@
 #include "discretization/scene_parameters.hpp"
 
+#include "discretization/scene_limits.hpp"
 #include "discretization/scene_reader_conditions.hpp"
+#include "discretization/scene_reader_curves.hpp"
 #include "discretization/scene_reader_sections.hpp"
 
 namespace mixbeam {
 namespace {
 
-constexpr double kLargestCoordinate = 1e100;  // squares of lengths must not overflow
-constexpr double kLargestAngle = 1e6;         // beyond that sine and cosine lose the digits that ends are compared with
-
-/// A position or a direction.
-ParameterSpec bounded_vector(const std::string& name) {
-  return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
-}
-
-ListSpec curve_spec() {
-  ListSpec spec("Undeformed centerline of the member, from its start point to its end point.");
-  spec.add(choice("Shape", {"line", "arc", "helix"})
-               .by_default("line")
-               .means("line: straight; arc: part of a circle; helix: part of a circular helix."));
-  spec.add(bounded_vector("Center").means("arc: centre of the circle; helix: a point of its axis [length]."));
-  spec.add(bounded_vector("Axis").means(
-      "arc: normal of its plane; helix: direction of its axis; the curve turns right-handed about it (any length)."));
-  spec.add(real("Angle").above(0.0).at_most(kLargestAngle).means("arc, helix: angle swept about the axis [radian]."));
-  spec.add(real("Rise")
-               .at_least(-kLargestCoordinate)
-               .at_most(kLargestCoordinate)
-               .means("helix: length gained along the axis over the whole angle, with sign [length]."));
-  return spec;
-}
-
-ListSpec member_spec() {
-  ListSpec spec("A beam between two points, rigidly joined to all members that share a point with it.");
-  spec.add(text("Start").required().means("Name of the point where the member starts."));
-  spec.add(
-      text("End").required().means("Name of the point where it ends; for arc and helix a new name is allowed, the "
-                                   "position follows from the curve."));
+void add_section_along(ListSpec& spec) {
   spec.add(text("Section").required().means("Name of its section."));
+  spec.add(text("End Section").means("Name of the section at its end: the section changes from start to end."));
+  spec.add(
+      text("Taper").means("with End Section: its weight as a formula of x = arc length over length of the member, "
+                          "0 for the section of the start, 1 for that of the end; x itself if absent."));
+}
+
+void add_division(ListSpec& spec) {
   spec.add(integer("Order").at_least(1).at_most(8).by_default(2).means("Polynomial order k of its elements."));
   spec.add(integer("Elements")
                .at_least(1)
                .at_most(kMostElements)
                .by_default(1)
-               .means("Number of elements of equal length."));
+               .means("Number of elements: of equal length, or as equal as the inner points permit, at least one "
+                      "between two of them; a polyline shares them out by length, at least one for each line."));
+  spec.add(array("Stations", ParameterType::real_array)
+               .at_least(0.0)
+               .at_most(1.0)
+               .means("Ends of all elements as arc length over length of the member, from 0 to 1, instead of Elements; "
+                      "inner points must be among them."));
+  spec.add_list("Inner Points",
+                ListSpec("Points inside the member, where other members may join and supports and loads may act.")
+                    .with_named_parameters("point", real("").above(0.0).below(1.0).required().means(
+                                                        "Arc length over length of the member; the name may be new.")),
+                Presence::optional);
+}
+
+ListSpec member_spec() {
+  ListSpec spec("A beam between two points, rigidly joined to all members that share a point with it.");
+  spec.add(text("Start").required().means("Name of the point where the member starts."));
+  spec.add(text("End").required().means(
+      "Name of the point where it ends; a new name is allowed where the position follows from the curve: helix, "
+      "parametric, arc by Angle."));
+  add_section_along(spec);
+  add_division(spec);
   spec.add(choice("Force Integration", {"full", "axial reduced", "shear reduced", "both reduced"})
                .by_default("both reduced")
                .means("Which part of the force-strain energy takes k instead of k + 1 Gauss points; only 'both "
                       "reduced' is free of locking."));
   spec.add(bounded_vector("Second Axis")
                .means("Direction that section axis 2 takes at the start, as nearly as the tangent permits; the program "
-                      "chooses one "
-                      "if it is absent."));
-  spec.add_list("Curve", curve_spec());
+                      "chooses one if it is absent."));
+  spec.add(real("Twist")
+               .at_least(-kLargestAngle)
+               .at_most(kLargestAngle)
+               .means("Pre-twist: angle by which the section turns about the tangent from start to end [radian]."));
+  spec.add_list("Curve", curve_spec(), Presence::optional);
   return spec;
 }
 

@@ -14,21 +14,8 @@
 #include <map>
 
 namespace mixbeam {
-namespace {
 
-using Teuchos::ParameterList;
-using namespace vector_algebra;
-
-const std::map<std::string, ForceIntegration> kForceIntegrations = {{"full", ForceIntegration::full},
-                                                                    {"axial reduced", ForceIntegration::axial_reduced},
-                                                                    {"shear reduced", ForceIntegration::shear_reduced},
-                                                                    {"both reduced", ForceIntegration::both_reduced}};
-const std::map<std::string, CurveShape> kShapes = {
-    {"line", CurveShape::line}, {"arc", CurveShape::circular_arc}, {"helix", CurveShape::helix}};
-
-}  // namespace
-
-Scene read_scene(ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
+Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
   validate(scene_list, scene_spec(), source, path);
   return SceneReader(scene_list, source, path).read();
 }
@@ -41,7 +28,8 @@ Scene SceneReader::read() {
   read_sections();
   read_points();
   read_members();
-  place_curve_ends();
+  place_members();
+  share_out_elements();
   check_members();
   read_conditions(list_, source_, path_, scene_);
   check_points_are_used();
@@ -56,61 +44,14 @@ void SceneReader::read_sections() {
 void SceneReader::read_points() {
   const List& points = list_.sublist("Points");
   for (const std::string& name : names_of(points)) {
-    point_index_.emplace(name, scene_.points.size());
-    scene_.points.push_back(Point{name, get_vector(points, name)});
+    add_point(name, get_vector(points, name));
   }
 }
 
-void SceneReader::read_members() {
-  const List& members = list_.sublist("Members");
-  long long elements = 0;
-  for (const std::string& name : names_of(members)) {
-    const List& list = members.sublist(name);
-    Member member;
-    member.name = name;
-    member.start_point = list.get<std::string>("Start");
-    member.end_point = list.get<std::string>("End");
-    member.curve = read_curve(list.sublist("Curve"), child(member_path(member), "Curve"));
-    member.section = list.get<std::string>("Section");
-    member.order = list.get<int>("Order");
-    member.elements = list.get<int>("Elements");
-    member.force_integration = translated(list, "Force Integration", kForceIntegrations);
-    member.second_axis = get_vector_or_zero(list, "Second Axis");
-    elements += member.elements;
-    if (elements > kMostElements) {
-      throw source_.error(member_path(member, "Elements"), "value " + std::to_string(member.elements) +
-                                                               " brings the scene to " + std::to_string(elements) +
-                                                               " elements; allowed: " + std::to_string(kMostElements));
-    }
-    member_index_.emplace(name, scene_.members.size());
-    scene_.members.push_back(member);
-  }
-}
-
-Curve SceneReader::read_curve(const List& list, const ParameterPath& path) const {
-  const std::map<std::string, std::vector<std::string>> needed = {
-      {"line", {}}, {"arc", {"Center", "Axis", "Angle"}}, {"helix", {"Center", "Axis", "Angle", "Rise"}}};
-  const auto& shape = list.get<std::string>("Shape");
-  const std::vector<std::string>& names = needed.at(shape);
-  for (const std::string name : {"Center", "Axis", "Angle", "Rise"}) {
-    const bool wanted = std::find(names.begin(), names.end(), name) != names.end();
-    if (wanted == list.isParameter(name)) continue;
-    const std::string problem = wanted ? "missing; needed for" : "given, but has no meaning for";
-    const std::string allowed = names.empty() ? "nothing else" : quoted_list(names);
-    throw source_.error(child(path, name), problem + R"( "Shape" = ")" + shape + "\"; allowed with it: " + allowed);
-  }
-  Curve curve;
-  curve.shape = kShapes.at(shape);
-  if (curve.shape == CurveShape::line) return curve;
-  curve.center = get_vector(list, "Center");
-  curve.axis = get_vector(list, "Axis");
-  curve.angle = list.get<double>("Angle");
-  if (curve.shape == CurveShape::helix) curve.rise = list.get<double>("Rise");
-  if (norm(curve.axis) < kShortestLength) {
-    throw source_.error(child(path, "Axis"),
-                        "value " + to_text(curve.axis) + " has no direction; allowed: any vector but zero");
-  }
-  return curve;
+bool SceneReader::add_point(const std::string& name, const Vector3& position) {
+  if (!point_index_.emplace(name, scene_.points.size()).second) return false;
+  scene_.points.push_back(Point{name, position});
+  return true;
 }
 
 void SceneReader::check_points_are_used() const {
@@ -129,10 +70,17 @@ InputError SceneReader::unknown(const ParameterPath& path, const std::string& wh
   return unknown_name(source_, path, what, name, names);
 }
 
-ParameterPath SceneReader::member_path(const Member& member, const std::string& parameter) const {
-  ParameterPath path = child(child(path_, "Members"), member.name);
-  if (!parameter.empty()) path.push_back(parameter);
+ParameterPath SceneReader::member_path(std::size_t member, const ParameterPath& parameter) const {
+  ParameterPath path = child(child(path_, "Members"), list_names_[list_name_[member]]);
+  path.insert(path.end(), parameter.begin(), parameter.end());
   return path;
+}
+
+InputError SceneReader::member_error(std::size_t member, const ParameterPath& parameter,
+                                     const std::string& problem) const {
+  const std::string& name = scene_.members[member].name;
+  const bool is_part = name != list_names_[list_name_[member]];
+  return source_.error(member_path(member, parameter), (is_part ? "line \"" + excerpt(name) + "\": " : "") + problem);
 }
 
 const Vector3& SceneReader::position_of(const std::string& point) const {

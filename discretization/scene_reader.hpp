@@ -3,7 +3,9 @@
 #pragma once
 
 #include "discretization/parameter_source.hpp"
+#include "discretization/reference_curve.hpp"
 #include "discretization/scene.hpp"
+#include "discretization/scene_reader_curves.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -23,23 +25,52 @@ class SceneReader {
   using List = Teuchos::ParameterList;
   using Index = std::unordered_map<std::string, std::size_t>;
 
+  /// The lines that a polyline becomes.
+  struct Polyline {
+    std::size_t first_member, lines;
+    int elements;  ///< of all of them
+  };
+
+  // scene_reader.cpp
   void read_sections();
   void read_points();
-  void read_members();
-  void place_curve_ends();
-  void check_members();
   void check_points_are_used() const;
-
-  Curve read_curve(const List& list, const ParameterPath& path) const;
-  void place_curve_end(std::size_t member_index);
-  void check_curve(const Member& member) const;
-  void check_line(const Member& member) const;
-  void check_second_axis(const Member& member) const;
-
+  /// False if there is a point of this name.
+  bool add_point(const std::string& name, const Vector3& position);
   InputError unknown(const ParameterPath& path, const std::string& what, const std::string& name,
                      const Index& known) const;
-  ParameterPath member_path(const Member& member, const std::string& parameter = "") const;
   const Vector3& position_of(const std::string& point) const;
+
+  // scene_reader_members.cpp
+  void read_members();
+  Member read_member(const std::string& name, const List& list, const ParameterPath& path) const;
+  void read_inner_points(Member& member, const List& list, const ParameterPath& path) const;
+  void read_stations(Member& member, const List& list, const ParameterPath& path) const;
+  void read_taper(Member& member, const List& list, const ParameterPath& path) const;
+  void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
+  std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const ParameterPath& path);
+  void check_plain(const List& list, const ParameterPath& path) const;
+  void add_member(Member member, std::size_t list_name);
+
+  // scene_reader_geometry.cpp
+  void place_members();
+  void place_member(std::size_t member);
+  std::vector<std::string> points_needed(std::size_t member) const;
+  void complete_open_arc(std::size_t member);
+  void place_end(std::size_t member);
+  void place_inner_points(std::size_t member);
+  void place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
+                   const ParameterPath& parameter);
+  ReferenceCurve reference_curve_of(std::size_t member) const;
+  void share_out_elements();
+  void check_members();
+  void check_curve(std::size_t member) const;
+  void check_formula_start(std::size_t member) const;
+  void check_line(std::size_t member) const;
+  void check_second_axis(std::size_t member) const;
+
+  ParameterPath member_path(std::size_t member, const ParameterPath& parameter = {}) const;
+  InputError member_error(std::size_t member, const ParameterPath& parameter, const std::string& problem) const;
 
   const List& list_;
   const ParameterSource& source_;
@@ -47,6 +78,11 @@ class SceneReader {
   Scene scene_;
   Index section_index_, point_index_, member_index_;
   std::vector<bool> point_touched_;
+  std::vector<std::string> list_names_;  ///< of the list "Members"
+  std::vector<std::size_t> list_name_;   ///< of every member: which of these lists it comes from
+  long long elements_ = 0;               ///< of all members so far
+  std::vector<Polyline> polylines_;
+  std::unordered_map<std::size_t, ArcDefinition> open_arcs_;  ///< member -> what its centre, axis, angle follow from
 };
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 /// The part of SceneReader that checks where members are and completes their points.
 
 #include "discretization/curve_end.hpp"
+#include "discretization/expression.hpp"
 #include "discretization/message_text.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/reference_curve.hpp"
@@ -9,6 +10,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <queue>
+#include <stdexcept>
 
 namespace mixbeam {
 namespace {
@@ -20,113 +24,238 @@ constexpr double kEndTolerance = 1e-9;  // of the curve length
 // Below this share of the coordinates, a length consists of rounding errors.
 constexpr double kShortestRelativeLength = 1e-12;
 
+Vector3 formula_position(const Curve& curve, double t) {
+  Vector3 position{};
+  for (std::size_t i = 0; i < 3; ++i) position[i] = Expression(curve.formula[i], {"t"})(t);
+  return position;
+}
+
+/// One element for each length, the others where they are longest. Takes the logarithm of the lines for each line, and
+/// nothing for each element.
+std::vector<int> shared_by_length(int elements, const std::vector<double>& lengths) {
+  const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+  const int spare = elements - static_cast<int>(lengths.size());
+  std::vector<int> shares(lengths.size(), 1);
+  if (spare <= 0 || !(whole > 0.0)) return shares;
+  std::priority_queue<std::pair<double, std::size_t>> longest;
+  int left = elements;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    shares[i] = std::max(1, static_cast<int>(spare * (lengths[i] / whole)));
+    left -= shares[i];
+    longest.emplace(lengths[i] / shares[i], i);
+  }
+  for (; left > 0; --left) {
+    const std::size_t i = longest.top().second;
+    longest.pop();
+    longest.emplace(lengths[i] / ++shares[i], i);
+  }
+  return shares;
+}
+
 }  // namespace
 
-/// The end of an arc or helix may be a new point, where the next one starts: follow them from known points.
-void SceneReader::place_curve_ends() {
-  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // start point -> curved members
+/// Points that follow from a member are where the next one starts: from known points along the members.
+void SceneReader::place_members() {
+  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // point -> members that need it
+  std::vector<std::size_t> missing(scene_.members.size(), 0);         // points that a member still needs
   std::vector<std::size_t> ready;
   for (std::size_t i = scene_.members.size(); i-- > 0;) {
-    const Member& member = scene_.members[i];
-    if (member.curve.shape == CurveShape::line) continue;
-    if (point_index_.count(member.start_point) > 0)
-      ready.push_back(i);
-    else
-      waiting[member.start_point].push_back(i);
+    for (const std::string& point : points_needed(i)) {
+      if (point_index_.count(point) > 0) continue;
+      waiting[point].push_back(i);
+      ++missing[i];
+    }
+    if (missing[i] == 0) ready.push_back(i);
   }
   while (!ready.empty()) {
     const std::size_t i = ready.back();
     ready.pop_back();
-    place_curve_end(i);
-    const auto next = waiting.find(scene_.members[i].end_point);
-    if (next == waiting.end()) continue;
-    ready.insert(ready.end(), next->second.begin(), next->second.end());
-    waiting.erase(next);
+    std::size_t known = scene_.points.size();
+    place_member(i);
+    for (; known < scene_.points.size(); ++known) {
+      const auto next = waiting.find(scene_.points[known].name);
+      if (next == waiting.end()) continue;
+      for (const std::size_t member : next->second)
+        if (--missing[member] == 0) ready.push_back(member);
+      waiting.erase(next);
+    }
   }
 }
 
-void SceneReader::place_curve_end(std::size_t member_index) {
-  const Member& member = scene_.members[member_index];
-  check_curve(member);
+/// What must be known before a member can be placed.
+std::vector<std::string> SceneReader::points_needed(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const auto arc = open_arcs_.find(index);
+  const bool ends_at_point = arc == open_arcs_.end()
+                                 ? member.curve.shape == CurveShape::line || member.curve.shape == CurveShape::spline
+                                 : arc->second.needs_end();
+  if (ends_at_point && member.end_point != member.start_point) return {member.start_point, member.end_point};
+  return {member.start_point};
+}
+
+void SceneReader::place_member(std::size_t index) {
+  const CurveShape shape = scene_.members[index].curve.shape;
+  if (shape == CurveShape::circular_arc) complete_open_arc(index);
+  if (shape == CurveShape::circular_arc || shape == CurveShape::helix) check_curve(index);
+  if (shape == CurveShape::parametric) check_formula_start(index);
+  if (shape != CurveShape::line && shape != CurveShape::spline) place_end(index);
+  if (!scene_.members[index].inner_points.empty()) place_inner_points(index);
+}
+
+void SceneReader::complete_open_arc(std::size_t index) {
+  const auto arc = open_arcs_.find(index);
+  if (arc == open_arcs_.end()) return;
+  Member& member = scene_.members[index];
   const Vector3 start = position_of(member.start_point);
-  const Vector3 end = curve_end(member.curve, start);
-  const double length = curve_length(member.curve, start, end);
-  const auto [known, is_new] = point_index_.emplace(member.end_point, scene_.points.size());
-  if (is_new) {
-    scene_.points.push_back(Point{member.end_point, end});
-    return;
+  const Vector3 end = arc->second.needs_end() ? position_of(member.end_point) : start;
+  try {
+    complete_arc(member.curve, arc->second, start, end);
+  } catch (const std::invalid_argument& problem) {
+    const std::string name = arc->second.given == ArcDefinition::Given::point ? "Through" : "Radius";
+    throw member_error(index, {"Curve", name}, std::string("there is no such arc: ") + problem.what());
   }
-  const Vector3& declared = scene_.points[known->second].position;
-  if (norm(difference(declared, end)) <= kEndTolerance * length) return;
-  throw source_.error(member_path(member, "End"), "value \"" + excerpt(member.end_point) + "\" is at " +
-                                                      to_text(declared) + ", but the curve ends at " + to_text(end) +
-                                                      "; allowed: equal to 1e-9 of the curve length " +
-                                                      shortest(length) + ", or a new name");
 }
 
-void SceneReader::check_curve(const Member& member) const {
+/// Curve of a member whose points are known as far as it needs them.
+ReferenceCurve SceneReader::reference_curve_of(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Vector3& start = position_of(member.start_point);
+  const auto end = point_index_.find(member.end_point);
+  try {
+    return make_reference_curve(member, start, end == point_index_.end() ? start : scene_.points[end->second].position);
+  } catch (const std::invalid_argument& problem) {
+    throw member_error(index, {"Curve"}, problem.what());
+  }
+}
+
+/// Arc and helix end where their angle says, a parametric curve where its formulas say.
+void SceneReader::place_end(std::size_t index) {
+  const Member& member = scene_.members[index];
+  const Vector3 start = position_of(member.start_point);
+  if (member.curve.shape != CurveShape::parametric) {
+    const Vector3 end = curve_end(member.curve, start);
+    return place_point(member.end_point, end, curve_length(member.curve, start, end), index, {"End"});
+  }
+  place_point(member.end_point, formula_position(member.curve, member.curve.range[1]), reference_curve_of(index).length,
+              index, {"End"});
+}
+
+void SceneReader::place_inner_points(std::size_t index) {
+  if (scene_.members[index].curve.shape == CurveShape::line) check_line(index);
+  const ReferenceCurve curve = reference_curve_of(index);
+  for (const InnerPoint& inner : std::vector<InnerPoint>(scene_.members[index].inner_points)) {
+    const Vec3<double> r = curve.position(curve.length * inner.position);
+    place_point(inner.point, {r[0], r[1], r[2]}, curve.length, index, {"Inner Points", inner.point});
+  }
+}
+
+/// Adds the point, or checks that it is there. `length`: of the member.
+void SceneReader::place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
+                              const ParameterPath& parameter) {
+  if (add_point(point, position)) return;
+  const Vector3& declared = position_of(point);
+  if (norm(difference(declared, position)) <= kEndTolerance * length) return;
+  throw member_error(member, parameter,
+                     "value \"" + excerpt(point) + "\" is at " + to_text(declared) + ", but the curve " +
+                         (parameter.front() == "End" ? "ends at " : "passes at ") + to_text(position) +
+                         "; allowed: equal to 1e-9 of the curve length " + shortest(length) + ", or a new name");
+}
+
+void SceneReader::check_formula_start(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Vector3 begin = formula_position(member.curve, member.curve.range[0]);
+  const Vector3& start = position_of(member.start_point);
+  const double length = reference_curve_of(index).length;
+  if (norm(difference(begin, start)) <= kEndTolerance * length) return;
+  throw member_error(index, {"Start"},
+                     "value \"" + excerpt(member.start_point) + "\" is at " + to_text(start) +
+                         ", but the formulas begin at " + to_text(begin) +
+                         "; allowed: equal to 1e-9 of the curve length " + shortest(length));
+}
+
+void SceneReader::check_curve(std::size_t index) const {
+  const Member& member = scene_.members[index];
   const Curve& curve = member.curve;
-  const ParameterPath path = member_path(member, "Curve");
   const Vector3 start = position_of(member.start_point);
   const Vector3 from_center = difference(start, curve.center);
   const double radius = norm(radius_vector(curve, start));
   if (radius < kShortestLength || radius <= kShortestRelativeLength * (norm(from_center) + norm(start))) {
-    throw source_.error(child(path, "Center"), "value " + to_text(curve.center) + ": the start point \"" +
-                                                   excerpt(member.start_point) +
-                                                   "\" lies on the axis; allowed: a radius > 0");
+    throw member_error(index, {"Curve", "Center"},
+                       "value " + to_text(curve.center) + ": the start point \"" + excerpt(member.start_point) +
+                           "\" lies on the axis; allowed: a radius > 0");
   }
   const double height = dot(from_center, axis_direction(curve));
   if (curve.shape == CurveShape::circular_arc && std::abs(height) > kEndTolerance * radius) {
     const Vector3 center = sum(curve.center, scaled(height, axis_direction(curve)));
-    throw source_.error(child(path, "Center"), "value " + to_text(curve.center) +
-                                                   " is not in the plane of the arc; allowed: " + to_text(center) +
-                                                   " for this start point and axis");
+    throw member_error(index, {"Curve", "Center"},
+                       "value " + to_text(curve.center) + " is not in the plane of the arc; allowed: " +
+                           to_text(center) + " for this start point and axis");
   }
   const double arc = radius * curve.angle;
   if (arc < kShortestLength || arc < kShortestRelativeLength * norm(start)) {
-    throw source_.error(child(path, "Angle"),
-                        "value " + shortest(curve.angle) + ": the member has no length; allowed: larger");
+    throw member_error(index, {"Curve", "Angle"},
+                       "value " + shortest(curve.angle) + ": the member has no length; allowed: larger");
+  }
+}
+
+/// Elements of polylines: one for each line, the others in proportion to the lengths.
+void SceneReader::share_out_elements() {
+  for (const Polyline& polyline : polylines_) {
+    std::vector<double> lengths;
+    for (std::size_t i = 0; i < polyline.lines; ++i) {
+      const Member& line = scene_.members[polyline.first_member + i];
+      const auto start = point_index_.find(line.start_point), end = point_index_.find(line.end_point);
+      if (start == point_index_.end() || end == point_index_.end()) return;  // check_members will say it
+      lengths.push_back(norm(difference(scene_.points[end->second].position, scene_.points[start->second].position)));
+    }
+    const std::vector<int> elements = shared_by_length(polyline.elements, lengths);
+    for (std::size_t i = 0; i < polyline.lines; ++i) scene_.members[polyline.first_member + i].elements = elements[i];
   }
 }
 
 void SceneReader::check_members() {
   point_touched_.assign(scene_.points.size(), false);
-  for (const Member& member : scene_.members) {
-    for (const std::string parameter : {"Start", "End"}) {
-      const std::string& point = parameter == "Start" ? member.start_point : member.end_point;
+  for (std::size_t i = 0; i < scene_.members.size(); ++i) {
+    const Member& member = scene_.members[i];
+    for (const bool at_start : {true, false}) {
+      const std::string& point = at_start ? member.start_point : member.end_point;
       const auto known = point_index_.find(point);
-      if (known == point_index_.end()) throw unknown(member_path(member, parameter), "point", point, point_index_);
+      if (known == point_index_.end())
+        throw unknown(member_path(i, {at_start ? "Start" : "End"}), "point", point, point_index_);
       point_touched_[known->second] = true;
     }
-    if (section_index_.count(member.section) == 0) {
-      throw unknown(member_path(member, "Section"), "section", member.section, section_index_);
-    }
-    if (member.curve.shape == CurveShape::line) check_line(member);
-    check_second_axis(member);
+    for (const InnerPoint& inner : member.inner_points) point_touched_[point_index_.at(inner.point)] = true;
+    if (section_index_.count(member.section) == 0)
+      throw unknown(member_path(i, {"Section"}), "section", member.section, section_index_);
+    if (!member.end_section.empty() && section_index_.count(member.end_section) == 0)
+      throw unknown(member_path(i, {"End Section"}), "section", member.end_section, section_index_);
+    if (member.curve.shape == CurveShape::line) check_line(i);
+    if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
+    if (!is_zero(member.second_axis)) check_second_axis(i);
   }
 }
 
-void SceneReader::check_line(const Member& member) const {
+void SceneReader::check_line(std::size_t index) const {
+  const Member& member = scene_.members[index];
   const Vector3& start = position_of(member.start_point);
   const Vector3& end = position_of(member.end_point);
   const double length = norm(difference(end, start));
   if (length >= kShortestLength && length > kShortestRelativeLength * std::max(norm(start), norm(end))) return;
-  throw source_.error(member_path(member), "no length: it starts at \"" + excerpt(member.start_point) + "\" " +
-                                               to_text(start) + " and ends at \"" + excerpt(member.end_point) + "\" " +
-                                               to_text(end) + "; allowed: two different positions");
+  throw member_error(index, {},
+                     "no length: it starts at \"" + excerpt(member.start_point) + "\" " + to_text(start) +
+                         " and ends at \"" + excerpt(member.end_point) + "\" " + to_text(end) +
+                         "; allowed: two different positions");
 }
 
-void SceneReader::check_second_axis(const Member& member) const {
-  if (!list_.sublist("Members").sublist(member.name).isParameter("Second Axis")) return;
-  const ParameterPath path = member_path(member, "Second Axis");
-  const double size = norm(member.second_axis);
-  if (size < kShortestLength) {
-    throw source_.error(path, "value " + to_text(member.second_axis) + "; allowed: any vector but zero");
-  }
+void SceneReader::check_second_axis(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  if (member.curve.shape == CurveShape::spline || member.curve.shape == CurveShape::parametric) return;  // done
   const Vector3 tangent = start_tangent(member.curve, position_of(member.start_point), position_of(member.end_point));
-  if (norm(cross(tangent, scaled(1.0 / size, member.second_axis))) >= kSmallestSecondAxisAngle) return;
-  throw source_.error(path, "value " + to_text(member.second_axis) + " is parallel to the start tangent " +
-                                to_text(tangent) + "; allowed: any other direction");
+  if (norm(cross(tangent, scaled(1.0 / norm(member.second_axis), member.second_axis))) >= kSmallestSecondAxisAngle)
+    return;
+  throw member_error(index, {"Second Axis"},
+                     "value " + to_text(member.second_axis) + " is parallel to the start tangent " + to_text(tangent) +
+                         "; allowed: any other direction");
 }
 
 }  // namespace mixbeam
