@@ -1,99 +1,116 @@
 #!/usr/bin/python3
-"""Draws one result file: deformed against reference shape in space and in the best plane, coloured by bending moment."""
+"""Draws the pictures of one result file: shapes, section forces, load path, iterations."""
 
 import argparse
 import sys
 from pathlib import Path
 
-import numpy as np
-
-
-def best_plane(points):
-    """Two orthonormal directions that span the plane in which `points` spread most."""
-    _, _, directions = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)
-    first, second = (_mostly_positive(direction) for direction in directions[:2])
-    return np.array([first, second])
-
-
-def _mostly_positive(direction):
-    return direction * np.copysign(1.0, direction[np.argmax(np.abs(direction))])
-
-
-def axis_name(direction):
-    """"$x_1$" for a coordinate direction, its components otherwise."""
-    nearest = int(np.argmax(np.abs(direction)))
-    if abs(direction[nearest]) > 1 - 1e-9:
-        return f"$x_{nearest + 1}$"
-    return "(" + ", ".join(f"{component:.2f}" for component in direction) + r")$\cdot\mathbf{x}$"
-
-
-def result_figure(run, step):
-    """Left in space, right in the best plane of undeformed and deformed shape together."""
-    import matplotlib
-    from mpl_toolkits.mplot3d.art3d import Line3DCollection
-
-    import style
-
-    points = np.vstack([run.reference(), step.field("position")])
-    plane = best_plane(points)
-    canvas, (space, flat) = _panels(style)
-    bending = np.linalg.norm(step.field("material_moment")[:, 1:], axis=1)
-    scale = matplotlib.colors.Normalize(0.0, max(bending.max(), 1e-300))
-    for member in run.members:
-        reference, position = member.reference_position, step.field("position", member)
-        style.line_3d(space, reference, color=style.GREY, linewidth=1.2)
-        flat.plot(*(plane @ reference.T), color=style.GREY, linewidth=1.2)
-        options = {"cmap": "viridis", "norm": scale, "linewidth": 3, "capstyle": "round"}
-        values = bending[member.samples]
-        values = (values[1:] + values[:-1]) / 2
-        for axes, curve, kind in ((space, position, Line3DCollection),
-                                  (flat, position @ plane.T, matplotlib.collections.LineCollection)):
-            pieces = kind(np.stack([curve[:-1], curve[1:]], axis=1), **options)
-            pieces.set_array(values)
-            axes.add_collection(pieces)
-    style.equal_axes_3d(space, points)
-    _finish_plane(flat, points @ plane.T, plane)
-    canvas.colorbar(pieces, ax=flat, shrink=0.8, pad=0.03, label=r"bending moment $\sqrt{M_2^2+M_3^2}$")
-    flat.set_title(f"{run.scene_name}, step {step.number}, load factor {step.load_factor:g}; grey: undeformed")
-    return canvas
-
-
-def _panels(style):
-    canvas = style.plt.figure(figsize=(12, 5.2), constrained_layout=False)
-    space = canvas.add_axes((0.0, 0.04, 0.44, 0.86), projection="3d")
-    return canvas, (space, canvas.add_axes((0.54, 0.14, 0.44, 0.74)))
-
-
-def _finish_plane(flat, projected, plane):
-    center = (projected.max(axis=0) + projected.min(axis=0)) / 2
-    extent = projected.max(axis=0) - projected.min(axis=0)
-    half = 0.54 * np.maximum(extent, 0.25 * (extent.max() or 1.0))
-    flat.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
-    flat.set_aspect("equal")
-    flat.set(xlabel=axis_name(plane[0]), ylabel=axis_name(plane[1]))
+KINDS = {"shape": "deformed and undeformed, in space and in the best plane, coloured by --field",
+         "fields": "bending, torsion, axial force, shear and strains in the best plane",
+         "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
+         "diagrams": "the same drawn on the structure",
+         "load_path": "monitored quantities over the load factor",
+         "iterations": "Newton iterations and residuals",
+         "steps": "several steps side by side"}
+OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams")
+BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("result", type=Path, help="result file (.h5)")
-    parser.add_argument("--step", type=int, help="number of the step; default: the last one")
-    parser.add_argument("--output", type=Path, help="picture (.png, .svg, .pdf); default: beside the result file")
-    options = parser.parse_args()
+    options = _options()
     try:
         import style
-        from results import InputError, Run
+        from results import InputError
     except ImportError as error:
-        return f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed"
+        return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
     try:
-        with Run(options.result) as run:
-            steps = {step.number: step for step in run.steps}
-            number = run.steps[-1].number if options.step is None else options.step
-            if number not in steps:
-                return f"{options.result}: no step {number}; it has {min(steps)} to {max(steps)}"
-            print(style.save(result_figure(run, steps[number]), options.output or options.result.with_suffix(".png")))
-    except (InputError, OSError, ValueError) as error:
-        return str(error)
-    return None
+        for path in _draw(options, style):
+            print(path, flush=True)
+    except (InputError, OSError, KeyError, ValueError) as error:
+        reason = str(error) if isinstance(error, (InputError, OSError)) else f"unexpected content ({error})"
+        return _fail(reason if str(options.result) in reason else f"{options.result}: {reason}")
+    return 0
+
+
+def _options():
+    kinds = "; ".join(f"{name}: {text}" for name, text in KINDS.items())
+    parser = argparse.ArgumentParser(description=__doc__, epilog=f"Pictures: {kinds}.")
+    parser.add_argument("result", type=Path, help="result file (.h5)")
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="default: beside the result file")
+    parser.add_argument("--format", default="png,svg", help="png, svg, pdf, separated by commas (default: png,svg)")
+    parser.add_argument("--step", default="last", metavar="N", help="number of a step, last (default) or all")
+    parser.add_argument("--field", default="bending", metavar="NAME", help="colour of shape and steps; see below")
+    parser.add_argument("--case", metavar="NAME", help="load case, for a file that holds several")
+    parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help="these only: " + ", ".join(KINDS))
+    parser.add_argument("--triads", action="store_true", help="draw axes 1, 2, 3 of some sections in space")
+    parser.add_argument("--dots", type=int, metavar="N", help="dots per inch of a PNG")
+    return parser.parse_args()
+
+
+def _draw(options, style):
+    """Draws what is asked for, and yields the paths of the files."""
+    import fields
+    from results import InputError, Run
+    from shape_figures import View
+
+    formats = [name.strip() for name in options.format.split(",") if name.strip()]
+    if not formats or set(formats) - {"png", "svg", "pdf"}:
+        raise InputError(f"--format {options.format}: allowed are png, svg, pdf, separated by commas")
+    if options.field not in fields.FIELDS:
+        raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.FIELDS))
+    if options.dots:
+        style.plt.rcParams["savefig.dpi"] = options.dots
+    with Run(options.result, options.case) as run:
+        chosen = _chosen_steps(run, options.step, options.result)
+        folder = options.output or options.result.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        stem = options.result.stem + (f"_{run.case}" if run.case else "")
+        view = View(run, chosen)
+        for kind in options.picture or KINDS:
+            for name, canvas in _figures(kind, run, view, chosen, options):
+                yield from style.save_all(canvas, folder / f"{stem}_{name}", formats)
+
+
+def _figures(kind, run, view, chosen, options):
+    """(name, figure) of every picture of a kind; nothing where the file has nothing to show."""
+    import diagram_figures
+    import fields
+    import path_figures
+    import shape_figures
+
+    field = fields.FIELDS[options.field]
+    if kind in OF_ONE_STEP:
+        draw = {"shape": lambda step: shape_figures.shape_figure(view, step, field, options.triads),
+                "fields": lambda step: shape_figures.overview_figure(view, step),
+                "section_forces": lambda step: diagram_figures.over_arc_length_figure(view, step),
+                "diagrams": lambda step: diagram_figures.on_structure_figure(view, step)}[kind]
+        for step in chosen:
+            yield kind if options.step == "last" else f"{kind}_{step.number:06d}", draw(step)
+    elif kind == "iterations":
+        yield kind, path_figures.iteration_figure(view)
+    elif len(run.steps) > 1 and kind == "load_path":
+        yield kind, path_figures.load_displacement_figure(view)
+    elif len(run.steps) > 1:
+        shown = shape_figures.strip_steps(run.steps)
+        yield kind, shape_figures.strip_figure(shape_figures.View(run, shown), shown, field)
+
+
+def _chosen_steps(run, wanted, path):
+    from results import InputError
+
+    if wanted == "all":
+        return run.steps
+    if wanted == "last":
+        return run.steps[-1:]
+    steps = {str(step.number): step for step in run.steps}
+    if wanted not in steps:
+        raise InputError(f"{path}: no step {wanted}; it has steps {run.steps[0].number} to {run.steps[-1].number}")
+    return [steps[wanted]]
+
+
+def _fail(text):
+    print(f"plot_result.py: {text}", file=sys.stderr)
+    return BAD_INPUT
 
 
 if __name__ == "__main__":

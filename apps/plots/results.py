@@ -1,10 +1,14 @@
 """Reads what the applications write: CSV tables and HDF5 result files (layout: discretization/result_file.hpp)."""
 
 import csv
+from functools import cached_property
 from pathlib import Path
 
 import h5py
 import numpy as np
+
+
+MANY_MEMBERS = 200
 
 
 class InputError(Exception):
@@ -65,16 +69,26 @@ def _column(texts):
 
 
 class Member:
-    """Where a member's samples stand in the fields of a step, and its undeformed shape."""
+    """Where a member's samples stand in the fields of a step, and its undeformed shape, read when first asked for."""
 
     def __init__(self, name, group):
         first = int(group.attrs["first_sample"])
         self.name = name
         self.samples = slice(first, first + int(group.attrs["samples"]))
         self.index = int(group.attrs["index"])
-        self.arc_length = group["arc_length"][:]
-        self.element = group["element"][:]
-        self.reference_position = group["reference_position"][:]
+        self._group = group
+
+    @cached_property
+    def arc_length(self):
+        return self._group["arc_length"][:]
+
+    @cached_property
+    def element(self):
+        return self._group["element"][:]
+
+    @cached_property
+    def reference_position(self):
+        return self._group["reference_position"][:]
 
     def vertices(self):
         """Numbers of the member's samples at element ends."""
@@ -88,17 +102,26 @@ class Step:
     def __init__(self, group):
         self.number = int(group.attrs["step"])
         self.load_factor = float(group.attrs["load_factor"])
+        self.newton_iterations = int(group.attrs.get("newton_iterations", 0))
         self._group = group
 
     def field(self, name, member=None):
         values = self._group[name]
         return values[member.samples] if member is not None else values[:]
 
+    def rows(self, name, numbers):
+        """Some rows of a field without reading the others; `numbers` ascending."""
+        return self._group[name][numbers]
+
+    def residual_history(self):
+        """Scale-free residual at every Newton iterate of the step, empty where the file does not say."""
+        return np.ravel(self._group["residual_history"][:]) if "residual_history" in self._group else np.array([])
+
 
 class Run:
     """An open result file: its members in the order of the scene, and its steps in the order of the path."""
 
-    def __init__(self, path):
+    def __init__(self, path, case=None):
         path = Path(path)
         if not path.is_file():
             raise InputError(f"{path}: no such file")
@@ -108,10 +131,17 @@ class Run:
             raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
         if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
             raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
-        self.scene_name = _text(self._file.attrs["scene_name"])
-        groups = self._file["members"]
-        self.members = sorted((Member(name, groups[name]) for name in groups), key=lambda member: member.index)
-        self.steps = [Step(self._file["steps"][name]) for name in sorted(self._file["steps"])]
+        self.case = _text(self._file.attrs["load_case"]) if "load_case" in self._file.attrs else ""
+        if case and case != self.case:
+            raise InputError(f"{path}: no load case {case}; the file is of " +
+                             (f"load case {self.case}" if self.case else "a scene without load cases"))
+        self.scene_name = _text(self._file.attrs.get("scene_name", path.stem))
+        try:
+            groups = self._file["members"]
+            self.members = sorted((Member(name, groups[name]) for name in groups), key=lambda member: member.index)
+            self.steps = [Step(self._file["steps"][name]) for name in sorted(self._file["steps"])]
+        except KeyError as error:
+            raise InputError(f"{path}: a result file of mixbeam, but incomplete ({error.args[0]})") from None
         if not self.steps:
             raise InputError(f"{path}: holds no steps")
 
@@ -127,7 +157,18 @@ class Run:
 
     def reference(self):
         """Undeformed positions of all samples, (n, 3)."""
+        if len(self.members) > MANY_MEMBERS:  # one large read in place of one small read for each member
+            return self.steps[0].field("position") - self.steps[0].field("displacement")
         return np.concatenate([member.reference_position for member in self.members])
+
+    def monitor(self):
+        """The monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
+        group = self._file.get("monitor", {})
+        return {name: group[name][:] for name in group}
+
+    def scene_text(self):
+        """The input of the run, word for word."""
+        return _text(self._file["scene"][()]) if "scene" in self._file else ""
 
 
 def _text(value):

@@ -1,6 +1,7 @@
 """The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
 
 import matplotlib
+import matplotlib.colors
 
 matplotlib.use("Agg")  # pictures into files, no display needed
 
@@ -39,6 +40,7 @@ plt.rcParams.update({
     "legend.edgecolor": "white",
     "legend.framealpha": 0.85,
     "figure.constrained_layout.use": True,
+    "svg.fonttype": "none",  # text stays text
     "savefig.dpi": DOTS_PER_INCH,
 })
 
@@ -58,14 +60,24 @@ def figure_3d(width, height, columns=1, rows=1):
 
 def save(canvas, path):
     """Writes the picture, cut to what is drawn, closes the figure and returns the path."""
+    return save_all(canvas, path.with_suffix(""), [path.suffix[1:]])[0]
+
+
+def save_all(canvas, path, formats):
+    """The picture as `path` with each of these endings; closes the figure and returns the paths."""
     canvas.draw_without_rendering()
     extras = canvas.get_default_bbox_extra_artists()
     for axes in canvas.axes:
         if axes.name == "3d":
             extras += _finish_3d(axes)
-    canvas.savefig(path, bbox_inches="tight", pad_inches=0.08, bbox_extra_artists=extras)
+    box = canvas.get_tightbbox(canvas._get_renderer(), bbox_extra_artists=extras).padded(0.08)
+    paths = [path.parent / f"{path.name}.{ending}" for ending in formats]
+    with plt.rc_context({"figure.constrained_layout.use": False}):
+        canvas.set_layout_engine(None)  # what was laid out once need not be laid out again for each format
+        for file in paths:
+            canvas.savefig(file, bbox_inches=box)
     plt.close(canvas)
-    return path
+    return paths
 
 
 def _finish_3d(axes):
@@ -102,6 +114,10 @@ def equal_axes_3d(axes, points, ticks=5, thinnest=0.25, zoom=1.1):
 
 def line_3d(axes, points, **options):
     return axes.plot(points[:, 0], points[:, 1], points[:, 2], **options)
+
+
+def rgb(color):
+    return matplotlib.colors.to_rgb(color)
 
 
 def blend(share, first=RED, last=BLUE):

@@ -1,0 +1,85 @@
+"""Scalar fields over the samples of a step, such as the torsional moment, with names, symbols and number formats."""
+
+import numpy as np
+
+import style
+
+NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
+
+
+class Field:
+    """How to get a scalar at every sample: `components` of the dataset `source`; several components give a magnitude."""
+
+    def __init__(self, label, source, components):
+        self.label, self.source, self.components = label, source, components
+
+    @property
+    def signed(self):
+        return len(self.components) == 1
+
+    def values(self, step, size):
+        """(n,) values of a step; round-off becomes zero. `size` of the structure turns forces into moments."""
+        columns = step.field(self.source)[:, self.components]
+        values = columns[:, 0] if self.signed else np.linalg.norm(columns, axis=1)
+        values = np.where(np.isfinite(values), values, 0.0)
+        return values if np.abs(values).max(initial=0.0) > self._floor(step, size) else np.zeros_like(values)
+
+    def _floor(self, step, size):
+        force, moment = (_largest(step.field(name)) for name in ("material_force", "material_moment"))
+        if self.source == "material_force":
+            return NOISE * max(force, moment / size)
+        if self.source == "material_moment":
+            return NOISE * max(moment, force * size)
+        if self.source == "moment_strain":  # a force strain does not say what curvature is small, the size does
+            return NOISE * max(_largest(step.field(self.source)), 1e-3 / size)
+        return NOISE * max(_largest(step.field(self.source)), 1e-6)
+
+
+SECTION_FORCES = {
+    "axial_force": Field("axial force $N$", "material_force", [0]),
+    "shear_2": Field("shear force $Q_2$", "material_force", [1]),
+    "shear_3": Field("shear force $Q_3$", "material_force", [2]),
+    "torsion": Field("torsional moment $T$", "material_moment", [0]),
+    "bending_2": Field("bending moment $M_2$", "material_moment", [1]),
+    "bending_3": Field("bending moment $M_3$", "material_moment", [2]),
+}
+FIELDS = {
+    "moment": Field("moment $|M|$", "material_moment", [0, 1, 2]),
+    "bending": Field(r"bending moment $\sqrt{M_2^2+M_3^2}$", "material_moment", [1, 2]),
+    **SECTION_FORCES,
+    "shear": Field(r"shear force $\sqrt{Q_2^2+Q_3^2}$", "material_force", [1, 2]),
+    "force": Field("force $|N|$", "material_force", [0, 1, 2]),
+    "axial_strain": Field(r"axial strain $\gamma_1$", "force_strain", [0]),
+    "strain": Field(r"force strain $|\gamma|$", "force_strain", [0, 1, 2]),
+    "twist": Field(r"twist $\kappa_1$", "moment_strain", [0]),
+    "curvature": Field(r"bending strain $\sqrt{\kappa_2^2+\kappa_3^2}$", "moment_strain", [1, 2]),
+    "displacement": Field("displacement $|u|$", "displacement", [0, 1, 2]),
+}
+OVERVIEW = ("bending", "torsion", "axial_force", "shear", "curvature", "axial_strain")
+
+
+def power_of_ten(largest):
+    """Exponent by which numbers up to `largest` are divided so that ticks stay short: 0 for everyday numbers."""
+    if not np.isfinite(largest) or largest == 0.0 or 1e-2 <= largest < 1e4:
+        return 0
+    return int(3 * np.floor(np.log10(largest) / 3))
+
+
+def times(exponent):
+    """Words behind an axis label for numbers that were divided by 10^exponent."""
+    return rf" $\;[10^{{{exponent}}}]$" if exponent else ""
+
+
+def color_scale(field, values):
+    """Colour map and norm: signed fields are symmetric about a grey zero, magnitudes start at zero."""
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    largest = float(np.abs(values).max(initial=0.0)) or 1.0
+    if field.signed:
+        steps = [style.BLUE, "#7FB2D6", "#BDBDBD", "#E8A36B", style.RED]
+        return LinearSegmentedColormap.from_list("signed", steps), Normalize(-largest, largest)
+    return style.plt.get_cmap("viridis"), Normalize(0.0, largest)
+
+
+def _largest(values):
+    return float(np.nanmax(np.abs(values), initial=0.0))

@@ -1,0 +1,130 @@
+"""Curves over the load path: what moved how far, and how hard the solver worked."""
+
+import numpy as np
+
+import fields
+import style
+
+OWN = {"step", "load_factor", "newton_iterations", "residual", "strain_energy"}
+MOST_QUANTITIES, MOST_DISPLACEMENTS = 9, 6
+MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothing is monitored
+MOST_HISTORIES = 60
+STILL = 1e-12       # a monitored point that moved less than this share of the size stood still
+
+
+def load_displacement_figure(view):
+    """Monitored quantities over the load factor; without any, the displacement of the point that moved farthest."""
+    curves = _monitored(view) or _farthest(view)
+    columns = min(3, len(curves))
+    rows = -(-len(curves) // columns)
+    canvas, panels = style.figure(max(4.3 * columns, 6.2), 3.5 * rows + 0.4, rows, columns, squeeze=False)
+    for axes in panels.flat[len(curves):]:
+        axes.set_visible(False)
+    for axes, (name, factor, values, symbol) in zip(panels.flat, curves):
+        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
+        values = values.reshape(len(values), -1) / 10.0 ** exponent
+        marker = "o" if len(factor) <= 30 else None
+        for i in range(values.shape[1]):
+            axes.plot(factor, values[:, i], marker=marker, markersize=3.5, color=style.COMPONENT_COLORS[i % 3],
+                      linestyle=style.COMPONENT_DASHES[i % 3], label=f"${symbol}_{i + 1}$" if values.shape[1] > 1 else None)
+        axes.set_title(name if len(name) < 44 else name[:41] + "...")
+        axes.set_xlabel("load factor")
+        axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+        if exponent:
+            axes.set_ylabel(fields.times(exponent))
+        if values.shape[1] > 1:
+            axes.legend(loc="best", ncol=1)
+    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(curves[0][1])} steps", fontsize=13)
+    return canvas
+
+
+def _monitored(view):
+    """[(title, load factors, values, symbol)] of monitored quantities that change, the largest first where many."""
+    monitor = view.run.monitor()
+    factor = monitor.get("load_factor", np.array([]))
+    curves = []
+    for name, values in monitor.items():
+        if name in OWN or len(values) != len(factor) or values.dtype.kind != "f" or not np.isfinite(values).any():
+            continue
+        kind = name.rsplit(".", 1)[-1]
+        symbol = {"rotation": r"\theta", "reaction": "R", "moment": "M", "force": "F"}.get(kind, "u")
+        floor = STILL * (view.size if kind == "displacement" else 1.0)
+        if np.ptp(values, axis=0).max() > floor:
+            curves.append((name.replace(".", ": "), factor, values, symbol))
+    if len(factor) < 2:
+        return []
+    largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max())
+    kept = [curve[0] for curve in largest if curve[3] == "u"][:MOST_DISPLACEMENTS]
+    kept += [curve[0] for curve in largest if curve[3] != "u"][:MOST_QUANTITIES - len(kept)]
+    return sorted((curve for curve in curves if curve[0] in kept), key=lambda curve: curve[3] != "u")
+
+
+def _farthest(view):
+    steps = view.run.steps
+    steps = [steps[i] for i in np.unique(np.linspace(0, len(steps) - 1, min(MOST_TRACKED, len(steps))).astype(int))]
+    farthest = int(np.argmax(np.linalg.norm(steps[-1].field("displacement"), axis=1)))
+    values = np.array([step.rows("displacement", [farthest])[0] for step in steps])
+    factor = np.array([step.load_factor for step in steps])
+    member = next(m for m in view.run.members if m.samples.start <= farthest < m.samples.stop)
+    at = member.arc_length[farthest - member.samples.start]
+    return [(f"farthest point: member {member.name}, $s$ = {at:.4g}", factor, values, "u")]
+
+
+def iteration_figure(view):
+    """Newton iterations of every step, and the residual at every iterate (or after each step where that is all)."""
+    steps, monitor = view.run.steps, view.run.monitor()
+    canvas, (left, right) = style.figure(11.5, 4.2, 1, 2)
+    numbers = np.array([step.number for step in steps])
+    iterations = np.array([step.newton_iterations for step in steps])
+    if len(numbers) <= 150:
+        left.bar(numbers, iterations, color=style.BLUE, width=0.7)
+    else:
+        left.step(numbers, iterations, where="mid", color=style.BLUE, linewidth=1.0)
+    left.xaxis.get_major_locator().set_params(integer=True)
+    left.yaxis.get_major_locator().set_params(integer=True)
+    if len(numbers) < 8:
+        left.set_xticks(numbers)
+    left.set(xlabel="step", ylabel="Newton iterations", ylim=(0, max(1, iterations.max(initial=1)) * 1.08),
+             title=f"{iterations.sum()} iterations in all", xlim=(numbers[0] - 0.8, numbers[-1] + 0.8))
+    histories = [(step, step.residual_history()) for step in _spread(steps, MOST_HISTORIES)]
+    histories = [(step, history[history > 0]) for step, history in histories if np.any(history > 0)]
+    if histories:
+        _draw_histories(canvas, right, histories)
+    else:
+        _draw_final_residuals(right, numbers, monitor.get("residual", np.array([])))
+    canvas.suptitle(f"{view.run.scene_name[:60]}: Newton's method", fontsize=13)
+    return canvas
+
+
+def _draw_histories(canvas, axes, histories):
+    import matplotlib
+
+    factors = [step.load_factor for step, _ in histories]
+    norm = matplotlib.colors.Normalize(min(factors), max(factors) if max(factors) > min(factors) else min(factors) + 1)
+    colors = style.plt.get_cmap("viridis")
+    for step, history in histories:
+        axes.semilogy(np.arange(len(history)), history, marker="o", markersize=3, linewidth=1.1,
+                      color=colors(0.9 * norm(step.load_factor)))
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set(xlabel="iteration within the step", ylabel="scale-free residual", title="each line is a step")
+    if len(histories) > 1:
+        map_ = matplotlib.colors.ListedColormap(colors(np.linspace(0.0, 0.9, 256)))
+        canvas.colorbar(matplotlib.cm.ScalarMappable(norm, map_), ax=axes, label="load factor", pad=0.02)
+
+
+def _draw_final_residuals(axes, numbers, residual):
+    axes.set(xlabel="step", ylabel="scale-free residual", title="residual after the last iteration")
+    if len(residual) != len(numbers) or not np.any(residual > 0):
+        axes.text(0.5, 0.5, "not in the file", transform=axes.transAxes, ha="center", color="#666666")
+        axes.set(xticks=[], yticks=[])
+        return
+    keep = residual > 0
+    axes.semilogy(numbers[keep], residual[keep], "o", color=style.RED, markersize=4)
+    axes.set_xlim(numbers[0] - 0.8, numbers[-1] + 0.8)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    if len(numbers) < 8:
+        axes.set_xticks(numbers)
+
+
+def _spread(items, most):
+    return [items[i] for i in np.unique(np.linspace(0, len(items) - 1, min(most, len(items))).astype(int))]

@@ -1,0 +1,199 @@
+"""Pictures of the deformed structure: one step in space and in its best plane, coloured by a field, and several steps."""
+
+import numpy as np
+
+import fields
+import style
+from scene_marks import Marks
+from structure import Structure, add_lines, axis_name, best_plane, best_view, line_width, tangents
+
+MOST_TRIADS = 24
+STRIP_STEPS = 6
+SHRUNK = 0.3       # below this share of its undeformed extent a structure gets the picture in space for itself
+MARK_SHARE = 0.12  # length of an arrow over the size of the structure
+
+
+class View:
+    """What all pictures of a run share, found once: structure, plane, camera, unit of length."""
+
+    def __init__(self, run, steps):
+        self.run, self.structure = run, Structure(run)
+        shapes = [self.structure.reference] + [step.field("position") for step in steps]
+        self.everything = np.vstack(shapes)
+        self.exponent = fields.power_of_ten(np.abs(self.everything).max())
+        self.unit = 10.0 ** self.exponent
+        self.plane = best_plane(self.everything / self.unit)
+        self.camera = best_view(self.everything / self.unit)
+        self.size = self.structure.size
+
+    def lines(self, points, values=None, slopes=None):
+        lines, colors = self.structure.pieces(points, values, slopes)
+        return lines / self.unit, colors
+
+    def has_shrunk(self, position):
+        return np.ptp(position, axis=0).max() < SHRUNK * np.ptp(self.structure.reference, axis=0).max()
+
+    def axis_label(self, direction):
+        return axis_name(direction) + fields.times(self.exponent)
+
+
+def shape_figure(view, step, field, triads=False):
+    """Left in space, right in the best plane; grey: undeformed."""
+    with style.plt.rc_context({"figure.constrained_layout.use": False}):
+        canvas = style.plt.figure(figsize=(12.4, 5.4))
+    space = canvas.add_axes((0.0, 0.04, 0.44, 0.84), projection="3d")
+    flat = canvas.add_axes((0.53, 0.13, 0.45, 0.74))
+    position = step.field("position")
+    values = field.values(step, view.size)
+    exponent = fields.power_of_ten(np.abs(values).max(initial=0.0))
+    values = values / 10.0 ** exponent
+    scale = fields.color_scale(field, values)
+    width = line_width(view.structure)
+    lines, colors = view.lines(position, values, tangents(position, step))
+    grey, _ = view.lines(view.structure.reference)
+    shrunk = view.has_shrunk(position)
+    for axes, projection in ((space, np.eye(3)), (flat, view.plane)):
+        if axes is flat or not shrunk:
+            add_lines(axes, grey @ projection.T, width=max(0.35 * width, 0.4), zorder=1)
+        pieces = add_lines(axes, lines @ projection.T, colors, scale, width, zorder=3)
+    marked = _draw_marks(view, (space, flat), position, step, shrunk)
+    if triads:
+        _draw_triads(view, space, step, position)
+    style.equal_axes_3d(space, (position if shrunk else view.everything) / view.unit, ticks=4)
+    space.view_init(*(best_view(position / view.unit) if shrunk else view.camera))
+    _name_axes_3d(space, view)
+    _finish_plane(flat, view)
+    label = field.label + fields.times(exponent) + ("" if np.any(values) else ": zero everywhere")
+    canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
+    canvas.suptitle(f"{_short(view.run.scene_name)}: step {step.number}, load factor {step.load_factor:.6g}",
+                    y=0.985, fontsize=13)
+    canvas.text(0.5, 0.925, ("grey: undeformed, on the right only" if shrunk else "grey: undeformed") + marked + "; in the units of the scene", ha="center", va="top",
+                fontsize=11, color="#444444")
+    return canvas
+
+
+def overview_figure(view, step):
+    """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
+    position, slopes = step.field("position"), tangents(step.field("position"), step)
+    shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in fields.OVERVIEW)]
+    shown = [entry for entry in shown if np.any(entry[1])] or shown[:1]
+    shown_points = position if view.has_shrunk(position) else view.everything
+    projected = shown_points @ view.plane.T
+    aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.3, 1.4)
+    columns = min(3, len(shown))
+    rows = -(-len(shown) // columns)
+    canvas, panels = style.figure(4.6 * columns, (3.5 * aspect + 0.75) * rows, rows, columns, squeeze=False)
+    for axes in panels.flat[len(shown):]:
+        axes.set_visible(False)
+    grey, _ = view.lines(view.structure.reference)
+    for axes, (field, values) in zip(panels.flat, shown):
+        exponent = fields.power_of_ten(np.abs(values).max(initial=0.0))
+        values = values / 10.0 ** exponent
+        lines, colors = view.lines(position, values, slopes)
+        width = 0.8 * line_width(view.structure)
+        add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
+        pieces = add_lines(axes, lines @ view.plane.T, colors, fields.color_scale(field, values), width, zorder=3)
+        _finish_plane(axes, view, shown_points)
+        axes.set_title(field.label + fields.times(exponent) + ("" if np.any(values) else ": zero everywhere"))
+        axes.label_outer()
+        canvas.colorbar(pieces, ax=axes, shrink=0.8, pad=0.02, aspect=22)
+    canvas.suptitle(f"{_short(view.run.scene_name)}: step {step.number}, load factor {step.load_factor:.6g}", fontsize=13)
+    return canvas
+
+
+def strip_figure(view, steps, field):
+    """Some steps of the path side by side, all in one scale and one colour scale."""
+    position = [step.field("position") for step in steps]
+    values = [field.values(step, view.size) for step in steps]
+    exponent = fields.power_of_ten(max(np.abs(value).max(initial=0.0) for value in values))
+    values = [value / 10.0 ** exponent for value in values]
+    scale = fields.color_scale(field, np.concatenate(values))
+    projected = view.everything @ view.plane.T
+    wide = np.ptp(projected[:, 0]) > 1.6 * np.ptp(projected[:, 1])
+    columns = min(3 if wide else 6, len(steps))
+    rows = -(-len(steps) // columns)
+    aspect = np.clip(np.ptp(projected[:, 1]) / (np.ptp(projected[:, 0]) or 1.0), 0.25, 2.2)
+    panel = 13.0 / max(columns, 3)
+    canvas, panels = style.figure(panel * columns + 0.8, (panel * aspect + 0.5) * rows + 0.4, rows, columns,
+                                  squeeze=False, sharex=True, sharey=True)
+    for axes in panels.flat[len(steps):]:
+        axes.set_visible(False)
+    grey, _ = view.lines(view.structure.reference)
+    for axes, step, points, value in zip(panels.flat, steps, position, values):
+        lines, colors = view.lines(points, value, tangents(points, step))
+        width = 0.8 * line_width(view.structure)
+        add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
+        pieces = add_lines(axes, lines @ view.plane.T, colors, scale, width, zorder=3)
+        _finish_plane(axes, view)
+        axes.label_outer()
+        axes.set_title(f"load factor {step.load_factor:.4g}")
+    canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.8, pad=0.01, aspect=30,
+                    label=field.label + fields.times(exponent))
+    return canvas
+
+
+def strip_steps(steps):
+    """At most STRIP_STEPS steps, evenly spread over the path, the last one among them."""
+    numbers = np.unique(np.linspace(0, len(steps) - 1, min(STRIP_STEPS, len(steps))).round().astype(int))
+    return [steps[i] for i in numbers]
+
+
+def _draw_marks(view, panels, position, step, shrunk):
+    """Supports as squares and point forces as arrows; returns the words for the caption."""
+    marks = Marks(view.run, step.load_factor)
+    words = ""
+    size = 6 if len(marks.supports) < 20 else 3
+    for axes, projection in zip(panels, (np.eye(3), view.plane)):
+        flat = axes.name != "3d"
+        length = MARK_SHARE * (np.linalg.norm(np.ptp(position, axis=0)) if shrunk and not flat else view.size) / view.unit
+        points = position @ projection.T / view.unit
+        if marks.supports:
+            axes.plot(*points[marks.supports].T, "s", color=style.BLACK, markersize=size, zorder=5)
+        for sample, direction in marks.forces:
+            tail = points[sample]
+            arrow = length * projection @ direction
+            if flat and np.linalg.norm(arrow) < 0.2 * length:
+                axes.plot(*tail, "o", color=style.RED, markersize=7, markerfacecolor="none", zorder=5)
+            elif flat:
+                axes.annotate("", tail + arrow, tail, annotation_clip=False, zorder=5,
+                              arrowprops={"arrowstyle": "-|>", "color": style.RED, "linewidth": 1.6, "shrinkA": 0})
+            else:
+                axes.quiver(*tail, *arrow, color=style.RED, linewidth=1.6, arrow_length_ratio=0.3)
+    if marks.supports:
+        words += "; squares: supports"
+    if marks.forces:
+        words += "; arrows: directions of point forces"
+    return words
+
+
+def _draw_triads(view, axes, step, position):
+    count = min(MOST_TRIADS, len(position))
+    chosen = np.unique(np.linspace(0, len(position) - 1, count).round().astype(int))
+    length = 0.06 * view.size / view.unit
+    for i, color in enumerate(style.COMPONENT_COLORS, start=1):
+        direction = step.field(f"triad_{i}")[chosen]
+        start = position[chosen] / view.unit
+        add_lines(axes, np.stack([start, start + length * direction], axis=1), color=color, width=1.2, zorder=4)
+
+
+def _name_axes_3d(axes, view):
+    for i, name in enumerate("xyz"):
+        getattr(axes, f"set_{name}label")(f"$x_{i + 1}$" + fields.times(view.exponent), labelpad=(6, 6, 1)[i])
+
+
+def _finish_plane(axes, view, points=None):
+    projected = (view.everything if points is None else points) @ view.plane.T / view.unit
+    low, high = projected.min(axis=0), projected.max(axis=0)
+    extent = high - low
+    margin = 0.06 * (extent.max() or 1.0)
+    half = np.maximum(extent / 2 + margin, 0.12 * (extent.max() or 1.0))
+    center = (low + high) / 2
+    axes.set(xlim=(center[0] - half[0], center[0] + half[0]), ylim=(center[1] - half[1], center[1] + half[1]))
+    axes.set_aspect("equal")
+    axes.locator_params(axis="x", nbins=5)
+    axes.locator_params(axis="y", nbins=5)
+    axes.set(xlabel=view.axis_label(view.plane[0]), ylabel=view.axis_label(view.plane[1]))
+
+
+def _short(name, longest=60):
+    return name if len(name) <= longest else name[:longest - 3] + "..."

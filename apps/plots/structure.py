@@ -1,0 +1,161 @@
+"""A whole structure as line pieces: smooth, coloured, in space or in a plane, for one member or ten thousand."""
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from mpl_toolkits.mplot3d.art3d import Line3DCollection
+
+import style
+
+MOST_PIECES = 12000      # more are thinned out: a picture has no more room, and a figure should take seconds
+RASTER_PIECES = 4000     # above this an SVG holds the lines as pixels, else it would take minutes to open
+SMOOTH_ANGLE = 0.06      # radians between neighbouring pieces that no eye sees
+MOST_PARTS = 12          # of one piece
+FEW_SAMPLES = 20000      # refinement by a cubic is for structures up to this size
+
+
+class Structure:
+    """The pieces between neighbouring samples of all members; sample numbers refer to the fields of a step."""
+
+    def __init__(self, run):
+        starts = np.array([member.samples.start for member in run.members])
+        ends = np.array([member.samples.stop for member in run.members])
+        self.run = run
+        self.reference = run.reference()
+        self.starts, self.ends = starts, ends
+        first = np.arange(len(self.reference) - 1)
+        first = first[~np.isin(first + 1, starts)]
+        self.first = self._thinned(first)
+        self.second = np.append(self.first[1:], 0)
+        last = np.isin(self.first, self._last_of_members())
+        self.second[last] = self._end_of_member(self.first[last])
+        spread = self.reference.max(axis=0) - self.reference.min(axis=0)
+        self.size = float(np.linalg.norm(spread)) or 1.0
+
+    def _thinned(self, first):
+        """Every n-th piece where there are too many, the first of every member among them."""
+        stride = int(np.ceil(len(first) / MOST_PIECES))
+        if stride <= 1:
+            return first
+        position = first - self.starts[np.searchsorted(self.starts, first, side="right") - 1]
+        return first[position % stride == 0]
+
+    def _last_of_members(self):
+        owner = np.searchsorted(self.starts, self.first, side="right") - 1
+        return self.first[np.append(np.diff(owner) > 0, True)]
+
+    def _end_of_member(self, samples):
+        return self.ends[np.searchsorted(self.starts, samples, side="right") - 1] - 1
+
+    def nodes(self, points, slopes=None, *levels):
+        """Finely divided pieces: (m, p, dimension) nodes, their tangents, their `levels` (m, p); owner (m,) of each piece.
+
+        `points` (n, dimension) are joined by cubics where unit tangents `slopes` (n, dimension) are given, else by
+        lines; `levels` (n,) vary linearly in each piece.
+        """
+        first, second = self.first, self.second
+        apart = np.linalg.norm(points[second] - points[first], axis=1) > 1e-12 * self.size
+        first, second = first[apart], second[apart]
+        owner = np.searchsorted(self.starts, first, side="right") - 1
+        parts = 1
+        if slopes is not None and len(points) <= FEW_SAMPLES and len(first):
+            turn = np.arccos(np.clip(np.einsum("ij,ij->i", slopes[first], slopes[second]), -1.0, 1.0))
+            parts = int(np.clip(np.ceil(turn.max() / SMOOTH_ANGLE), 1, MOST_PARTS))
+        t = np.linspace(0.0, 1.0, parts + 1)[None, :]
+        between = [(1 - t) * level[first, None] + t * level[second, None] for level in levels]
+        t = t[..., None]
+        ends = points[first, None], points[second, None]
+        if slopes is None:
+            return ends[0] + t * (ends[1] - ends[0]), None, between, owner
+        directions = slopes[first, None], slopes[second, None]
+        tangent = (1 - t) * directions[0] + t * directions[1]
+        tangent /= np.maximum(np.linalg.norm(tangent, axis=2, keepdims=True), 1e-30)
+        return _hermite(ends, directions, t) if parts > 1 else ends[0] + t * (ends[1] - ends[0]), tangent, between, owner
+
+    def pieces(self, points, values=None, slopes=None):
+        """(m, 2, dimension) line pieces through `points`, and the mean of `values` (n,) on each."""
+        nodes, _, levels, _ = self.nodes(points, slopes, *(() if values is None else (values,)))
+        lines = np.stack([nodes[:, :-1], nodes[:, 1:]], axis=2).reshape(-1, 2, points.shape[1])
+        return lines, ((levels[0][:, :-1] + levels[0][:, 1:]) / 2).reshape(-1) if levels else None
+
+
+def _hermite(ends, directions, t):
+    """Cubics through both ends with the given directions; of the length that suits an arc."""
+    cosine = np.clip((directions[0] * directions[1]).sum(axis=2, keepdims=True), -1.0, 1.0)
+    length = np.linalg.norm(ends[1] - ends[0], axis=2, keepdims=True) * 2 / np.maximum(1 + np.sqrt((1 + cosine) / 2), 1.0)
+    return ((1 + 2 * t) * (1 - t) ** 2 * ends[0] + t * (1 - t) ** 2 * length * directions[0]
+            + t * t * (3 - 2 * t) * ends[1] + t * t * (t - 1) * length * directions[1])
+
+
+def tangents(points, step):
+    """Tangents of the deformed centerline for `pieces`: the first axis of the section, shear neglected."""
+    first_axis = step.field("triad_1")
+    return first_axis if first_axis.shape == points.shape else None
+
+
+def add_lines(axes, lines, values=None, scale=None, width=2.0, color=style.GREY, zorder=2):
+    """Draws pieces in 2-D or 3-D axes in one colour, or coloured by `values` with `scale` = (colour map, norm)."""
+    kind = Line3DCollection if axes.name == "3d" else LineCollection
+    options = {"linewidth": width, "capstyle": "round", "zorder": zorder, "rasterized": len(lines) > RASTER_PIECES}
+    if values is None:
+        pieces = kind(lines, colors=color, **options)
+    else:
+        pieces = kind(lines, cmap=scale[0], norm=scale[1], **options)
+        pieces.set_array(values)
+    axes.add_collection(pieces)
+    return pieces
+
+
+def line_width(structure):
+    """Thick for a rod, thin for a lattice."""
+    return float(np.clip(3.2 - 0.65 * np.log10(max(len(structure.starts), 1)), 0.7, 3.2))
+
+
+def best_plane(points):
+    """Two orthonormal directions that span the plane in which `points` spread most; coordinate directions if as good."""
+    centered = points - points.mean(axis=0)
+    _, spread, directions = np.linalg.svd(centered, full_matrices=False)
+    best = (spread[:2] ** 2).sum()
+    for axes in ((0, 1), (0, 2), (1, 2)):  # a picture along the axes is easier to read than one slightly turned
+        if (centered[:, axes] ** 2).sum() > 0.97 * best:
+            return np.eye(3)[list(axes)]
+    if spread[1] < 1e-9 * spread[0]:  # a straight line: any second direction will do
+        return np.array([_mostly_positive(directions[0]), _across(directions[0])])
+    return np.array([_mostly_positive(direction) for direction in directions[:2]])
+
+
+def _across(direction):
+    other = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    other = other - direction * (direction @ other)
+    return _mostly_positive(other / np.linalg.norm(other))
+
+
+def _mostly_positive(direction):
+    return direction * np.copysign(1.0, direction[np.argmax(np.abs(direction))])
+
+
+def axis_name(direction):
+    """"$x_1$" for a coordinate direction, its components otherwise."""
+    nearest = int(np.argmax(np.abs(direction)))
+    if abs(direction[nearest]) > 1 - 1e-9:
+        return f"$x_{nearest + 1}$"
+    return "(" + ", ".join(f"{component:.2f}" for component in direction) + r")$\cdot\mathbf{x}$"
+
+
+def best_view(points):
+    """Elevation and azimuth (degrees) under which `points` cover most of the picture."""
+    centered = points - points.mean(axis=0)
+
+    def covered(view):
+        elevation, azimuth = np.radians(view)
+        right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+        toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+        flat = centered @ np.array([right, np.cross(toward, right)]).T
+        spread = np.linalg.svd(flat, compute_uv=False)
+        return spread[0] * spread[-1]
+
+    views = [(elevation, azimuth) for elevation in (24, 38, 52) for azimuth in (-60, -35, -120)]
+    best = max(views, key=covered)
+    usual = (24, -60)
+    spread = np.linalg.svd(centered, compute_uv=False)
+    slim = len(spread) < 2 or spread[1] < 0.15 * spread[0]  # a nearly straight rod looks best from the usual place
+    return usual if slim or covered(usual) > 0.7 * covered(best) else best

@@ -1,0 +1,106 @@
+/// Pictures of a result file: every kind is drawn and has content, and a file that is none is refused.
+#include "discretization/result_file.hpp"
+#include "process.hpp"
+
+namespace mixbeam {
+namespace {
+
+const fs::path kPython = "/usr/bin/python3";
+constexpr std::uintmax_t kLeastBytes = 4000;  // an empty picture of that size takes less
+
+/// A cantilever of one element under growing end moment, made up by hand.
+MemberSamples bent_member(double load_factor) {
+  MemberSamples member;
+  member.name = "beam";
+  constexpr std::size_t kSamples = 5;
+  member.resize(kSamples);
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    const double s = static_cast<double>(i) / (kSamples - 1), sag = -0.1 * load_factor * s * s;
+    member.arc_length[i] = s;
+    member.reference_position[i] = {s, 0, 0};
+    member.position[i] = {s, sag, 0};
+    member.displacement[i] = {0, sag, 0};
+    member.material_moment[i] = {0, 0, load_factor * (1 - s)};
+  }
+  return member;
+}
+
+class PlotResult : public ::testing::Test {
+ protected:
+  /// A file of three steps.
+  fs::path write_result() {
+    const fs::path path = folder_ / "run.h5";
+    ResultFile file(path, {"cantilever", "<ParameterList name=\"cantilever\"/>", "1.0", {}});
+    for (int step = 0; step < 3; ++step) {
+      StepRecord record;
+      record.step = step;
+      record.load_factor = 0.5 * step;
+      record.newton_iterations = 3 * step;
+      record.residual = 1e-12;
+      record.strain_energy = record.load_factor;
+      record.members = {bent_member(record.load_factor)};
+      record.monitored = {{"tip.displacement", {0, -0.1 * record.load_factor, 0}}};
+      file.append_step(record);
+    }
+    file.close();
+    return path;
+  }
+
+  Ended plot(const fs::path& file, const std::vector<std::string>& options = {}) {
+    std::vector<std::string> arguments = {(fs::path(MIXBEAM_BIN_DIR) / "plots" / "plot_result.py").string(),
+                                          file.string(), "--output", (folder_ / "pictures").string()};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_process(kPython, arguments, folder_);
+  }
+
+  fs::path picture(const std::string& name) const { return folder_ / "pictures" / name; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
+  const Ended ended = plot(write_result());
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  for (const char* kind : {"shape", "fields", "section_forces", "diagrams", "load_path", "iterations", "steps"}) {
+    for (const char* ending : {".png", ".svg"}) {
+      const fs::path path = picture("run_" + std::string(kind) + ending);
+      ASSERT_TRUE(fs::exists(path)) << path;
+      EXPECT_GT(fs::file_size(path), kLeastBytes) << path;
+      expect_in(ended.out, {path.filename().string()});
+    }
+  }
+  expect_in(text_of(picture("run_shape.svg")), {"cantilever: step 2, load factor 1", "undeformed"});
+  expect_in(text_of(picture("run_load_path.svg")), {"tip: displacement"});
+  expect_in(text_of(picture("run_section_forces.svg")), {"zero everywhere"});  // there is a moment and nothing else
+}
+
+TEST_F(PlotResult, DrawsTheStepAndTheFormatAskedFor) {
+  const fs::path file = write_result();
+  const Ended ended = plot(file, {"--step", "1", "--format", "svg", "--picture", "shape", "--field", "moment"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  expect_in(text_of(picture("run_shape_000001.svg")), {"step 1, load factor 0.5"});
+  EXPECT_FALSE(fs::exists(picture("run_shape_000001.png")));
+  EXPECT_FALSE(fs::exists(picture("run_fields_000001.svg")));
+}
+
+TEST_F(PlotResult, RefusesWhatItCannotDraw) {
+  const fs::path broken = folder_ / "broken.h5", good = write_result();
+  write_text(broken, "\x89HDF\r\n\x1a\nand no more");
+  const auto expect_refusal = [this](const fs::path& file, const std::vector<std::string>& options,
+                                     const std::vector<std::string>& words) {
+    const Ended ended = plot(file, options);
+    EXPECT_EQ(ended.exit_code, 2) << ended.out;
+    expect_in(ended.err, words);
+    EXPECT_EQ(ended.err.find("Traceback"), std::string::npos) << ended.err;
+  };
+  expect_refusal(broken, {}, {"broken.h5", "not a readable HDF5 file"});
+  expect_refusal(folder_ / "absent.h5", {}, {"absent.h5", "no such file"});
+  expect_refusal(good, {"--step", "7"}, {"no step 7", "steps 0 to 2"});
+  expect_refusal(good, {"--field", "colour"}, {"--field colour", "bending", "torsion"});
+  expect_refusal(good, {"--format", "gif"}, {"--format gif", "png, svg, pdf"});
+  expect_refusal(good, {"--case", "wind"}, {"no load case wind"});
+}
+
+}  // namespace
+}  // namespace mixbeam
