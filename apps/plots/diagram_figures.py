@@ -5,7 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 
 import fields
 import style
-from structure import RASTER_PIECES, add_lines, line_width
+from structure import RASTER_PIECES, add_lines, line_width, tangents
 
 NAMED_MEMBERS = 8       # lines that a legend can still tell apart
 LEGEND_COLUMNS = 5
@@ -25,23 +25,24 @@ def over_arc_length_figure(view, step):
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
     others = [i for i in range(len(members)) if i not in named]
     others = others[::max(1, len(others) // 400)]  # a grey cloud needs no more
+    long = fields.power_of_ten(max(members[j].arc_length[-1] for j in named))
     for i, name in enumerate(fields.SECTION_FORCES):
         axes = panels[i % 3, i // 3]
         exponent = fields.power_of_ten(np.abs(values[name]).max(initial=0.0))
         level = values[name] / 10.0 ** exponent
         if others:
             axes.add_collection(LineCollection(
-                [np.column_stack([members[j].arc_length, level[members[j].samples]]) for j in others],
+                [np.column_stack([members[j].arc_length / 10.0 ** long, level[members[j].samples]]) for j in others],
                 colors="#C4C4C4", linewidth=0.7, rasterized=len(others) > 100))
         for rank, j in enumerate(named):
-            axes.plot(members[j].arc_length, level[members[j].samples], color=COLORS[rank % len(COLORS)],
+            axes.plot(members[j].arc_length / 10.0 ** long, level[members[j].samples], color=COLORS[rank % len(COLORS)],
                       linestyle=DASHES[(rank // 2) % len(DASHES)] if len(named) > 1 else "-", label=members[j].name)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
         axes.set_ylabel(fields.SECTION_FORCES[name].label.split(" ", 1)[1].split(" ", 1)[-1] + fields.times(exponent))
         axes.set_title(fields.SECTION_FORCES[name].label.rsplit(" ", 1)[0], fontsize=11)
         _limits(axes, level)
         if i % 3 == 2:
-            axes.set_xlabel("arc length $s$ of the undeformed member")
+            axes.set_xlabel("arc length $s$ of the undeformed member" + fields.times(long))
     if len(members) > 1:
         _legend(canvas, panels[0, 0], len(members) - len(named))
     canvas.suptitle(f"{view.run.scene_name[:60]}: section forces and moments, step {step.number}, "
@@ -121,7 +122,8 @@ def _range(values):
 def _hedgehog(axes, view, step, values):
     largest = np.abs(values).max(initial=0.0) or 1.0
     position = step.field("position")
-    nodes, tangent, (level,), owner = view.structure.nodes(position, step.field("triad_1"), values / largest)
+    nodes, tangent, (level,), owner = view.structure.nodes(position, tangents(position, view.structure.starts),
+                                                          values / largest)
     nodes, tangent = nodes @ view.plane.T / view.unit, tangent @ view.plane.T
     along = np.linalg.norm(tangent, axis=2)
     side = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2) / np.maximum(along, 1e-30)[..., None]

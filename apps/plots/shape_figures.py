@@ -49,7 +49,7 @@ def shape_figure(view, step, field, triads=False):
     values = values / 10.0 ** exponent
     scale = fields.color_scale(field, values)
     width = line_width(view.structure)
-    lines, colors = view.lines(position, values, tangents(position, step))
+    lines, colors = view.lines(position, values, tangents(position, view.structure.starts))
     grey, _ = view.lines(view.structure.reference)
     shrunk = view.has_shrunk(position)
     for axes, projection in ((space, np.eye(3)), (flat, view.plane)):
@@ -74,7 +74,8 @@ def shape_figure(view, step, field, triads=False):
 
 def overview_figure(view, step):
     """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
-    position, slopes = step.field("position"), tangents(step.field("position"), step)
+    position = step.field("position")
+    slopes = tangents(position, view.structure.starts)
     shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in fields.OVERVIEW)]
     shown = [entry for entry in shown if np.any(entry[1])] or shown[:1]
     shown_points = position if view.has_shrunk(position) else view.everything
@@ -120,15 +121,15 @@ def strip_figure(view, steps, field):
         axes.set_visible(False)
     grey, _ = view.lines(view.structure.reference)
     for axes, step, points, value in zip(panels.flat, steps, position, values):
-        lines, colors = view.lines(points, value, tangents(points, step))
+        lines, colors = view.lines(points, value, tangents(points, view.structure.starts))
         width = 0.8 * line_width(view.structure)
         add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
         pieces = add_lines(axes, lines @ view.plane.T, colors, scale, width, zorder=3)
         _finish_plane(axes, view)
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
-    canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.8, pad=0.01, aspect=30,
-                    label=field.label + fields.times(exponent))
+    canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * rows)
+    canvas.suptitle(f"{_short(view.run.scene_name)}: {field.label}{fields.times(exponent)}", fontsize=13)
     return canvas
 
 

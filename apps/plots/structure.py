@@ -9,6 +9,7 @@ import style
 MOST_PIECES = 12000      # more are thinned out: a picture has no more room, and a figure should take seconds
 RASTER_PIECES = 4000     # above this an SVG holds the lines as pixels, else it would take minutes to open
 SMOOTH_ANGLE = 0.06      # radians between neighbouring pieces that no eye sees
+SMOOTH_COLORS = 150      # pieces in which no eye sees steps of colour
 MOST_PARTS = 12          # of one piece
 FEW_SAMPLES = 20000      # refinement by a cubic is for structures up to this size
 
@@ -59,7 +60,8 @@ class Structure:
         parts = 1
         if slopes is not None and len(points) <= FEW_SAMPLES and len(first):
             turn = np.arccos(np.clip(np.einsum("ij,ij->i", slopes[first], slopes[second]), -1.0, 1.0))
-            parts = int(np.clip(np.ceil(turn.max() / SMOOTH_ANGLE), 1, MOST_PARTS))
+            wanted = max(turn.max() / SMOOTH_ANGLE, SMOOTH_COLORS / len(first))
+            parts = int(np.clip(np.ceil(wanted), 1, MOST_PARTS))
         t = np.linspace(0.0, 1.0, parts + 1)[None, :]
         between = [(1 - t) * level[first, None] + t * level[second, None] for level in levels]
         t = t[..., None]
@@ -86,10 +88,27 @@ def _hermite(ends, directions, t):
             + t * t * (3 - 2 * t) * ends[1] + t * t * (t - 1) * length * directions[1])
 
 
-def tangents(points, step):
-    """Tangents of the deformed centerline for `pieces`: the first axis of the section, shear neglected."""
-    first_axis = step.field("triad_1")
-    return first_axis if first_axis.shape == points.shape else None
+def tangents(points, breaks):
+    """Unit tangents (n, dimension) of curves through `points`, from parabolas through three neighbours.
+
+    A new curve begins at every sample in `breaks`, and where a point repeats the one before, as at element ends: the
+    triads of the sections would be no better, for they jump there and shear turns them.
+    """
+    chord = np.diff(points, axis=0)
+    length = np.linalg.norm(chord, axis=1)
+    joined = length > 1e-12 * (np.ptp(points, axis=0).max() or 1.0)
+    joined[np.asarray(breaks[1:], dtype=int) - 1] = False
+    chord = np.where(joined[:, None], chord / np.where(joined, length, 1.0)[:, None], 0.0)
+    before, after = np.vstack([chord[:1] * 0, chord]), np.vstack([chord, chord[:1] * 0])
+    h_before, h_after = np.append(0.0, length * joined), np.append(length * joined, 0.0)
+    inner = (h_before > 0) & (h_after > 0)
+    total = np.where(inner, h_before + h_after, 1.0)[:, None]
+    slope = np.where(inner[:, None], (h_after[:, None] * before + h_before[:, None] * after) / total, before + after)
+    first, last = (h_before == 0) & (h_after > 0), (h_before > 0) & (h_after == 0)
+    for ends, shift in ((np.flatnonzero(first), 1), (np.flatnonzero(last), -1)):
+        ends = ends[inner[ends + shift]]
+        slope[ends] = 2 * slope[ends] - slope[ends + shift]
+    return slope / np.maximum(np.linalg.norm(slope, axis=1, keepdims=True), 1e-30)
 
 
 def add_lines(axes, lines, values=None, scale=None, width=2.0, color=style.GREY, zorder=2):
@@ -115,10 +134,12 @@ def best_plane(points):
     centered = points - points.mean(axis=0)
     _, spread, directions = np.linalg.svd(centered, full_matrices=False)
     best = (spread[:2] ** 2).sum()
+    flat = spread[1] < 1e-9 * spread[0]
     for axes in ((0, 1), (0, 2), (1, 2)):  # a picture along the axes is easier to read than one slightly turned
-        if (centered[:, axes] ** 2).sum() > 0.97 * best:
+        shown = np.linalg.svd(centered[:, axes], compute_uv=False)
+        if (shown ** 2).sum() > 0.97 * best and (flat or shown[1] > 0.85 * spread[1]):
             return np.eye(3)[list(axes)]
-    if spread[1] < 1e-9 * spread[0]:  # a straight line: any second direction will do
+    if flat:  # a straight line: any second direction will do
         return np.array([_mostly_positive(directions[0]), _across(directions[0])])
     return np.array([_mostly_positive(direction) for direction in directions[:2]])
 
