@@ -10,7 +10,7 @@ from structure import RASTER_PIECES, add_lines, line_width, tangents
 NAMED_MEMBERS = 8       # lines that a legend can still tell apart
 LEGEND_COLUMNS = 5
 HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the structure
-MEMBER_SHARE = 0.8      # and at most over the length of a typical member
+MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
 ROUND_OFF = 1e-6         # share of the largest value that a title with four digits calls zero
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, "#7F6000")

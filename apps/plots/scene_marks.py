@@ -1,5 +1,6 @@
 """Places of supports and loads, as far as the scene text inside a result file and the member ends tell them."""
 
+import re
 from xml.etree import ElementTree
 
 import numpy as np
@@ -9,7 +10,7 @@ class Marks:
     """Sample numbers at which a picture shows supports, and (sample number, direction) of point forces."""
 
     def __init__(self, run, load_factor):
-        self.supports, self.forces, self.moments = [], [], []
+        self.supports, self.forces = [], []
         try:
             scene = _child(ElementTree.fromstring(run.scene_text() or "<none/>"), "Scene")
         except ElementTree.ParseError:
@@ -18,16 +19,14 @@ class Marks:
             return
         places = _point_samples(scene, run)
         for support in _lists(_child(scene, "Supports")):
-            self.supports += [places[name] for name in _names(support) if name in places]
+            self.supports += [sample for _, sample in _matches(places, support)]
         for load in _lists(_child(scene, "Point Loads")):
             if int(_value(load, "Stage", "1")) - 1 >= load_factor:
                 continue  # its stage has not begun
             if _value(load, "Frame", "dead").lower() != "dead":
                 continue  # its direction is in a triad, which the text does not tell
-            for name in _names(load):
-                if name in places:
-                    _keep(self.forces, places[name], _vector(load, "Force"))
-                    _keep(self.moments, places[name], _vector(load, "Moment"))
+            for _, sample in _matches(places, load):
+                _keep(self.forces, sample, _vector(load, "Force"))
 
 
 def _keep(marks, sample, vector):
@@ -62,8 +61,10 @@ def _value(node, name, default):
     return default if child is None else child.get("value", default)
 
 
-def _names(node):
-    return [name.strip() for name in (_value(node, "Points", "") or _value(node, "Point", "")).strip("{}").split(",")]
+def _matches(places, node):
+    """(name, sample) of the points that the "Point" of a support or load means; * stands for any characters."""
+    pattern = re.compile(".*".join(re.escape(part) for part in _value(node, "Point", "").split("*")), re.DOTALL)
+    return [(name, sample) for name, sample in places.items() if pattern.fullmatch(name)]
 
 
 def _vector(node, name):

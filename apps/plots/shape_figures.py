@@ -41,7 +41,7 @@ def shape_figure(view, step, field, triads=False):
     """Left in space, right in the best plane; grey: undeformed."""
     with style.plt.rc_context({"figure.constrained_layout.use": False}):
         canvas = style.plt.figure(figsize=(12.4, 5.4))
-    space = canvas.add_axes((0.0, 0.04, 0.44, 0.84), projection="3d")
+    space = canvas.add_axes((0.0, 0.02, 0.44, 0.82), projection="3d")
     flat = canvas.add_axes((0.53, 0.13, 0.45, 0.74))
     position = step.field("position")
     values = field.values(step, view.size)
