@@ -19,6 +19,7 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
       mesh_(build_mesh(scene)),
       structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
       conditions_(build_conditions(scene, mesh_, structure_)),
+      constraints_(conditions_),
       options_(options),
       equations_(allocate_equations(structure_)) {
   PhaseTimer timer(times_, "setup");
@@ -53,32 +54,6 @@ void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const 
       });
 }
 
-void Assembler::add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const {
-  for (const VertexLoad& load : conditions_.loads) {
-    const SpatialLoad spatial = spatial_load(load, stage_amplitude(load_factor, load.stage), state);
-    for (int i = 0; i < 3; ++i) {
-      rows(kVertexDofs * load.vertex + i) -= spatial.force[i];
-      rows(kVertexDofs * load.vertex + 3 + i) -= spatial.moment[i];
-    }
-  }
-}
-
-void Assembler::set_support_rows(const State& state, double load_factor, const KernelView<double*>& rows) const {
-  for (const VertexSupport& support : conditions_.supports) {
-    const double amplitude = stage_amplitude(load_factor, support.stage);
-    const int v = support.vertex;
-    Vec turn{{0.0, 0.0, 0.0}};  // from the prescribed triad to the present one
-    if (support.rotation_prescribed)
-      turn = log_quaternion(load_quaternion(&state.views.vertex_rotation(v, 0)) *
-                            conjugate(exp_quaternion(amplitude * support.rotation)));
-    for (int i = 0; i < 3; ++i) {
-      if (support.fixed[i])
-        rows(kVertexDofs * v + i) = state.views.vertex_displacement(v, i) - amplitude * support.displacement[i];
-      if (support.fixed[3 + i]) rows(kVertexDofs * v + 3 + i) = turn[i];
-    }
-  }
-}
-
 /// Unscaled element residuals, interior rows straight into `out`.
 void Assembler::evaluate_elements(const StructureViews& views, const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
@@ -92,8 +67,10 @@ void Assembler::residual(const State& state, double load_factor, MixedVector& ou
   set_load_factor(load_factor);
   evaluate_elements(structure_.views, state, out);
   const KernelView<double*> rows = out.vertex();
-  add_vertex_loads(state, load_factor, rows);
-  set_support_rows(state, load_factor, rows);
+  subtract_point_loads(conditions_, state, load_factor, false, rows);
+  constraints_.remember(state, load_factor, rows);
+  constraints_.turn(state, rows);
+  constraints_.set(state, load_factor, rows);
   scales_ = scales_of(state, load_factor);
   scale_rows(out, false);
 }
@@ -138,8 +115,18 @@ void Assembler::cap_force_stiffness() {
   }
 }
 
+/// The tangent needs what supports and joints carry, which the condensed residual does not show.
+void Assembler::remember_constraint_forces(const State& state, double load_factor) {
+  if (constraints_.remembers(state, load_factor)) return;
+  MixedVector rows = create_vector();
+  evaluate_elements(structure_.views, state, rows);
+  subtract_point_loads(conditions_, state, load_factor, false, rows.vertex());
+  constraints_.remember(state, load_factor, rows.vertex());
+}
+
 void Assembler::tangent(const State& state, double load_factor) {
   set_load_factor(load_factor);
+  remember_constraint_forces(state, load_factor);
   cap_force_stiffness();
   {
     PhaseTimer timer(times_, "element tangent");
@@ -149,11 +136,12 @@ void Assembler::tangent(const State& state, double load_factor) {
   PhaseTimer timer(times_, "assemble");
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
   gather_rows(equations_.condensed_residual, rows);
-  add_vertex_loads(state, load_factor, rows);
-  set_support_rows(state, load_factor, rows);
+  subtract_point_loads(conditions_, state, load_factor, false, rows);
+  constraints_.turn(state, rows);
+  constraints_.set(state, load_factor, rows);
   assemble_matrix();
   add_load_tangents(state, load_factor);
-  set_support_identity();
+  constraints_.turn(state, matrix_->getLocalMatrixHost());
 }
 
 void Assembler::condense(const State& state, double load_factor, const MixedVector& scaled_rhs) {
@@ -166,6 +154,7 @@ void Assembler::condense(const State& state, double load_factor, const MixedVect
     condense_right_hand_side(block, structure_.views, state.views, rhs.interior(), equations_);
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
   gather_rows(equations_.condensed_residual, rows);
+  constraints_.turn(state, rows);
   const KernelView<double*> given = rhs.vertex();
   const auto fixed = fixed_;
   Kokkos::parallel_for(
@@ -204,7 +193,7 @@ void Assembler::assemble_matrix() {
 void Assembler::add_load_tangents(const State& state, double load_factor) {
   const auto local = matrix_->getLocalMatrixHost();
   for (const VertexLoad& load : conditions_.loads) {
-    const SpatialLoad spatial = spatial_load(load, stage_amplitude(load_factor, load.stage), state);
+    const SpatialLoad spatial = spatial_load(load, load.amplitude(load_factor), state);
     const bool follower = load.frame == LoadFrame::follower;
     const Mat moment = (follower ? 0.5 : -0.5) * hat(spatial.moment);
     const Mat force = hat(spatial.force);
@@ -215,19 +204,6 @@ void Assembler::add_load_tangents(const State& state, double load_factor) {
         local.values(local.graph.row_map(kVertexDofs * load.vertex + 3 + i) + column) += moment(i, j);
         if (follower) local.values(local.graph.row_map(kVertexDofs * load.vertex + i) + column) += force(i, j);
       }
-  }
-}
-
-void Assembler::set_support_identity() {
-  const auto local = matrix_->getLocalMatrixHost();
-  for (const VertexSupport& support : conditions_.supports) {
-    const int slot = adjacency_(adjacency_start_(support.vertex), 2);
-    for (int c = 0; c < kVertexDofs; ++c) {
-      if (!support.fixed[c]) continue;
-      const size_t row = kVertexDofs * support.vertex + c;
-      for (size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k) local.values(k) = 0.0;
-      local.values(local.graph.row_map(row) + kVertexDofs * slot + c) = 1.0;
-    }
   }
 }
 
@@ -284,20 +260,9 @@ void Assembler::load_derivative(const State& state, double load_factor, MixedVec
     set_load_factor(load_factor);
   }
   const KernelView<double*> rows = out.vertex();
-  for (const VertexLoad& load : conditions_.loads) {
-    const SpatialLoad spatial = spatial_load(load, stage_amplitude_slope(load_factor, load.stage), state);
-    for (int i = 0; i < 3; ++i) {
-      rows(kVertexDofs * load.vertex + i) -= spatial.force[i];
-      rows(kVertexDofs * load.vertex + 3 + i) -= spatial.moment[i];
-    }
-  }
-  for (const VertexSupport& support : conditions_.supports) {
-    const double slope = stage_amplitude_slope(load_factor, support.stage);
-    for (int i = 0; i < 3; ++i) {
-      if (support.fixed[i]) rows(kVertexDofs * support.vertex + i) = -slope * support.displacement[i];
-      if (support.fixed[3 + i]) rows(kVertexDofs * support.vertex + 3 + i) = -slope * support.rotation[i];
-    }
-  }
+  subtract_point_loads(conditions_, state, load_factor, true, rows);
+  constraints_.turn(state, rows);
+  constraints_.set_slopes(load_factor, rows);
   scale_rows(out, false);
 }
 

@@ -3,7 +3,7 @@
 /// atomics).
 #pragma once
 
-#include "discretization/conditions.hpp"
+#include "discretization/constraint_rows.hpp"
 #include "discretization/mixed_vector.hpp"
 #include "discretization/phase_timer.hpp"
 #include "discretization/residual_scales.hpp"
@@ -87,24 +87,24 @@ class Assembler {
   void mark_fixed_rows();
   void mark_owned_interior();
   void build_graph();
+  void couple_joints(std::vector<std::vector<int>>& columns) const;
   void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
   void evaluate_elements(const StructureViews& views, const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
-  void add_vertex_loads(const State& state, double load_factor, const KernelView<double*>& rows) const;
-  void set_support_rows(const State& state, double load_factor, const KernelView<double*>& rows) const;
   void scale_rows(MixedVector& v, bool inverse) const;
   void assemble_matrix();
   void add_load_tangents(const State& state, double load_factor);
-  void set_support_identity();
+  void remember_constraint_forces(const State& state, double load_factor);
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
 
   Scene scene_;
   Mesh mesh_;
   Structure structure_;
   Conditions conditions_;
+  ConstraintRows constraints_;
   AssemblerOptions options_;
   Teuchos::RCP<const DofMap> row_map_, column_map_;
   Teuchos::RCP<DofImport> import_;  ///< null on one rank

@@ -61,7 +61,7 @@ StateMagnitude Assembler::magnitude(const State& state) const {
       Kokkos::Max<double>(half_sine));
   m.rotation = 2.0 * std::sqrt(half_sine);
   for (const VertexLoad& load : conditions_.loads) {
-    const double amplitude = stage_amplitude(load_factor_, load.stage);
+    const double amplitude = std::abs(load.amplitude(load_factor_));
     m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));
     m.load_moment = std::max(m.load_moment, amplitude * largest_component(load.moment));
   }

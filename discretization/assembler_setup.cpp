@@ -64,9 +64,7 @@ void Assembler::build_maps(const Communicator& comm) {
 
 void Assembler::mark_fixed_rows() {
   fixed_ = KernelView<unsigned char*>("mixbeam::fixed", static_cast<size_t>(kVertexDofs) * structure_.owned_vertices);
-  for (const VertexSupport& support : conditions_.supports)
-    for (int c = 0; c < kVertexDofs; ++c)
-      if (support.fixed[c]) fixed_(kVertexDofs * support.vertex + c) = 1;
+  constraints_.mark_fixed(fixed_);
 }
 
 void Assembler::mark_owned_interior() {
@@ -85,12 +83,13 @@ void Assembler::build_graph() {
   const std::vector<std::vector<Touch>> touching = elements_at_vertices(structure_);
   std::vector<std::vector<int>> columns(n);
   adjacency_start_ = KernelView<int*>("mixbeam::adjacency_start", n + 1);
-  size_t entries = 0;
   for (int v = 0; v < n; ++v) {
     columns[v] = row_columns(v, touching[v]);
     adjacency_start_(v + 1) = adjacency_start_(v) + static_cast<int>(touching[v].size());
-    entries += kVertexDofs * kVertexDofs * columns[v].size();
   }
+  couple_joints(columns);
+  size_t entries = 0;
+  for (int v = 0; v < n; ++v) entries += kVertexDofs * kVertexDofs * columns[v].size();
   adjacency_ = KernelView<int* [4]>("mixbeam::adjacency", adjacency_start_(n));
   for (int v = 0; v < n; ++v) {
     const auto slot = [&](int vertex) {
@@ -103,6 +102,20 @@ void Assembler::build_graph() {
     }
   }
   build_matrix(columns, entries);
+}
+
+/// The rows of a master take those of its slaves, and the rows of a slave see the master.
+void Assembler::couple_joints(std::vector<std::vector<int>>& columns) const {
+  for (const VertexJoint& joint : conditions_.joints) {
+    std::vector<int>& master = columns[joint.master];
+    std::vector<int>& slave = columns[joint.slave];
+    master.insert(master.end(), slave.begin(), slave.end());
+    slave.push_back(joint.master);
+    for (std::vector<int>* both : {&master, &slave}) {
+      std::sort(both->begin(), both->end());
+      both->erase(std::unique(both->begin(), both->end()), both->end());
+    }
+  }
 }
 
 /// A matrix over the given block columns of each vertex, filled with zeros; its structure never changes again.

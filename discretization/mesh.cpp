@@ -2,6 +2,7 @@
 
 #include "discretization/element_division.hpp"
 #include "discretization/errors.hpp"
+#include "discretization/joined_ends.hpp"
 #include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/vector_algebra.hpp"
@@ -17,11 +18,28 @@ namespace {
 // Of the member's length: points are written with a dozen digits or more.
 constexpr double kPlaceTolerance = 1e-9;
 
-/// Vertex of a point, created at `position` when the point is met for the first time.
-int find_or_add_vertex(Mesh& mesh, const std::string& point, const Vector3& position) {
+/// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each member
+/// that a joint connects there.
+int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
   const auto [entry, is_new] = mesh.vertex_of_point.try_emplace(point, mesh.vertices());
-  if (is_new) mesh.vertex_position.push_back(position);
+  if (!is_new) return entry->second;
+  mesh.vertex_position.push_back(position);
+  const auto joined = joints.find(point);
+  if (joined == joints.end()) return entry->second;
+  for (const JoinedEnd& end : joined->second) {
+    mesh.joints.push_back({end.joint, end.member, entry->second, mesh.vertices()});
+    mesh.vertex_position.push_back(position);
+  }
   return entry->second;
+}
+
+/// The same for an end of a member: the vertex of its own that a joint gives it.
+int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position, int member) {
+  const int vertex = find_or_add_vertex(mesh, joints, point, position);
+  if (joints.count(point))
+    for (const MeshJoint& joint : mesh.joints)
+      if (joint.master == vertex && joint.member == member) return joint.slave;
+  return vertex;
 }
 
 Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
@@ -102,7 +120,7 @@ std::vector<std::string> vertex_points(const Member& member, const ElementDivisi
   return points;
 }
 
-void add_member(Mesh& mesh, const Member& member, int index, const Placement& placement) {
+void add_member(Mesh& mesh, const Member& member, int index, const Placement& placement, const JointTable& joints) {
   const ElementDivision division = divide(member);
   const std::vector<std::string> points = vertex_points(member, division);
   MeshMember added;
@@ -111,14 +129,16 @@ void add_member(Mesh& mesh, const Member& member, int index, const Placement& pl
   added.elements = division.elements();
   added.vertex_arc_length = vertex_arc_lengths(division, added.curve.length);
   added.has_equal_elements = division.is_equal;
-  int here = find_or_add_vertex(mesh, member.start_point, placement.position(member.start_point));
+  int here = vertex_of_end(mesh, joints, member.start_point, placement.position(member.start_point), index);
   for (int i = 0; i < added.elements; ++i) {
     const std::string& point = points[i + 1];
     int next = mesh.vertices();
     if (point.empty())
       mesh.vertex_position.push_back(to_array(added.curve.position(added.vertex_arc_length[i + 1])));
+    else if (i + 1 == added.elements)
+      next = vertex_of_end(mesh, joints, point, placement.position(point), index);
     else
-      next = find_or_add_vertex(mesh, point, placement.position(point));
+      next = find_or_add_vertex(mesh, joints, point, placement.position(point));
     mesh.elements.push_back({index, i, {here, next}});
     here = next;
   }
@@ -130,7 +150,9 @@ void add_member(Mesh& mesh, const Member& member, int index, const Placement& pl
 Mesh build_mesh(const Scene& scene) {
   Mesh mesh;
   const Placement placement(scene);
-  for (size_t m = 0; m < scene.members.size(); ++m) add_member(mesh, scene.members[m], static_cast<int>(m), placement);
+  const JointTable joints = joined_ends(scene);
+  for (size_t m = 0; m < scene.members.size(); ++m)
+    add_member(mesh, scene.members[m], static_cast<int>(m), placement, joints);
   return mesh;
 }
 

@@ -36,12 +36,21 @@ struct MeshMember {
   }
 };
 
+/// One joined end of a member: it has a vertex of its own, the slave.
+struct MeshJoint {
+  int joint = 0;   ///< in Scene::joints
+  int member = 0;  ///< whose end it is
+  int master = 0;  ///< vertex of the point
+  int slave = 0;
+};
+
 /// Vertices are numbered along the members, so a chain has a narrow band.
 struct Mesh {
   std::vector<Vector3> vertex_position;  ///< reference positions
   std::vector<MeshElement> elements;     ///< member by member
   std::vector<MeshMember> members;       ///< in the order of the scene
   std::map<std::string, int> vertex_of_point;
+  std::vector<MeshJoint> joints;  ///< in the order of their slaves, which follow the vertex of their point
 
   int vertices() const { return static_cast<int>(vertex_position.size()); }
   const MeshMember& member_of(const MeshElement& element) const { return members[element.member]; }
@@ -55,7 +64,7 @@ struct Mesh {
 /// Divides every member into elements, see divide (element_division.hpp). Inner points become vertices. Ends of arcs,
 /// helices and parametric curves and inner points may be absent from the points of the scene: they follow from their
 /// curve. Throws std::invalid_argument for a degenerate curve or division, InputError for a point whose position is not
-/// known or is not where the curve passes.
+/// known or is not where the curve passes, and std::invalid_argument for a joint that joins nothing.
 Mesh build_mesh(const Scene& scene);
 
 /// Vertex of a named point; throws InputError with the nearest name when no member touches it.

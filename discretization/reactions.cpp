@@ -27,26 +27,16 @@ using Rows = KernelView<const double*>;
 
 Vec vector_at(const Rows& rows, size_t first) { return load_vector(&rows(first)); }
 
-/// Rows of all vertices that supports have to hold: elements minus point loads.
-void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor,
-                          const KernelView<double*>& rows) {
-  for (const VertexLoad& load : conditions.loads) {
-    const SpatialLoad spatial = spatial_load(load, stage_amplitude(load_factor, load.stage), state);
-    for (int i = 0; i < 3; ++i) {
-      rows(kVertexDofs * load.vertex + i) -= spatial.force[i];
-      rows(kVertexDofs * load.vertex + 3 + i) -= spatial.moment[i];
-    }
-  }
+/// Makes the rows of the elements those that supports have to hold: point loads subtracted, slaves with their masters.
+void leave_to_supports(const Conditions& conditions, const State& state, double load_factor,
+                       const KernelView<double*>& rows) {
+  subtract_point_loads(conditions, state, load_factor, false, rows);
+  for (const VertexJoint& joint : conditions.joints) join_rows(joint, state, rows);
 }
 
-/// Force and moment of one support on its vertex, from the rows that it has to hold.
-SpatialLoad support_reaction(const VertexSupport& support, const Rows& rows) {
-  SpatialLoad reaction{};
-  for (int i = 0; i < 3; ++i) {
-    if (support.fixed[i]) reaction.force[i] = rows(kVertexDofs * support.vertex + i);
-    if (support.fixed[3 + i]) reaction.moment[i] = rows(kVertexDofs * support.vertex + 3 + i);
-  }
-  return reaction;
+SpatialLoad reaction_of(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
+  return support_reaction(support, state, rows_of(rows, support.vertex, kForcePart),
+                          rows_of(rows, support.vertex, kMomentPart));
 }
 
 /// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: in a
@@ -137,12 +127,10 @@ class BalanceSums {
     MixedVector rows = assembler.create_vector();
     assembler.element_rows(state, load_factor, true, rows);
     if (assembler.structure().views.member_load.extent(0) > 0) add_line_loads(rows);
-    subtract_point_loads(assembler.conditions(), state, load_factor, rows.vertex());
+    leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
     add_point_loads();
-    for (const VertexSupport& support : assembler.conditions().supports) {
-      const SpatialLoad reaction = support_reaction(support, rows.vertex());
-      add(reactions_, support.vertex, reaction);
-    }
+    for (const VertexSupport& support : assembler.conditions().supports)
+      add(reactions_, support.vertex, reaction_of(support, state, rows.vertex()));
     for_each_owned_element([&](const ElementView& element) { curve_moment_ += element.curve_moment(); });
   }
 
@@ -171,7 +159,7 @@ class BalanceSums {
   }
   void add_point_loads() {
     for (const VertexLoad& load : assembler_.conditions().loads)
-      add(applied_, load.vertex, spatial_load(load, stage_amplitude(load_factor_, load.stage), state_));
+      add(applied_, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
   }
   void add_line_loads(const MixedVector& loaded) {
     MixedVector difference = assembler_.create_vector();
@@ -237,11 +225,11 @@ Balance BalanceSums::over_all_ranks() const {
 std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor) {
   MixedVector rows = assembler.create_vector();
   assembler.element_rows(state, load_factor, true, rows);
-  subtract_point_loads(assembler.conditions(), state, load_factor, rows.vertex());
+  leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
   const std::vector<Support>& supports = assembler.scene().supports;
   std::vector<double> mine(6 * supports.size(), 0.0), all(mine.size());
   for (const VertexSupport& support : assembler.conditions().supports) {
-    const SpatialLoad reaction = support_reaction(support, rows.vertex());
+    const SpatialLoad reaction = reaction_of(support, state, rows.vertex());
     store_vector(reaction.force, &mine[6 * support.index]);
     store_vector(reaction.moment, &mine[6 * support.index + 3]);
   }

@@ -139,6 +139,22 @@ void fill_structure_views(Structure& structure, const Scene& scene) {
 
 }  // namespace
 
+VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
+  const int vertices = mesh.vertices();
+  const auto is_slave = [&](int vertex) {  // slaves ascend
+    const auto joint = std::lower_bound(mesh.joints.begin(), mesh.joints.end(), vertex,
+                                        [](const MeshJoint& j, int v) { return j.slave < v; });
+    return joint != mesh.joints.end() && joint->slave == vertex;
+  };
+  const auto first_of = [&](int r) {
+    int first = static_cast<int>(static_cast<long long>(vertices) * r / ranks);
+    while (is_slave(first)) ++first;  // with its master on the rank before
+    return first;
+  };
+  first_ = first_of(rank);
+  end_ = first_of(rank + 1);
+}
+
 const ElementBlock& Structure::block_of(int local_element) const {
   for (const ElementBlock& block : blocks)
     if (local_element < block.first_element + block.count) return block;
@@ -147,7 +163,7 @@ const ElementBlock& Structure::block_of(int local_element) const {
 
 Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks) {
   Structure structure;
-  structure.partition = {rank, ranks, mesh.vertices()};
+  structure.partition = VertexPartition(rank, ranks, mesh);
   structure.length = characteristic_length(mesh);
   structure.bending_reference = largest_bending_stiffness(scene);
   structure.shortest_element = std::numeric_limits<double>::max();

@@ -16,13 +16,18 @@ struct State {
   StateViews views;
 };
 
-/// Contiguous share of the global vertices.
-struct VertexPartition {
-  int rank = 0, ranks = 1, vertices = 0;
-  int first(int r) const { return static_cast<int>(static_cast<long long>(vertices) * r / ranks); }
-  int owned_first() const { return first(rank); }
-  int owned_end() const { return first(rank + 1); }
-  bool owns(int vertex) const { return vertex >= owned_first() && vertex < owned_end(); }
+/// Contiguous share of the global vertices, as equal as joints permit: the vertices of a joined point stay together.
+class VertexPartition {
+ public:
+  VertexPartition() = default;
+  VertexPartition(int rank, int ranks, const Mesh& mesh);
+
+  int owned_first() const { return first_; }
+  int owned_end() const { return end_; }
+  bool owns(int vertex) const { return vertex >= first_ && vertex < end_; }
+
+ private:
+  int first_ = 0, end_ = 0;
 };
 
 struct Structure {
