@@ -1,0 +1,84 @@
+/// Scenes with joints, springs and supports in any axes, and the same scenes turned in space.
+#pragma once
+
+#include "kernels/element_kinematics.hpp"
+#include "tests/problems/scenes.hpp"
+
+#include <random>
+
+namespace mixbeam::test {
+
+inline Joint joint(JointKind kind, const std::string& point, const std::vector<std::string>& members,
+                   const Vector3& axis = {0, 0, 1}, double stiffness = 0.0) {
+  return {"joint at " + point, point, members, kind, axis, stiffness};
+}
+
+/// A hinge about e3.
+inline Support hinged(const std::string& point) {
+  Support support = clamp(point);
+  support.rotation_fixed = {true, true, false};
+  return support;
+}
+
+inline Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+inline Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
+inline Vector3 turned(const Mat& rotation, const Vector3& v) { return to_array(rotation * to_vec(v)); }
+
+/// The whole scene turned about the origin; sections here are the same in both bending directions.
+inline Scene turned(const Mat& rotation, Scene scene) {
+  for (Point& point : scene.points) point.position = turned(rotation, point.position);
+  for (Member& member : scene.members) {
+    member.curve.center = turned(rotation, member.curve.center);
+    member.curve.axis = turned(rotation, member.curve.axis);
+    member.second_axis = turned(rotation, member.second_axis);
+  }
+  for (Joint& joint : scene.joints) joint.axis = turned(rotation, joint.axis);
+  for (Support& support : scene.supports)
+    for (Vector3& axis : support.axes) axis = turned(rotation, axis);
+  for (PointLoad& load : scene.point_loads)
+    if (load.frame == LoadFrame::dead) {
+      load.force = turned(rotation, load.force);
+      load.moment = turned(rotation, load.moment);
+    }
+  for (DistributedLoad& load : scene.distributed_loads) {
+    load.force = turned(rotation, load.force);
+    load.couple = turned(rotation, load.couple);
+  }
+  return scene;
+}
+
+inline Mat some_rotation() { return rotation_matrix(exp_quaternion(Vec{{0.7, -1.1, 1.9}})); }
+
+/// A portal in space with a hinge, a ball joint and a slider, axes in general directions, springs, and supports of
+/// every kind: the left leg clamped, the right one held by springs and one fixed rotation, the strut by a hinge.
+inline Scene portal_of_joints(int order, int elements, double load = 1.0) {
+  Scene scene;
+  scene.name = "portal of joints";
+  scene.sections = {section(1e4, 5e3, 80, 100)};
+  scene.points = {{"A", {0, 0, 0}}, {"B", {0, 3, 0}}, {"C", {2, 3.5, 0.3}}, {"D", {4, 3, 0}},
+                  {"E", {4, 0, 0}}, {"F", {2, 3, 2}}, {"G", {5, 3, 1}}};
+  scene.members = {line("left", "A", "B", order, elements),   line("beam 1", "B", "C", order, elements),
+                   line("beam 2", "C", "D", order, elements), line("right", "D", "E", order, elements),
+                   line("strut", "C", "F", order, elements),  line("arm", "D", "G", order, elements)};
+  scene.members[2].second_axis = {0, 0, 1};  // a follower load refers to it, wherever the scene is turned
+  scene.joints = {joint(JointKind::hinge, "B", {"beam 1"}, {0.2, 0.3, 1}, 15.0), joint(JointKind::ball, "C", {"strut"}),
+                  joint(JointKind::hinge, "D", {"right"}, {0.1, -0.2, 1}),
+                  joint(JointKind::slider, "D", {"arm"}, {1, 0.2, -0.3}, 60.0)};
+  Support springs = clamp("E");
+  springs.axes = {{{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}}};
+  springs.displacement_fixed = {true, false, true};
+  springs.displacement_stiffness = {0, 200.0, 0};
+  springs.rotation_fixed = {false, true, false};
+  springs.rotation_stiffness = {50.0, 0, 70.0};
+  Support strut = hinged("F");
+  strut.axes = {{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}}};
+  scene.supports = {clamp("A"), springs, strut};
+  scene.point_loads = {dead_load("B", {2 * load, -3 * load, load}),
+                       dead_load("C", {load, -5 * load, 2 * load}, {load, 2 * load, -load}),
+                       dead_load("G", {-load, -4 * load, 3 * load}, {0, load, 2 * load}),
+                       follower_load("D", "beam 2", {0, 2 * load, 0}, {load, 0, -load})};
+  scene.distributed_loads = {{"arm", {0, -load, 0.5 * load}, {}, 1}, {"beam 1", {0, -load, 0}, {}, 1}};
+  return scene;
+}
+
+}  // namespace mixbeam::test
