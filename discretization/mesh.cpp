@@ -70,20 +70,31 @@ class Placement {
   const Vector3& position(const std::string& point) const { return position_.at(point); }
 
  private:
+  /// Whether the curve can be placed: a parametric curve knows its ends, arc and helix follow from their start.
   bool is_ready(const Member& member) const {
-    return position_.count(member.start_point) &&
-           (member.curve.shape != CurveShape::line || position_.count(member.end_point));
+    const CurveShape shape = member.curve.shape;
+    if (shape == CurveShape::parametric) return true;
+    if (!position_.count(member.start_point)) return false;
+    return (shape != CurveShape::line && shape != CurveShape::spline) || position_.count(member.end_point);
   }
 
   void place(std::size_t index) {
     const Member& member = scene_.members[index];
-    const Vector3& start = position_.at(member.start_point);
-    const auto end = position_.find(member.end_point);
-    const ReferenceCurve& curve =
-        curves_[index].emplace(make_reference_curve(member, start, end == position_.end() ? start : end->second));
+    const ReferenceCurve& curve = curves_[index].emplace(
+        make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point)));
+    if (member.curve.shape == CurveShape::parametric) {
+      place_on(curve, 0.0, member.start_point, member);
+      place_on(curve, curve.length, member.end_point, member);
+    }
     position_.try_emplace(member.end_point, to_array(curve.position(curve.length)));
     for (const InnerPoint& inner : member.inner_points)
       place_on(curve, curve.length * inner.position, inner.point, member);
+  }
+
+  /// What a curve that follows from itself does not look at may be unknown.
+  Vector3 position_or_origin(const std::string& point) const {
+    const auto entry = position_.find(point);
+    return entry == position_.end() ? Vector3{} : entry->second;
   }
 
   /// Gives a point its place on the curve, or checks that it is there.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace mixbeam {
 namespace {
@@ -97,31 +98,25 @@ Vector3 start_second_axis(const Member& member, const Vector3& start, const Vect
             "The second axis is parallel to the tangent at the start.");
     return unit_normal_part(direction, tangent);
   }
-  const Vector3 choice = member.curve.shape == CurveShape::line ? default_second_axis_of_line(tangent)
-                                                                : scaled(-1.0, radius_vector(member.curve, start));
+  const bool turns = member.curve.shape == CurveShape::circular_arc || member.curve.shape == CurveShape::helix;
+  const Vector3 choice =
+      turns ? scaled(-1.0, radius_vector(member.curve, start)) : default_second_axis_of_line(tangent);
   return unit_normal_part(unit(choice), tangent);
 }
 
-}  // namespace
+Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
 
-Vec3<double> ReferenceCurve::position(double s) const {
-  const Vec3<double> mean_tangent = tangent_map(s * start_curvature) * Vec3<double>{{1.0, 0.0, 0.0}};
-  return origin + s * (rotation_matrix(start_triad) * mean_tangent);
+Quaternion<double> triad_of(const Vector3& g1, const Vector3& g2) {
+  const Vector3 g3 = cross(g1, g2);
+  return quaternion_of(Mat3<double>{{{g1[0], g2[0], g3[0]}, {g1[1], g2[1], g3[1]}, {g1[2], g2[2], g3[2]}}});
 }
 
-// The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
-Quaternion<double> ReferenceCurve::triad(double s) const {
-  return normalized(start_triad * exp_quaternion(s * start_curvature));
+Quaternion<double> turn_about_first_axis(double angle) {
+  return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0};
 }
 
-Vec3<double> ReferenceCurve::tangent(double s) const {
-  const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
-  return (1.0 / norm(g1)) * g1;
-}
-
-Vec3<double> ReferenceCurve::curvature(double) const { return start_curvature; }
-
-ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
+/// Line, arc or helix.
+ReferenceCurve make_turning_curve(const Member& member, const Vector3& start, const Vector3& end) {
   check_curve(member.curve, start, end);
   const Vector3 g1 = start_tangent(member.curve, start, end);
   const Vector3 g2 = start_second_axis(member, start, g1);
@@ -129,23 +124,82 @@ ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, 
 
   ReferenceCurve curve{};
   curve.origin = to_vec3(start);
-  curve.start_triad =
-      quaternion_of(Mat3<double>{{{g1[0], g2[0], g3[0]}, {g1[1], g2[1], g3[1]}, {g1[2], g2[2], g3[2]}}});
+  curve.start_triad = triad_of(g1, g2);
   curve.length = curve_length(member.curve, start, end);
-  if (member.curve.shape != CurveShape::line) {
-    // Lambda_0 kappa0 = (angle / length) axis
-    const Vector3 turning_rate = scaled(member.curve.angle / curve.length, axis_direction(member.curve));
-    curve.start_curvature = {{dot(g1, turning_rate), dot(g2, turning_rate), dot(g3, turning_rate)}};
+  const double twist_rate = member.twist / curve.length;
+  if (member.curve.shape == CurveShape::line) {
+    curve.start_curvature = {{twist_rate, 0.0, 0.0}};
+    return curve;
   }
+  // Lambda_0 kappa0 = (angle / length) axis
+  const Vector3 turning_rate = scaled(member.curve.angle / curve.length, axis_direction(member.curve));
+  curve.start_curvature = {{dot(g1, turning_rate) + twist_rate, dot(g2, turning_rate), dot(g3, turning_rate)}};
+  curve.twist_rate = twist_rate;
   return curve;
 }
 
+/// Spline or parametric curve.
+ReferenceCurve make_path(const Member& member, const Vector3& start, const Vector3& end) {
+  PolynomialCurve pieces = member.curve.shape == CurveShape::spline ? make_spline(member.curve, start, end)
+                                                                    : make_formula_curve(member.curve);
+  ReferenceCurve curve{};
+  curve.origin = pieces.origin;
+  const Vector3 g1 = to_array(mixbeam::start_tangent(pieces));
+  curve.start_triad = triad_of(g1, start_second_axis(member, start, g1));
+  curve.path = std::make_shared<ArcLengthCurve>(std::move(pieces), curve.start_triad);
+  curve.length = curve.path->length();
+  curve.twist_rate = member.twist / curve.length;
+  curve.start_curvature = curve.curvature(0.0);
+  return curve;
+}
+
+}  // namespace
+
+Vec3<double> ReferenceCurve::position(double s) const {
+  if (path != nullptr) return path->position(s);
+  const Vec3<double> carried = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
+  const Vec3<double> mean_tangent = tangent_map(s * carried) * Vec3<double>{{1.0, 0.0, 0.0}};
+  return origin + s * (rotation_matrix(start_triad) * mean_tangent);
+}
+
+// The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
+Quaternion<double> ReferenceCurve::triad(double s) const {
+  if (has_constant_curvature()) return normalized(start_triad * exp_quaternion(s * start_curvature));
+  const Vec3<double> carried_curvature = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
+  const Quaternion<double> carried =
+      path != nullptr ? path->triad(s) : start_triad * exp_quaternion(s * carried_curvature);
+  return normalized(carried * turn_about_first_axis(s * twist_rate));
+}
+
+Vec3<double> ReferenceCurve::tangent(double s) const {
+  if (path != nullptr) return path->tangent(s);
+  const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
+  return (1.0 / norm(g1)) * g1;
+}
+
+Vec3<double> ReferenceCurve::curvature(double s) const {
+  if (has_constant_curvature()) return start_curvature;
+  const Vec3<double> twist{{twist_rate, 0.0, 0.0}};
+  if (path == nullptr) {  // components of the carried curvature in the twisted triad
+    const Quaternion<double> turn = turn_about_first_axis(s * twist_rate);
+    return twist + transpose_times(rotation_matrix(turn), start_curvature - twist);
+  }
+  // g1' = kappa0_3 g2 - kappa0_2 g3
+  const Vec3<double> slope = transpose_times(rotation_matrix(triad(s)), path->tangent_slope(s));
+  return {{twist_rate, -slope[2], slope[1]}};
+}
+
+ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
+  require(std::isfinite(member.twist), "The twist of the member is not finite.");
+  const bool is_path = member.curve.shape == CurveShape::spline || member.curve.shape == CurveShape::parametric;
+  return is_path ? make_path(member, start, end) : make_turning_curve(member, start, end);
+}
+
 Vector3 end_position(const Member& member, const Vector3& start) {
-  require(member.curve.shape != CurveShape::line,
-          "A line ends at its end point; only arc and helix define their own end.");
+  require(member.curve.shape != CurveShape::line && member.curve.shape != CurveShape::spline,
+          "A line ends at its end point; only arc, helix and parametric curve define their own end.");
   const ReferenceCurve curve = make_reference_curve(member, start, start);
-  const Vec3<double> end = curve.position(curve.length);
-  return {end[0], end[1], end[2]};
+  return to_array(curve.position(curve.length));
 }
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "discretization/structure.hpp"
 
 #include "discretization/errors.hpp"
+#include "discretization/reference_element.hpp"
 #include "kernels/element_kinematics.hpp"
 
 #include <algorithm>
@@ -63,37 +64,31 @@ int local_vertex(const Structure& structure, int global) {
 }
 
 /// Reference data of one element, see ReferenceLayout.
-template <int K>
-void fill_reference(const ReferenceCurve& curve, double start, double length, const ElementTables<K>& tables,
-                    const ReferenceLayout& layout, double* row) {
+void fill_reference(const ReferenceElement& element, double length, const ReferenceLayout& layout, double* row) {
   row[layout.length()] = length;
-  for (int end = 0; end < 2; ++end) store_quaternion(curve.triad(start + end * length), row + layout.end_triad(end));
-  for (int q = 0; q < layout.force_points; ++q)
-    store_vector(curve.tangent(start + 0.5 * length * (1.0 + tables.force_xi[q])), row + layout.tangent(q));
-  for (int q = 0; q <= K; ++q) store_vector(curve.start_curvature, row + layout.curvature(q));
+  for (int end = 0; end < 2; ++end) store_quaternion(element.end_triad[end], row + layout.end_triad(end));
+  for (int q = 0; q < layout.force_points; ++q) store_vector(element.tangent[q], row + layout.tangent(q));
+  for (int q = 0; q <= layout.order; ++q) store_vector(element.curvature[q], row + layout.curvature(q));
 }
 
-template <int K>
-void fill_block(ElementBlock& block, const Structure& structure, const Mesh& mesh) {
-  const ElementTables<K> tables(block.force_integration);
+ReferenceElement reference_element(const Mesh& mesh, const MeshElement& element, const ElementBlock& block) {
+  return make_reference_element(mesh.member_of(element), element.index, block.order, block.force_integration);
+}
+
+void fill_block(ElementBlock& block, const Structure& structure, const Scene& scene, const Mesh& mesh) {
   for (int e = 0; e < block.count; ++e) {
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
-    const MeshMember& member = mesh.members[element.member];
-    const double h = mesh.element_length(element);
-    const double start = member.vertex_arc_length[element.index];
-    fill_reference(member.curve, start, h, tables, block.reference_layout, &block.reference(e, 0));
+    try {
+      fill_reference(reference_element(mesh, element, block), mesh.element_length(element), block.reference_layout,
+                     &block.reference(e, 0));
+    } catch (const std::invalid_argument& error) {
+      throw InputError("member \"" + scene.members[element.member].name + "\", element " +
+                       std::to_string(element.index + 1) + " of " + std::to_string(mesh.member_of(element).elements) +
+                       ": " + error.what());
+    }
     for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
     block.member(e) = element.member;
   }
-}
-
-template <int K = 1>
-void fill_block_of_order(ElementBlock& block, const Structure& structure, const Mesh& mesh) {
-  if (block.order == K) return fill_block<K>(block, structure, mesh);
-  if constexpr (K < kMaximumOrder)
-    fill_block_of_order<K + 1>(block, structure, mesh);
-  else
-    throw InputError("element order " + std::to_string(block.order) + " is outside 1..8");
 }
 
 void add_block(Structure& structure, const BlockKey& key, const std::vector<int>& elements) {
@@ -102,6 +97,8 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   block.force_integration = static_cast<ForceIntegration>(key.second);
   block.first_element = structure.local_elements();
   block.count = static_cast<int>(elements.size());
+  if (block.order < 1 || block.order > kMaximumOrder)
+    throw InputError("element order " + std::to_string(block.order) + " is outside 1..8");
   const int points = force_point_count(block.order, block.force_integration);
   block.interior = {block.order, points};
   block.reference_layout = {block.order, points};
@@ -176,7 +173,7 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
   for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
   number_local_vertices(structure, mesh.elements);
-  for (ElementBlock& block : structure.blocks) fill_block_of_order(block, structure, mesh);
+  for (ElementBlock& block : structure.blocks) fill_block(block, structure, scene, mesh);
   fill_structure_views(structure, scene);
   return structure;
 }
@@ -205,15 +202,12 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
     for (int e = 0; e < block.count; ++e) {
       const int local = block.first_element + e;
       const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
-      const MeshMember& member = mesh.members[element.member];
-      const double h = mesh.element_length(element);
-      store_quaternion(member.curve.triad(mesh.arc_length(element, 0.0)), &state.views.element_triad(local, 0));
-      if (block.order > 1) {
-        // constant curvature: Lambda_0 = Lambda_mid exp(xi h/2 kappa0), exactly the first Legendre mode
-        double* interior =
-            &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
-        store_vector((0.5 * h) * member.curve.start_curvature, interior + block.interior.relative_rotation(1));
-      }
+      const ReferenceElement reference = reference_element(mesh, element, block);
+      store_quaternion(reference.triad, &state.views.element_triad(local, 0));
+      double* interior =
+          &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
+      for (int j = 1; j < block.order; ++j)
+        store_vector(reference.relative_rotation[j], interior + block.interior.relative_rotation(j));
     }
   }
   return state;

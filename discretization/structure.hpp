@@ -52,8 +52,8 @@ struct Structure {
 /// Distributes elements and vertices and fills the reference data.
 Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
 
-/// Undeformed state: vertex rotations identity, element triads at mid element, relative rotations from the reference
-/// curve, stress free.
+/// Undeformed state: vertex rotations identity, element triads and relative rotations of the reference elements
+/// (reference_element.hpp), stress free.
 State reference_state(const Structure& structure, const Mesh& mesh);
 
 /// Room for a state, not initialised.
