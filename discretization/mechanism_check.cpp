@@ -77,7 +77,11 @@ void measure(Part& part, const Scene& scene, const PointIndex& index) {
 std::vector<Part> connected_parts(const Scene& scene) {
   const PointIndex index = index_points(scene);
   Groups groups(scene.points.size());
-  for (const Member& member : scene.members) groups.join(index.at(member.start_point), index.at(member.end_point));
+  for (const Member& member : scene.members) {
+    groups.join(index.at(member.start_point), index.at(member.end_point));
+    for (const InnerPoint& inner : member.inner_points)
+      groups.join(index.at(member.start_point), index.at(inner.point));
+  }
   std::unordered_map<std::size_t, std::size_t> part_of_group;
   std::vector<Part> parts;
   const auto part_of = [&](const std::string& point) -> Part& {

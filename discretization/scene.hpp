@@ -62,7 +62,7 @@ struct Curve {
   double angle = 0.0;  ///< arc and helix: angle swept about the axis, positive, in radians
   double rise = 0.0;   ///< helix: signed length gained along the axis over the whole angle
   std::vector<Vector3> through{};  ///< spline: interior points between start and end of the member
-  /// spline: tangent directions at start and end (any length); zero: natural end (no curvature)
+  /// spline: tangent directions at start and end (any length); zero: no curvature there, both zero: closed ones smooth
   std::array<Vector3, 2> end_tangents{};
   std::array<std::string, 3> formula{};   ///< parametric: x, y, z as formulas of t, spatial
   std::array<double, 2> range{0.0, 1.0};  ///< parametric: t at start and end of the member

@@ -56,6 +56,14 @@ TEST(MechanismCheck, AcceptsThreeBallJointsThatAreNotInALine) {
   EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
 }
 
+TEST(MechanismCheck, SupportsOfInnerPointsHoldTheMember) {
+  Scene scene = beam({support("m", kAll, kAll)});
+  scene.points.push_back(point("m", {5.5, 1, 1}));
+  EXPECT_NE(refusal(scene), "");  // a point of its own
+  scene.members[0].inner_points = {{"m", 0.5}};
+  EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
+}
+
 TEST(MechanismCheck, NamesATranslation) {
   expect_parts(refusal(beam({support("a", {true, false, true}, kAll)})),
                {"scene.xml", "XML path \"Scene / Supports\"", "member \"a-b\"", "1 way", "translation along (0, 1, 0)",
