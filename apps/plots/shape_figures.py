@@ -117,6 +117,7 @@ def strip_figure(view, steps, field):
     panel = 13.0 / max(columns, 3)
     canvas, panels = style.figure(panel * columns + 0.8, (panel * aspect + 0.5) * rows + 0.4, rows, columns,
                                   squeeze=False, sharex=True, sharey=True)
+    canvas.get_layout_engine().set(h_pad=0.1)  # inches; the title has a root, which is measured too low
     for axes in panels.flat[len(steps):]:
         axes.set_visible(False)
     grey, _ = view.lines(view.structure.reference)
@@ -179,7 +180,7 @@ def _draw_triads(view, axes, step, position):
 
 def _name_axes_3d(axes, view):
     for i, name in enumerate("xyz"):
-        getattr(axes, f"set_{name}label")(f"$x_{i + 1}$" + fields.times(view.exponent), labelpad=(6, 6, 1)[i])
+        getattr(axes, f"set_{name}label")(f"$x_{i + 1}$" + fields.times(view.exponent), labelpad=(9, 9, 2)[i])
 
 
 def _finish_plane(axes, view, points=None):
