@@ -5,11 +5,10 @@ import numpy as np
 import fields
 import style
 
-OWN = {"step", "load_factor", "newton_iterations", "residual", "strain_energy"}
 MOST_QUANTITIES, MOST_DISPLACEMENTS = 9, 6
 MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothing is monitored
 MOST_HISTORIES = 60
-STILL = 1e-12       # a monitored point that moved less than this share of the size stood still
+STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
 def load_displacement_figure(view):
@@ -42,18 +41,21 @@ def _monitored(view):
     """[(title, load factors, values, symbol)] of monitored quantities that change, the largest first where many."""
     monitor = view.run.monitor()
     factor = monitor.get("load_factor", np.array([]))
+    step = view.run.steps[-1]
+    force = np.abs(step.field("material_force")).max(initial=0.0)
+    moment = np.abs(step.field("material_moment")).max(initial=0.0)
+    scale = {"u": view.size, r"\theta": 1.0, "R": max(force, moment / view.size), "M": max(moment, force * view.size)}
     curves = []
     for name, values in monitor.items():
-        if name in OWN or len(values) != len(factor) or values.dtype.kind != "f" or not np.isfinite(values).any():
-            continue
+        if "." not in name or len(values) != len(factor) or not np.isfinite(values).any():
+            continue  # names without a point are what every file has, like the residual
         kind = name.rsplit(".", 1)[-1]
-        symbol = {"rotation": r"\theta", "reaction": "R", "moment": "M", "force": "F"}.get(kind, "u")
-        floor = STILL * (view.size if kind == "displacement" else 1.0)
-        if np.ptp(values, axis=0).max() > floor:
-            curves.append((name.replace(".", ": "), factor, values, symbol))
+        symbol = {"rotation": r"\theta", "reaction_force": "R", "reaction_moment": "M"}.get(kind, "u")
+        if np.ptp(values, axis=0).max() > STILL * scale[symbol]:
+            curves.append((name.replace(".", ": ").replace("_", " "), factor, values, symbol))
     if len(factor) < 2:
         return []
-    largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max())
+    largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max() / (scale[curve[3]] or 1.0))
     kept = [curve[0] for curve in largest if curve[3] == "u"][:MOST_DISPLACEMENTS]
     kept += [curve[0] for curve in largest if curve[3] != "u"][:MOST_QUANTITIES - len(kept)]
     return sorted((curve for curve in curves if curve[0] in kept), key=lambda curve: curve[3] != "u")
@@ -86,8 +88,8 @@ def iteration_figure(view):
         left.set_xticks(numbers)
     left.set(xlabel="step", ylabel="Newton iterations", ylim=(0, max(1, iterations.max(initial=1)) * 1.08),
              title=f"{iterations.sum()} iterations in all", xlim=(numbers[0] - 0.8, numbers[-1] + 0.8))
-    histories = [(step, step.residual_history()) for step in _spread(steps, MOST_HISTORIES)]
-    histories = [(step, history[history > 0]) for step, history in histories if np.any(history > 0)]
+    histories = [(step, step.residual_histories()) for step in _spread(steps, MOST_HISTORIES)]
+    histories = [(step, attempts) for step, attempts in histories if attempts and np.any(attempts[-1] > 0)]
     if histories:
         _draw_histories(canvas, right, histories)
     else:
@@ -102,11 +104,14 @@ def _draw_histories(canvas, axes, histories):
     factors = [step.load_factor for step, _ in histories]
     norm = matplotlib.colors.Normalize(min(factors), max(factors) if max(factors) > min(factors) else min(factors) + 1)
     colors = style.plt.get_cmap("viridis")
-    for step, history in histories:
-        axes.semilogy(np.arange(len(history)), history, marker="o", markersize=3, linewidth=1.1,
-                      color=colors(0.9 * norm(step.load_factor)))
+    for step, attempts in histories:
+        for history in attempts[:-1]:
+            axes.semilogy(np.arange(len(history)), np.where(history > 0, history, np.nan), color="#C4C4C4", linewidth=0.9)
+        axes.semilogy(np.arange(len(attempts[-1])), np.where(attempts[-1] > 0, attempts[-1], np.nan), marker="o",
+                      markersize=3, linewidth=1.1, color=colors(0.9 * norm(step.load_factor)))
+    failed = any(len(attempts) > 1 for _, attempts in histories)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.set(xlabel="iteration within the step", ylabel="scale-free residual", title="each line is a step")
+    axes.set(xlabel="iteration within the step", ylabel="scale-free residual", title="each line is a step" + (", grey: attempts that failed" if failed else ""))
     if len(histories) > 1:
         map_ = matplotlib.colors.ListedColormap(colors(np.linspace(0.0, 0.9, 256)))
         canvas.colorbar(matplotlib.cm.ScalarMappable(norm, map_), ax=axes, label="load factor", pad=0.02)

@@ -113,9 +113,14 @@ class Step:
         """Some rows of a field without reading the others; `numbers` ascending."""
         return self._group[name][numbers]
 
-    def residual_history(self):
-        """Scale-free residual at every Newton iterate of the step, empty where the file does not say."""
-        return np.ravel(self._group["residual_history"][:]) if "residual_history" in self._group else np.array([])
+    def residual_histories(self):
+        """Scale-free residuals of every attempt at the step, the successful one last; empty where the file has none."""
+        if "residual_history" not in self._group:
+            return []
+        rows = self._group["residual_history"][:]
+        if rows.ndim == 1:
+            return [rows]
+        return [rows[rows[:, 0] == attempt, -1] for attempt in np.unique(rows[:, 0])]
 
 
 class Run:

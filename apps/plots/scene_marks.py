@@ -5,11 +5,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+SAME_PLACE = 1e-6  # of the extent: farther from a point than this, a sample is another place
+MOST_POINTS = 500  # looked up by coordinates, each in one pass over all samples
+
 
 class Marks:
     """Sample numbers at which a picture shows supports, and (sample number, direction) of point forces."""
 
-    def __init__(self, run, load_factor):
+    def __init__(self, run, load_factor, reference):
         self.supports, self.forces = [], []
         try:
             scene = _child(ElementTree.fromstring(run.scene_text() or "<none/>"), "Scene")
@@ -17,7 +20,7 @@ class Marks:
             return
         if scene is None:
             return
-        places = _point_samples(scene, run)
+        places = _point_samples(scene, run, reference)
         for support in _lists(_child(scene, "Supports")):
             self.supports += [sample for _, sample in _matches(places, support)]
         for load in _lists(_child(scene, "Point Loads")):
@@ -34,8 +37,11 @@ def _keep(marks, sample, vector):
         marks.append((sample, vector / np.linalg.norm(vector)))
 
 
-def _point_samples(scene, run):
-    """First or last sample of a member that starts or ends at the point."""
+def _point_samples(scene, run, reference):
+    """First or last sample of a member that starts or ends at the point; else the sample at the point's coordinates.
+
+    Points that only patterns or tables make are not found: the text does not name them.
+    """
     members = {member.name: member for member in run.members}
     places = {}
     for member in _lists(_child(scene, "Members")):
@@ -45,6 +51,15 @@ def _point_samples(scene, run):
         places.setdefault(_value(member, "Start", ""), samples.samples.start)
         places.setdefault(_value(member, "End", ""), samples.samples.stop - 1)
     places.pop("", None)
+    near = SAME_PLACE * np.ptp(reference, axis=0).max()
+    points = _child(scene, "Points")
+    for point in ([] if points is None else list(points))[:MOST_POINTS]:
+        position = _numbers(point.get("value", ""))
+        if position is None or point.get("name") in places:
+            continue
+        distance = np.linalg.norm(reference - position, axis=1)
+        if distance.min() <= near:
+            places[point.get("name")] = int(distance.argmin())
     return places
 
 
@@ -68,8 +83,13 @@ def _matches(places, node):
 
 
 def _vector(node, name):
+    return _numbers(_value(node, name, ""))
+
+
+def _numbers(text):
+    """The three numbers of "{1, 2, 3}"; None for anything else."""
     try:
-        values = [float(number) for number in _value(node, name, "").strip("{} ").split(",")]
+        values = [float(number) for number in text.strip("{} ").split(",")]
     except ValueError:
         return None
     return np.array(values) if len(values) == 3 else None

@@ -142,7 +142,7 @@ def strip_steps(steps):
 
 def _draw_marks(view, panels, position, step, shrunk):
     """Supports as squares and point forces as arrows; returns the words for the caption."""
-    marks = Marks(view.run, step.load_factor)
+    marks = Marks(view.run, step.load_factor, view.structure.reference)
     words = ""
     size = 6 if len(marks.supports) < 20 else 3
     for axes, projection in zip(panels, (np.eye(3), view.plane)):
