@@ -17,9 +17,10 @@ constexpr int kGaussPoints = 16;
 // The Gauss rule over a panel agrees with that over its halves to this accuracy; then that of the halves, which are
 // kept, is better by 2^-32, far below rounding. [share of the length], [radian]
 constexpr double kPanelTolerance = 1e-13;
-constexpr double kSmallestCosine = 0.87;  // half a radian
-constexpr int kMostHalvings = 40;         // a curve that is still not smooth there turns back
-constexpr double kSmallestSpeed = 1e-6;   // share of the speed near by: slower is a stop
+constexpr double kSmallestCosine = 0.87;     // half a radian
+constexpr int kMostHalvings = 40;            // a curve that is still not smooth there turns back
+constexpr std::size_t kMostPanels = 100000;  // a curve that turns more often is a mistake
+constexpr double kSmallestSpeed = 1e-6;      // share of the speed near by: slower is a stop
 // Arc length is inverted to this share of the panel's length: a few roundings.
 constexpr double kInversionTolerance = 1e-15;
 constexpr int kMostIterations = 60;  // bisection alone ends with fewer
@@ -128,6 +129,7 @@ void ArcLengthCurve::add_panels(const PolynomialPiece& piece, double first, doub
     return;
   }
   if (halvings == kMostHalvings) throw no_tangent(middle);
+  if (panels_.size() >= kMostPanels) throw std::invalid_argument("The curve turns too often for a member.");
   add_panels(piece, first, middle, halvings + 1);
   add_panels(piece, middle, last, halvings + 1);
 }

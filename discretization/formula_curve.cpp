@@ -4,9 +4,12 @@
 #include "discretization/polynomial_curve.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mixbeam {
 namespace {
@@ -22,10 +25,23 @@ constexpr double kFlat = 4.0;
 constexpr double kInsignificant = 3.0;
 // A piece shorter than 2^-30 of the range hides a jump or kink; a jump of the curvature needs 2^-26.
 constexpr int kMostHalvings = 30;
-constexpr std::size_t kMostPieces = 10000;  // a formula that oscillates more often is a mistake
+constexpr std::size_t kMostPieces = 1000;  // some ten oscillations each: more of them are a mistake
 // Neighbouring pieces meet up to rounding; real jumps and kinks are larger than these. [length of the curve], [radian]
 constexpr double kSmallestJump = 1e-9;
 constexpr double kSmallestKink = 1e-5;
+
+/// cos(pi m / (2 kSamples)), what the discrete cosine transform is made of.
+class CosineTable {
+ public:
+  CosineTable() {
+    for (std::size_t m = 0; m < values_.size(); ++m)
+      values_[m] = std::cos(kPi * static_cast<double>(m) / (2 * kSamples));
+  }
+  double operator()(std::size_t m) const { return values_[m % values_.size()]; }
+
+ private:
+  std::array<double, 4 * kSamples> values_{};  // one period
+};
 
 class FormulaInterpolation {
  public:
@@ -39,7 +55,7 @@ class FormulaInterpolation {
   PolynomialCurve take() {
     check_joints();
     PolynomialCurve curve;
-    curve.origin = coefficients_origin_;
+    curve.origin = origin_;
     curve.pieces = std::move(pieces_);
     return curve;
   }
@@ -64,19 +80,18 @@ class FormulaInterpolation {
 
   /// Chebyshev coefficients of the interpolant; `size` is the largest coordinate.
   std::vector<Vec3<double>> interpolate(double first, double last, double& size) const {
+    static const CosineTable cosine;
     std::vector<Vec3<double>> sample(kSamples), coefficient(kSamples, Vec3<double>{{0.0, 0.0, 0.0}});
     size = 0.0;
     for (std::size_t j = 0; j < kSamples; ++j) {
-      const double x = std::cos(kPi * (j + 0.5) / kSamples);
+      const double x = cosine(2 * j + 1);
       sample[j] = value(0.5 * (1.0 - x) * first + 0.5 * (1.0 + x) * last);
       for (int i = 0; i < 3; ++i) size = std::max(size, std::abs(sample[j][i]));
-      sample[j] = sample[j] - coefficients_origin_;
+      sample[j] = sample[j] - origin_;
     }
     for (std::size_t k = 0; k < kSamples; ++k)
-      for (std::size_t j = 0; j < kSamples; ++j) {
-        const std::size_t turns = (k * (2 * j + 1)) % (4 * kSamples);  // of the cosine, exactly
-        coefficient[k] += ((k == 0 ? 1.0 : 2.0) / kSamples * std::cos(kPi * turns / (2 * kSamples))) * sample[j];
-      }
+      for (std::size_t j = 0; j < kSamples; ++j)
+        coefficient[k] += ((k == 0 ? 1.0 : 2.0) / kSamples * cosine(k * (2 * j + 1))) * sample[j];
     return coefficient;
   }
 
@@ -88,7 +103,7 @@ class FormulaInterpolation {
   }
 
   void add_pieces(double first, double last, int halvings) {
-    if (pieces_.empty()) coefficients_origin_ = value(first);
+    if (pieces_.empty()) origin_ = value(first);
     double size = 0.0;
     std::vector<Vec3<double>> c = interpolate(first, last, size);
     const double end = largest(c, 3 * kSamples / 4, kSamples), middle = largest(c, kSamples / 2, 3 * kSamples / 4);
@@ -124,7 +139,7 @@ class FormulaInterpolation {
   }
 
   std::array<Expression, 3> formula_;
-  Vec3<double> coefficients_origin_{};
+  Vec3<double> origin_{};
   std::vector<PolynomialPiece> pieces_;
 };
 

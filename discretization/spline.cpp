@@ -114,7 +114,7 @@ std::vector<double> chord_lengths(const std::vector<Vector3>& points, const Vect
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     chords.push_back(norm(difference(points[i + 1], points[i])));
     const double coordinates = std::max({norm(start), norm(points[i]), norm(points[i + 1])});
-    if (chords.back() <= kShortestRelativeChord * coordinates)
+    if (chords.back() <= std::max(kShortestLength, kShortestRelativeChord * coordinates))
       throw std::invalid_argument("Points " + std::to_string(i + 1) + " and " + std::to_string(i + 2) +
                                   " of the spline coincide.");
   }

@@ -19,6 +19,7 @@ inline Scene in_other_units(Scene scene, double length, double force) {
   for (Point& point : scene.points) scale(point.position, length);
   for (Member& member : scene.members) {
     scale(member.curve.center, length);
+    for (Vector3& point : member.curve.through) scale(point, length);
     member.curve.rise *= length;
   }
   for (Support& support : scene.supports) scale(support.prescribed_displacement, length);

@@ -427,6 +427,8 @@ TEST(PathCurve, RefusesFormulasThatMakeNoCurve) {
   expect_refusal("t", "sqrt(t)", 0, 1, "not smooth, near t = 0");
   expect_refusal("t", "t", 1, 1, "two different, finite ends");
   expect_refusal("3", "4", 0, 1, "no tangent");
+  expect_refusal("t", "sin(1e7*t)", 0, 1, "not smooth");
+  expect_refusal("1e308*t", "0", -1, 1, "no tangent");
   expect_refusal("t^2", "t^3", -1, 1, "no tangent near t = 0");
   expect_refusal("t^2", "t^3", -1, 2, "no tangent near t = ");
   expect_refusal("t^2", "t^2", 0, 1, "no tangent near t = 0");
@@ -439,6 +441,7 @@ TEST(PathCurve, RefusesPointsThatMakeNoSpline) {
   expect_refusal(spline_member({{1, std::nan(""), 0}}), {0, 0, 0}, {2, 0, 0}, "not finite");
   expect_refusal(spline_member({{1, 0, 0}}), {0, 0, 0}, {0, 0, 0}, "at least two points");
   expect_refusal(spline_member({}), {1, 1, 1}, {1, 1, 1}, "coincide");
+  expect_refusal(spline_member({{1e-310, 0, 0}}), {0, 0, 0}, {2e-310, 0, 0}, "coincide");
   Member along = spline_member({{1, 0, 0}});
   along.second_axis = {-1, 0, 0};
   expect_refusal(along, {0, 0, 0}, {2, 0, 0}, "parallel to the tangent");
