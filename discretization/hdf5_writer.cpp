@@ -1,5 +1,7 @@
 #include "discretization/hdf5_writer.hpp"
 
+#include <algorithm>
+
 namespace mixbeam::hdf5 {
 namespace {
 
@@ -168,6 +170,81 @@ void append_row(hid_t group, const std::string& name, const std::vector<double>&
   check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
   const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose, action);
   check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, row.data()), action);
+}
+
+std::size_t count_links(hid_t group) {
+  H5G_info_t info;
+  check(H5Gget_info(group, &info), "count the entries of a group");
+  return info.nlinks;
+}
+
+Handle open_file_to_read(const std::filesystem::path& path) {
+  const Handle access = file_access();
+  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "open the file"};
+}
+
+std::vector<std::string> link_names(hid_t group) {
+  std::vector<std::string> names(count_links(group));
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto name_of = [&](char* text, std::size_t size) {
+      return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, text, size, H5P_DEFAULT);
+    };
+    const auto length = name_of(nullptr, 0);
+    if (length < 0) fail("read the names in a group");
+    names[i].resize(static_cast<std::size_t>(length) + 1);
+    name_of(names[i].data(), names[i].size());
+    names[i].resize(static_cast<std::size_t>(length));
+  }
+  return names;
+}
+
+std::vector<std::string> attribute_names(hid_t object) {
+  const auto keep = [](hid_t, const char* name, const H5A_info_t*, void* names) -> herr_t {
+    static_cast<std::vector<std::string>*>(names)->push_back(name);
+    return 0;
+  };
+  std::vector<std::string> names;
+  check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &names), "read the names of attributes");
+  return names;
+}
+
+double read_number(hid_t object, const std::string& attribute) {
+  const std::string action = "read attribute " + attribute;
+  const Handle id(H5Aopen(object, attribute.c_str(), H5P_DEFAULT), H5Aclose, action);
+  double value = 0.0;
+  check(H5Aread(id, H5T_NATIVE_DOUBLE, &value), action);
+  return value;
+}
+
+std::string read_text_attribute(hid_t object, const std::string& attribute) {
+  const std::string action = "read attribute " + attribute;
+  const Handle id(H5Aopen(object, attribute.c_str(), H5P_DEFAULT), H5Aclose, action);
+  const Handle type(H5Aget_type(id), H5Tclose, action);
+  std::string text(H5Tget_size(type), '\0');
+  check(H5Aread(id, type, text.data()), action);
+  return text.c_str();  // an empty text is stored as one zero
+}
+
+std::string read_text(hid_t group, const std::string& name) {
+  const std::string action = "read text " + name;
+  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
+  const Handle type(H5Dget_type(id), H5Tclose, action);
+  std::string text(H5Tget_size(type), '\0');
+  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), action);
+  while (!text.empty() && text.back() == '\0') text.pop_back();
+  return text;
+}
+
+std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns) {
+  const std::string action = "read dataset " + name;
+  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
+  const Handle space(H5Dget_space(id), H5Sclose, action);
+  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(1, H5Sget_simple_extent_ndims(space))), 0);
+  check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
+  if (columns != nullptr) *columns = shape.size() > 1 ? static_cast<std::size_t>(shape[1]) : 1;
+  std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
+  check(H5Dread(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), action);
+  return values;
 }
 
 }  // namespace mixbeam::hdf5

@@ -1,5 +1,5 @@
-/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp includes
-/// this.
+/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp and
+/// stored_run.cpp include this.
 #pragma once
 
 #include <hdf5.h>
@@ -65,6 +65,18 @@ void write_text(hid_t group, const std::string& name, const std::string& text);
 /// `values` row by row; one column gives a one-dimensional dataset.
 void write_dataset(hid_t group, const std::string& name, const std::vector<double>& values, std::size_t columns);
 void write_dataset(hid_t group, const std::string& name, const std::vector<int>& values);
+
+std::size_t count_links(hid_t group);
+
+Handle open_file_to_read(const std::filesystem::path& path);
+/// Names below a group, ascending.
+std::vector<std::string> link_names(hid_t group);
+std::vector<std::string> attribute_names(hid_t object);
+double read_number(hid_t object, const std::string& attribute);
+std::string read_text_attribute(hid_t object, const std::string& attribute);
+std::string read_text(hid_t group, const std::string& name);
+/// Row by row; `columns`, when asked for, is the length of a row (1 for one dimension).
+std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns = nullptr);
 
 /// Lengthens the dataset `name` of as many columns as `row` has by that row; creates it when it is missing.
 void append_row(hid_t group, const std::string& name, const std::vector<double>& row);

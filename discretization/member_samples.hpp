@@ -3,6 +3,7 @@
 /// units.
 #pragma once
 
+#include "discretization/resume_point.hpp"
 #include "discretization/scene.hpp"
 
 #include <array>
@@ -69,8 +70,13 @@ struct StepRecord {
   int newton_iterations = 0;  ///< spent on this step, failed attempts included
   double residual = std::numeric_limits<double>::quiet_NaN();       ///< scale-free norm at the last iterate
   double strain_energy = std::numeric_limits<double>::quiet_NaN();  ///< of the whole structure
+  double force_energy = std::numeric_limits<double>::quiet_NaN();   ///< share of the force strains in it
+  double moment_energy = std::numeric_limits<double>::quiet_NaN();  ///< share of the moment strains
   std::vector<MemberSamples> members;        ///< same members, same samples in every record of a run
   std::vector<MonitoredQuantity> monitored;  ///< same names in every record of a run
+  std::vector<NewtonIteration> history{};    ///< of all attempts at this step
+  StateSnapshot state{};                     ///< for resuming; empty: this record cannot be resumed from
+  PathPoint point{};                         ///< of the state
 };
 
 }  // namespace mixbeam

@@ -3,10 +3,12 @@
 #include "discretization/hdf5_writer.hpp"
 #include "discretization/xdmf_text.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <set>
 #include <system_error>
 
@@ -18,10 +20,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr std::size_t kOverheadPerStep = 65536;  // bytes; HDF5's own data for a step were seen to take 12 kB
 constexpr int kXdmfPolyline = 2;                 // XDMF's number for a polyline in a mixed topology
-const std::set<std::string> kOwnTimeSeries = {"step", "load_factor", "newton_iterations", "residual", "strain_energy"};
+const std::set<std::string> kOwnTimeSeries = {"step",          "load_factor",  "newton_iterations", "residual",
+                                              "strain_energy", "force_energy", "moment_energy"};
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
 std::string step_group_name(int step) {
@@ -95,9 +98,19 @@ void write_header(hid_t file, const ResultHeader& header) {
   hdf5::write_text(file, "version", header.version);
   const auto properties = hdf5::create_group(file, "properties");
   for (const auto& [name, value] : header.properties) hdf5::write_attribute(properties, name, value);
+  const auto imported = hdf5::create_group(file, "imported");
+  for (const auto& [name, text] : header.imported) {
+    const auto group = hdf5::create_group(imported, std::to_string(hdf5::count_links(imported)));
+    hdf5::write_attribute(group, "name", name);
+    hdf5::write_text(group, "text", text);
+  }
   hdf5::create_group(file, "members");
   hdf5::create_group(file, "steps");
   hdf5::create_group(file, "monitor");
+}
+
+int points_per_element(const MemberSamples& member) {
+  return static_cast<int>(std::count(member.element.begin(), member.element.end(), 0));
 }
 
 void write_members(hid_t file, const std::vector<MemberSamples>& members) {
@@ -109,6 +122,7 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members) {
     hdf5::write_attribute(group, "index", index++);
     hdf5::write_attribute(group, "first_sample", first_sample);
     hdf5::write_attribute(group, "samples", static_cast<int>(member.size()));
+    hdf5::write_attribute(group, "points_per_element", points_per_element(member));
     hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
     hdf5::write_dataset(group, "element", member.element);
     hdf5::write_dataset(group, "reference_position",
@@ -134,6 +148,29 @@ void write_fields(hid_t group, const std::vector<MemberSamples>& members) {
   }
 }
 
+void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
+  std::vector<double> rows;
+  for (const auto& entry : history) {
+    rows.push_back(entry.attempt);
+    rows.push_back(entry.iteration);
+    rows.push_back(entry.residual);
+  }
+  hdf5::write_dataset(group, "residual_history", rows, 3);
+}
+
+void write_state(hid_t step, const StateSnapshot& state, const PathPoint& point) {
+  const auto group = hdf5::create_group(step, "state");
+  hdf5::write_dataset(group, "vertex_displacement", state.vertex_displacement, 3);
+  hdf5::write_dataset(group, "vertex_rotation", state.vertex_rotation, 4);
+  hdf5::write_dataset(group, "element_triad", state.element_triad, 4);
+  hdf5::write_dataset(group, "interior", state.interior, 1);
+  hdf5::write_attribute(group, "step_size", point.step_size);
+  hdf5::write_attribute(group, "iterations", point.iterations);
+  hdf5::write_attribute(group, "attempts_left", point.attempts_left);
+  hdf5::write_attribute(group, "failed_steps", point.failed_steps);
+  hdf5::write_attribute(group, "newton_iterations", point.newton_iterations);
+}
+
 void write_step(hid_t file, const StepRecord& record) {
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
@@ -142,7 +179,11 @@ void write_step(hid_t file, const StepRecord& record) {
   hdf5::write_attribute(group, "newton_iterations", record.newton_iterations);
   hdf5::write_attribute(group, "residual", record.residual);
   hdf5::write_attribute(group, "strain_energy", record.strain_energy);
+  hdf5::write_attribute(group, "force_energy", record.force_energy);
+  hdf5::write_attribute(group, "moment_energy", record.moment_energy);
   write_fields(group, record.members);
+  write_history(group, record.history);
+  if (!record.state.empty()) write_state(group, record.state, record.point);
 
   const auto monitor = hdf5::open_group(file, "monitor");
   hdf5::append_row(monitor, "step", {static_cast<double>(record.step)});
@@ -150,6 +191,8 @@ void write_step(hid_t file, const StepRecord& record) {
   hdf5::append_row(monitor, "newton_iterations", {static_cast<double>(record.newton_iterations)});
   hdf5::append_row(monitor, "residual", {record.residual});
   hdf5::append_row(monitor, "strain_energy", {record.strain_energy});
+  hdf5::append_row(monitor, "force_energy", {record.force_energy});
+  hdf5::append_row(monitor, "moment_energy", {record.moment_energy});
   for (const auto& quantity : record.monitored) hdf5::append_row(monitor, quantity.name, quantity.components);
 }
 
@@ -159,6 +202,10 @@ std::size_t bytes_of(const StepRecord& record) {
   std::size_t bytes = kOverheadPerStep;
   for (const auto& member : record.members)
     bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
+  for (const auto* numbers : {&record.state.vertex_displacement, &record.state.vertex_rotation,
+                              &record.state.element_triad, &record.state.interior})
+    bytes += numbers->size() * sizeof(double);
+  bytes += record.history.size() * sizeof(NewtonIteration) * 2;
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;
   return bytes;
 }
@@ -173,6 +220,15 @@ void reserve_space(const fs::path& path, std::size_t bytes) {
   const int error = ::posix_fallocate(file, end, static_cast<off_t>(bytes));
   ::close(file);
   if (error != 0) throw hdf5::Error("cannot get disk space: " + std::string(std::strerror(error)));
+}
+
+/// Room for a copy of a file, see reserve_space().
+void reserve_copy(const fs::path& from, const fs::path& to) {
+  try {
+    reserve_space(to, fs::file_size(from));
+  } catch (const std::exception& error) {
+    throw ResultFileError("result file " + from.string() + ": " + error.what());
+  }
 }
 
 fs::path hidden(const fs::path& path, const std::string& ending) {
@@ -193,6 +249,12 @@ void check_place(const fs::path& path) {
 
 bool is_link_name(const std::string& name) {
   return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
+}
+
+std::map<std::string, std::size_t> sizes_of(const std::vector<MonitoredQuantity>& monitored) {
+  std::map<std::string, std::size_t> sizes;
+  for (const auto& quantity : monitored) sizes[quantity.name] = quantity.components.size();
+  return sizes;
 }
 
 bool same_sampling(const MemberSamples& a, const MemberSamples& b) { return a.name == b.name && a.size() == b.size(); }
@@ -222,6 +284,26 @@ ResultFile::ResultFile(const fs::path& path, ResultHeader header)
   write_copy(copies_[0], nullptr);
   publish(copies_[0]);
   next_copy_ = 1;
+}
+
+ResultFile::ResultFile(const StoredRun& run)
+    : path_(run.path()), xdmf_path_(fs::path(path_).replace_extension(".xdmf")), header_(run.header()) {
+  check_place(path_);
+  new_name_ = hidden(path_, "new");
+  copies_[0].path = hidden(path_, "a");
+  copies_[1].path = hidden(path_, "b");
+  remove_hidden_files();
+  previous_ = run.layout();
+  for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor});
+  for (auto& copy : copies_) {
+    std::error_code error;
+    reserve_copy(path_, copy.path);
+    fs::copy_file(path_, copy.path, fs::copy_options::overwrite_existing, error);
+    if (error) throw ResultFileError("result file " + path_.string() + ": cannot be copied: " + error.message());
+    copy.created = true;
+    copy.has_members = !labels_.empty();
+    copy.last_step = labels_.empty() ? -1 : labels_.back().step;
+  }
 }
 
 ResultFile::~ResultFile() {
@@ -272,10 +354,7 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   for (std::size_t i = 0; same && i < record.members.size(); ++i) {
     same = same_sampling(record.members[i], previous_.members[i]);
   }
-  for (std::size_t i = 0; same && i < record.monitored.size(); ++i) {
-    same = record.monitored[i].name == previous_.monitored[i].name &&
-           record.monitored[i].components.size() == previous_.monitored[i].components.size();
-  }
+  same = same && sizes_of(record.monitored) == sizes_of(previous_.monitored);
   if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
 }
 
@@ -284,6 +363,7 @@ void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
   const hdf5::QuietScope quiet;
   try {
     std::size_t bytes = kOverheadPerStep + header_.scene_xml.size();
+    for (const auto& [name, text] : header_.imported) bytes += 4096 + name.size() + text.size();
     if (record != nullptr) bytes += bytes_of(*record) + bytes_of(previous_);
     reserve_space(copy.path, bytes);
     auto file = copy.created ? hdf5::open_file(copy.path) : hdf5::create_file(copy.path);

@@ -4,13 +4,18 @@
 ///
 ///     /                         attributes format, format_version, scene_name
 ///     /scene, /version          the input XML and the program's version, as text
+///     /imported/0, 1, ...       files that the input names: attribute name, dataset text
 ///     /properties               attributes: compiler, threads, ... as the caller names them
-///     /members/<name>           attributes index, first_sample, samples; arc_length, element, reference_position (.,3)
+///     /members/<name>           attributes index, first_sample, samples, points_per_element; arc_length, element,
+///                               reference_position (.,3)
 ///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
-///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy;
-///                               position, displacement, force_strain, moment_strain, material_force, material_moment,
-///                               spatial_force, spatial_moment, triad_1, triad_2, triad_3 (n,3), triad (n,4: w,x,y,z)
-///     /monitor                  step, load_factor, newton_iterations, residual, strain_energy and every monitored
+///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,
+///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
+///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
+///                               triad_3 (n,3), triad (n,4: w,x,y,z); residual_history (iterations,3: attempt,
+///                               iteration, scaled maximum norm)
+///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
+///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)
 ///
 /// A run may be killed at any moment: the file under its own name is complete and readable at all times. For that, two
@@ -19,10 +24,10 @@
 #pragma once
 
 #include "discretization/member_samples.hpp"
+#include "discretization/stored_run.hpp"
 
 #include <array>
 #include <filesystem>
-#include <map>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,20 +39,15 @@ class ResultFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a result file says about the run as a whole.
-struct ResultHeader {
-  std::string scene_name;
-  std::string scene_xml;                          ///< the input, word for word
-  std::string version;                            ///< of the program
-  std::map<std::string, std::string> properties;  ///< compiler, threads, ranks, ...
-};
-
 /// Writes the steps of one run. Only one rank may own one (the caller sees to that); not for concurrent threads.
 class ResultFile {
  public:
   /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,
   /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError.
   ResultFile(const std::filesystem::path& path, ResultHeader header);
+
+  /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError.
+  explicit ResultFile(const StoredRun& run);
 
   /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them.
   ~ResultFile();

@@ -4,6 +4,7 @@
 
 #include <Teuchos_CommHelpers.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -105,23 +106,44 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   return sample;
 }
 
+int smooth_points(int order) {
+  constexpr int kFewestPoints = 5;  // a quarter of a radian from chord to chord in an element that turns by one radian
+  return std::max(kFewestPoints, 2 * order + 1);
+}
+
+namespace {
+
+/// Place of the first sample of every element in the order of the mesh, and the number of all samples behind them.
+std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
+  std::vector<size_t> first(mesh.elements.size() + 1, 0);
+  for (size_t e = 0; e < mesh.elements.size(); ++e) {
+    const int order = scene.members[mesh.elements[e].member].order;
+    first[e + 1] = first[e] + (points_per_element == kPointsByOrder ? smooth_points(order) : points_per_element);
+  }
+  return first;
+}
+
+}  // namespace
+
 std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
                                           int points_per_element) {
   const Structure& structure = assembler.structure();
   const Mesh& mesh = assembler.mesh();
   const auto& comm = *assembler.map()->getComm();
   // every sample has one place in the order of the mesh; a rank fills its own and zeros elsewhere, rank 0 adds them up
-  const size_t n = mesh.elements.size() * points_per_element;
-  std::vector<double> mine(n * kSampleNumbers, 0.0);
+  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
+  std::vector<double> mine(first.back() * kSampleNumbers, 0.0);
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       if (!answers_for(structure, block, e)) continue;
       const int local = block.first_element + e;
-      for (int i = 0; i < points_per_element; ++i) {
-        const double xi = -1.0 + 2.0 * i / (points_per_element - 1);
+      const size_t begin = first[structure.local_element_to_mesh[local]];
+      const size_t points = first[structure.local_element_to_mesh[local] + 1] - begin;
+      for (size_t i = 0; i < points; ++i) {
+        const double xi = -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1);
         const PointSample sample = sample_element(structure, mesh, state, local, xi);
-        const size_t place = static_cast<size_t>(structure.local_element_to_mesh[local]) * points_per_element + i;
-        std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine.begin() + place * kSampleNumbers);
+        std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers,
+                    mine.begin() + static_cast<std::ptrdiff_t>((begin + i) * kSampleNumbers));
       }
     }
   std::vector<double> all(comm.getSize() > 1 ? mine.size() : 0);
@@ -131,12 +153,13 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& a
   std::vector<MemberSamples> members(scene.members.size());
   for (size_t m = 0; m < members.size(); ++m) members[m].name = scene.members[m].name;
   if (comm.getRank() != 0) return members;
-  for (size_t place = 0; place < n; ++place) {
-    PointSample sample;
-    std::copy_n(numbers.begin() + place * kSampleNumbers, kSampleNumbers, reinterpret_cast<double*>(&sample));
-    const MeshElement& element = mesh.elements[place / points_per_element];
-    append(sample, element.index, members[element.member]);
-  }
+  for (size_t e = 0; e < mesh.elements.size(); ++e)
+    for (size_t place = first[e]; place < first[e + 1]; ++place) {
+      PointSample sample;
+      std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(place * kSampleNumbers), kSampleNumbers,
+                  reinterpret_cast<double*>(&sample));
+      append(sample, mesh.elements[e].index, members[mesh.elements[e].member]);
+    }
   return members;
 }
 

@@ -21,9 +21,16 @@ struct PointSample {
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi);
 
+/// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
+/// enough for a kink-free arc where the order is low but the element turns by up to one radian.
+int smooth_points(int order);
+
+/// In place of a number of points for each element: smooth_points() of its order.
+inline constexpr int kPointsByOrder = 0;
+
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
-/// included, so that one-sided values at vertices show). Complete on rank 0 (other ranks return the members without
-/// samples). Collective.
+/// included, so that one-sided values at vertices show) or at kPointsByOrder. Complete on rank 0 (other ranks return
+/// the members without samples). Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
                                           int points_per_element);
 

@@ -1,26 +1,37 @@
 /// Load continuation: from the present state along the load factor, by LOCA's stepper, stage after stage.
 #pragma once
 
+#include "discretization/resume_point.hpp"
 #include "nonlinear/beam_group.hpp"
 #include "nonlinear/solver_parameters.hpp"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
-/// One attempted load step.
+/// One completed load step.
 struct StepReport {
   int step = 0;  ///< number of the step, 0: the state at the start of the path
   double load_factor = 0.0;
   int newton_iterations = 0;  ///< since the last converged step, failed attempts included
   double residual = 0.0;      ///< scaled maximum norm
   bool converged = true;
+  PathPoint point{};
+  std::vector<NewtonIteration> history{};  ///< of all attempts since the last converged step, in their order
+};
+
+/// How a path is begun and stopped from outside.
+struct PathControl {
+  std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
+  std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
 };
 
 struct LoadPathResult {
   bool finished = false;
+  bool interrupted = false;  ///< stopped from outside before the end
   double load_factor = 0.0;  ///< last converged
   int steps = 0, failed_steps = 0, newton_iterations = 0;
   std::vector<int> iterations_of_stage;
@@ -30,9 +41,14 @@ struct LoadPathResult {
 /// Called for the starting state and for each converged step; the state is that of the step.
 using PathObserver = std::function<void(const StepReport& report, const State& state)>;
 
-/// Follows the load factor from 0 to the number of stages of the scene, starting at `state`, which ends as the last
-/// converged state. Throws InputError for NOX or LOCA parameters that these libraries refuse.
+/// Follows the load factor from 0, or from the point at which a path is resumed, to the number of stages of the scene,
+/// starting at `state`, which ends as the last converged state. A resumed path takes the very steps, to the last bit,
+/// that it would have taken without the stop. Throws InputError for NOX or LOCA parameters that these libraries refuse.
 LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                                State& state, const PathObserver& observer);
+                                State& state, const PathObserver& observer, const PathControl& control = {});
+
+/// Why a path with these parameters cannot be resumed exactly, empty if it can: some of the methods that a user may
+/// choose in the lists "LOCA" and "Status Tests" remember more than the last step.
+std::string obstacle_to_resuming(const SolverParameters& parameters);
 
 }  // namespace mixbeam

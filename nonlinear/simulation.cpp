@@ -11,13 +11,18 @@ Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, c
   state_ = problem_->assembler.reference_state();
 }
 
-const LoadPathResult& Simulation::run(const PathObserver& observer) {
+const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {
   const PathObserver remember = [&](const StepReport& report, const State& state) {
     load_factor_ = report.load_factor;
     if (observer) observer(report, state);
   };
-  result_ = follow_load_path(problem_, parameters_, state_, remember);
+  result_ = follow_load_path(problem_, parameters_, state_, remember, control);
   return result_;
+}
+
+void Simulation::restore(const StateSnapshot& snapshot, double load_factor) {
+  state_ = mixbeam::restore(assembler(), snapshot);
+  load_factor_ = load_factor;
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {
@@ -53,6 +58,11 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.residual = report.residual;
   const StrainEnergy energy = strain_energy();
   record.strain_energy = energy.force + energy.moment;
+  record.force_energy = energy.force;
+  record.moment_energy = energy.moment;
+  record.history = report.history;
+  record.state = snapshot_of(assembler(), state_);
+  record.point = report.point;
   record.members = samples(points_per_element);
   for (const std::string& point : monitored_points) {
     const Vector3 u = displacement(point), theta = rotation(point);

@@ -3,6 +3,7 @@
 
 #include "discretization/reactions.hpp"
 #include "discretization/sampling.hpp"
+#include "discretization/state_snapshot.hpp"
 #include "nonlinear/load_path.hpp"
 
 namespace mixbeam {
@@ -14,7 +15,11 @@ class Simulation {
 
   /// Follows the load path to its end, or as far as it goes; then state() is the last converged state and
   /// result().finished tells which. May be called once.
-  const LoadPathResult& run(const PathObserver& observer = {});
+  const LoadPathResult& run(const PathObserver& observer = {}, const PathControl& control = {});
+
+  /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. Throws
+  /// std::invalid_argument when the snapshot is not one of this mesh. Collective.
+  void restore(const StateSnapshot& snapshot, double load_factor);
 
   const LoadPathResult& result() const { return result_; }
   const State& state() const { return state_; }
@@ -40,7 +45,7 @@ class Simulation {
   double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {
     return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
   }
-  /// Record of the present state for a result file.
+  /// Record of the present state for a result file, with all that resuming needs.
   StepRecord record(const StepReport& report, int points_per_element,
                     const std::vector<std::string>& monitored_points) const;
 

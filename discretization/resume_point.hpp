@@ -1,0 +1,36 @@
+/// What a run needs to go on after a completed step as if it had never stopped, to the last bit. Plain numbers that do
+/// not depend on ranks and threads.
+#pragma once
+
+#include <vector>
+
+namespace mixbeam {
+
+/// A state. Vertices and elements in the order of the mesh; every number as the solver holds it, quaternions as
+/// w, x, y, z.
+struct StateSnapshot {
+  std::vector<double> vertex_displacement{};  ///< (vertex, 3), spatial
+  std::vector<double> vertex_rotation{};      ///< (vertex, 4)
+  std::vector<double> element_triad{};        ///< (element, 4)
+  std::vector<double> interior{};             ///< unknowns inside each element, element after element
+
+  bool empty() const { return vertex_rotation.empty(); }
+};
+
+/// Where a load path stands after a completed step: with the state, all that the steps to come depend on.
+struct PathPoint {
+  int step = 0;                                 ///< number of the step, 0: the state at the start of the path
+  double load_factor = 0.0;                     ///< of that step
+  double step_size = 0.0;                       ///< as the step size control gave it; 0 at the start
+  int iterations = 0;                           ///< of the attempt that succeeded
+  int attempts_left = 0;                        ///< in this stage
+  int failed_steps = 0, newton_iterations = 0;  ///< on the whole path so far
+};
+
+/// Scaled maximum norm of the residual after an iteration (0: before the first one) of an attempt at a step.
+struct NewtonIteration {
+  int attempt = 0, iteration = 0;
+  double residual = 0.0;
+};
+
+}  // namespace mixbeam

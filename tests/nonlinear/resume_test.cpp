@@ -1,0 +1,173 @@
+// A path that goes on from any of its steps arrives with the very bits of the one that never stopped.
+#include "nonlinear/step_size.hpp"
+#include "tests/nonlinear/beam_fixture.hpp"
+
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+struct Step {
+  StepReport report;
+  StateSnapshot state;
+};
+
+std::vector<Step> steps_of(Simulation& simulation, const PathControl& control = {}) {
+  std::vector<Step> steps;
+  simulation.run(
+      [&](const StepReport& report, const State& state) {
+        steps.push_back({report, snapshot_of(simulation.assembler(), state)});
+      },
+      control);
+  return steps;
+}
+
+/// Two stages of bending and twisting with kinks in mesh order: two orders, so that there is more than one block.
+Scene two_stages() {
+  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 2, 8);
+  Member second = scene.members[0];
+  scene.points.push_back({"end", {1.2, 0.9, 0.3}});
+  second.name = "second";
+  second.start_point = "tip";
+  second.end_point = "end";
+  second.order = 3;
+  second.elements = 5;
+  scene.members.push_back(second);
+  scene.point_loads = {dead_load("end", {0, 6, 2})};
+  PointLoad later = dead_load("tip", {0, -3, 5});
+  later.stage = 2;
+  scene.point_loads.push_back(later);
+  scene.stages = 2;
+  return scene;
+}
+
+/// Steps that fail and shrink, and grow again.
+SolverParameters eventful() {
+  SolverParameters parameters;
+  parameters.newton.maximum_iterations = 6;
+  parameters.load_path.initial_step = 0.3;
+  parameters.load_path.maximum_step = 0.4;
+  return parameters;
+}
+
+void expect_same(const StateSnapshot& a, const StateSnapshot& b) {
+  const auto same = [](const std::vector<double>& x, const std::vector<double>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) == 0;
+  };
+  EXPECT_TRUE(same(a.vertex_displacement, b.vertex_displacement));
+  EXPECT_TRUE(same(a.vertex_rotation, b.vertex_rotation));
+  EXPECT_TRUE(same(a.element_triad, b.element_triad));
+  EXPECT_TRUE(same(a.interior, b.interior));
+}
+
+void expect_same(const StepReport& a, const StepReport& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.load_factor, b.load_factor);
+  EXPECT_EQ(a.newton_iterations, b.newton_iterations);
+  EXPECT_EQ(a.residual, b.residual);
+  EXPECT_EQ(a.point.step_size, b.point.step_size);
+  EXPECT_EQ(a.point.iterations, b.point.iterations);
+  EXPECT_EQ(a.point.attempts_left, b.point.attempts_left);
+  EXPECT_EQ(a.point.failed_steps, b.point.failed_steps);
+  EXPECT_EQ(a.point.newton_iterations, b.point.newton_iterations);
+  ASSERT_EQ(a.history.size(), b.history.size());
+  for (size_t i = 0; i < a.history.size(); ++i) {
+    EXPECT_EQ(a.history[i].attempt, b.history[i].attempt);
+    EXPECT_EQ(a.history[i].iteration, b.history[i].iteration);
+    EXPECT_EQ(a.history[i].residual, b.history[i].residual);
+  }
+}
+
+void expect_resumable_everywhere(const Scene& scene, const SolverParameters& parameters) {
+  Simulation whole(scene, parameters, this_rank());
+  const std::vector<Step> steps = steps_of(whole);
+  ASSERT_TRUE(whole.result().finished) << whole.result().failure;
+  ASSERT_GE(steps.size(), 4u);
+  for (size_t from = 0; from < steps.size(); ++from) {
+    SCOPED_TRACE("resumed behind step " + std::to_string(from));
+    Simulation rest(scene, parameters, this_rank());
+    rest.restore(steps[from].state, steps[from].report.load_factor);
+    expect_same(snapshot_of(rest.assembler(), rest.state()), steps[from].state);
+    const std::vector<Step> later = steps_of(rest, {steps[from].report.point, {}});
+    EXPECT_TRUE(rest.result().finished) << rest.result().failure;
+    EXPECT_EQ(rest.result().steps, whole.result().steps);
+    EXPECT_EQ(rest.result().failed_steps, whole.result().failed_steps);
+    EXPECT_EQ(rest.result().newton_iterations, whole.result().newton_iterations);
+    ASSERT_EQ(later.size() + from + 1, steps.size());
+    for (size_t i = 0; i < later.size(); ++i) {
+      expect_same(later[i].report, steps[from + 1 + i].report);
+      expect_same(later[i].state, steps[from + 1 + i].state);
+    }
+  }
+}
+
+TEST(Resume, AdaptiveStepsWithFailures) {
+  Simulation whole(two_stages(), eventful(), this_rank());
+  whole.run();
+  EXPECT_GT(whole.result().failed_steps, 0) << "the example is meant to have failed steps";
+  expect_resumable_everywhere(two_stages(), eventful());
+}
+
+TEST(Resume, FixedStepsAndAUsersLists) {
+  SolverParameters parameters;
+  parameters.load_path.method = LoadPathMethod::fixed;
+  parameters.load_path.steps = 3;
+  expect_resumable_everywhere(two_stages(), parameters);
+  parameters.nox = Teuchos::rcp(new Teuchos::ParameterList);
+  parameters.nox->sublist("Line Search").set("Method", "Backtrack");
+  parameters.loca = Teuchos::rcp(new Teuchos::ParameterList);
+  parameters.loca->sublist("Step Size").set("Successful Step Increase Factor", 2.0);
+  // relative to the residual at the start of a solve: asked again where the path goes on, it would want more iterations
+  parameters.status_tests = Teuchos::rcp(new Teuchos::ParameterList);
+  parameters.status_tests->set("Test Type", "NormF").set("Scale Type", "Unscaled").set("Tolerance", 1e-9);
+  EXPECT_EQ(obstacle_to_resuming(parameters), "");
+  expect_resumable_everywhere(two_stages(), parameters);
+}
+
+TEST(Resume, RefusesWhatRemembersMore) {
+  const auto with_loca = [](const char* list, const char* name, const char* value) {
+    SolverParameters parameters;
+    parameters.loca = Teuchos::rcp(new Teuchos::ParameterList);
+    parameters.loca->sublist(list).set(name, value);
+    return obstacle_to_resuming(parameters);
+  };
+  EXPECT_NE(with_loca("Stepper", "Continuation Method", "Arc Length").find("arc length"), std::string::npos);
+  EXPECT_NE(with_loca("Predictor", "Method", "Secant").find("extrapolates"), std::string::npos);
+  EXPECT_EQ(with_loca("Predictor", "Method", "Constant"), "");
+  EXPECT_EQ(obstacle_to_resuming(SolverParameters()), "");
+}
+
+TEST(Resume, StopsAfterTheStepItIsAskedAt) {
+  Simulation simulation(two_stages(), eventful(), this_rank());
+  int steps = 0;
+  PathControl control;
+  control.stop = [&] { return steps == 2; };
+  simulation.run([&](const StepReport& report, const State&) { steps = report.step; }, control);
+  EXPECT_TRUE(simulation.result().interrupted);
+  EXPECT_FALSE(simulation.result().finished);
+  EXPECT_EQ(simulation.result().steps, 2);
+}
+
+TEST(Resume, RefusesTheStateOfAnotherMesh) {
+  Simulation one(two_stages(), eventful(), this_rank());
+  Scene other = two_stages();
+  other.members[0].elements = 9;
+  Simulation another(other, eventful(), this_rank());
+  const StateSnapshot snapshot = snapshot_of(another.assembler(), another.state());
+  EXPECT_THROW(one.restore(snapshot, 0.0), std::invalid_argument);
+}
+
+TEST(StepSize, RulesAsPublishedByLoca) {
+  StepSizeRule rule;
+  rule.initial = 0.25;
+  EXPECT_EQ(rule.after_success(0.25, 0), 0.375);  // LOCA manual: ds (1 + a ((N_max - N) / N_max)^2), a = 0.5
+  EXPECT_EQ(rule.after_success(0.25, 25), 0.25 * 1.125);
+  EXPECT_EQ(rule.after_failure(0.25), 0.125);
+  rule.method = LoadPathMethod::fixed;
+  EXPECT_EQ(rule.after_success(0.25, 3), 0.25);
+  EXPECT_EQ(rule.after_success(0.125, 3), 0.125 * 1.26);
+  EXPECT_EQ(rule.after_success(0.24, 3), 0.25);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
