@@ -44,9 +44,9 @@ Scene two_stages() {
 /// Steps that fail and shrink, and grow again.
 SolverParameters eventful() {
   SolverParameters parameters;
-  parameters.newton.maximum_iterations = 6;
-  parameters.load_path.initial_step = 0.3;
-  parameters.load_path.maximum_step = 0.4;
+  parameters.newton.maximum_iterations = 5;
+  parameters.load_path.initial_step = 0.8;
+  parameters.load_path.maximum_step = 0.8;
   return parameters;
 }
 
