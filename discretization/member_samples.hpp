@@ -63,6 +63,19 @@ struct MonitoredQuantity {
   std::vector<double> components;  ///< size 1 (scalar) or 3 (vector)
 };
 
+/// What a support exerts on the structure; spatial.
+struct RecordedReaction {
+  std::string point{};
+  Vector3 force{}, moment{};
+};
+
+/// Sums over everything that acts from outside, see Balance in reactions.hpp. NaN: not computed.
+struct RecordedBalance {
+  Vector3 applied_force{}, applied_moment{}, reaction_force{}, reaction_moment{};
+  double force_error = std::numeric_limits<double>::quiet_NaN();
+  double moment_error = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// A converged configuration and how it was reached.
 struct StepRecord {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
@@ -72,11 +85,13 @@ struct StepRecord {
   double strain_energy = std::numeric_limits<double>::quiet_NaN();  ///< of the whole structure
   double force_energy = std::numeric_limits<double>::quiet_NaN();   ///< share of the force strains in it
   double moment_energy = std::numeric_limits<double>::quiet_NaN();  ///< share of the moment strains
-  std::vector<MemberSamples> members;        ///< same members, same samples in every record of a run
-  std::vector<MonitoredQuantity> monitored;  ///< same names in every record of a run
-  std::vector<NewtonIteration> history{};    ///< of all attempts at this step
-  StateSnapshot state{};                     ///< for resuming; empty: this record cannot be resumed from
-  PathPoint point{};                         ///< of the state
+  std::vector<MemberSamples> members;         ///< same members, same samples in every record of a run
+  std::vector<MonitoredQuantity> monitored;   ///< same names in every record of a run
+  std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
+  RecordedBalance balance{};
+  std::vector<NewtonIteration> history{};  ///< of all attempts at this step
+  StateSnapshot state{};                   ///< for resuming; empty: this record cannot be resumed from
+  PathPoint point{};                       ///< of the state
 };
 
 }  // namespace mixbeam

@@ -65,4 +65,56 @@ void print_parameters(std::ostream& out, const ListSpec& spec, const std::string
   print_list(out, spec, name.empty() ? "" : "[" + name + "]", 0);
 }
 
+namespace {
+
+/// Text for a cell of a table.
+std::string cell(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '|' ? "\\|" : c == '<' ? "&lt;" : c == '\n' ? " " : std::string(1, c);
+  return result;
+}
+
+std::string presence_or_default(const ParameterSpec& spec) {
+  return spec.presence == Presence::defaulted ? to_text(spec.default_value) : presence_text(spec.presence);
+}
+
+void print_row(std::ostream& out, const std::string& name, const ParameterSpec& spec) {
+  out << "| " << cell(name) << " | " << cell(allowed_values(spec)) << " | " << cell(presence_or_default(spec)) << " | "
+      << cell(spec.meaning) << " |\n";
+}
+
+void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path);
+
+void print_markdown_sublists(std::ostream& out, const ListSpec& spec, const std::string& path) {
+  const std::string before = path.empty() ? "" : path + " / ";
+  for (const SublistSpec& sublist : spec.sublists) {
+    const std::string presence = presence_text(sublist.presence);
+    out << "\n## " << cell(before + sublist.name) << (presence.empty() ? "" : " (" + presence + ")") << "\n\n";
+    print_markdown_list(out, *sublist.list, before + sublist.name);
+  }
+  if (!spec.named_list) return;
+  const std::string many = spec.minimum_named > 0 ? " (one or more)" : " (any number)";
+  out << "\n## " << cell(before + "<" + spec.placeholder + ">") << many << "\n\n";
+  print_markdown_list(out, *spec.named_list, before + "<" + spec.placeholder + ">");
+}
+
+void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path) {
+  out << cell(spec.meaning) << "\n";
+  if (!spec.parameters.empty() || spec.named_parameter) {
+    out << "\n| parameter | type and range | default | meaning |\n| --- | --- | --- | --- |\n";
+    for (const ParameterSpec& parameter : spec.parameters) print_row(out, parameter.name, parameter);
+    const std::string many = spec.minimum_named > 0 ? ", one or more" : ", any number";
+    if (spec.named_parameter) print_row(out, "<" + spec.placeholder + ">" + many, *spec.named_parameter);
+  }
+  if (spec.unchecked) out << "\nAny parameters and lists.\n";
+  print_markdown_sublists(out, spec, path);
+}
+
+}  // namespace
+
+void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title) {
+  out << "# " << title << "\n\n";
+  print_markdown_list(out, spec, "");
+}
+
 }  // namespace mixbeam

@@ -11,4 +11,7 @@ namespace mixbeam {
 /// The complete tree below a list called `name`: every parameter with its type, default, range and meaning.
 void print_parameters(std::ostream& out, const ListSpec& spec, const std::string& name = "");
 
+/// The same as a page of Markdown: a heading for each list, a table of its parameters.
+void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title);
+
 }  // namespace mixbeam

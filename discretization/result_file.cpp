@@ -148,6 +148,30 @@ void write_fields(hid_t group, const std::vector<MemberSamples>& members) {
   }
 }
 
+void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) {
+  const auto supports = hdf5::create_group(file, "supports");
+  for (std::size_t i = 0; i < reactions.size(); ++i)
+    hdf5::write_attribute(hdf5::create_group(supports, std::to_string(i)), "point", reactions[i].point);
+}
+
+void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
+
+void write_reactions(hid_t group, const StepRecord& record) {
+  std::vector<double> numbers;
+  for (const auto& reaction : record.reactions) {
+    append(numbers, reaction.force);
+    append(numbers, reaction.moment);
+  }
+  hdf5::write_dataset(group, "reactions", numbers, 6);
+  numbers.clear();
+  for (const Vector3* v : {&record.balance.applied_force, &record.balance.applied_moment,
+                           &record.balance.reaction_force, &record.balance.reaction_moment})
+    append(numbers, *v);
+  hdf5::write_dataset(group, "balance", numbers, 6);
+  hdf5::write_attribute(group, "force_balance_error", record.balance.force_error);
+  hdf5::write_attribute(group, "moment_balance_error", record.balance.moment_error);
+}
+
 void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
   std::vector<double> rows;
   for (const auto& entry : history) {
@@ -182,6 +206,7 @@ void write_step(hid_t file, const StepRecord& record) {
   hdf5::write_attribute(group, "force_energy", record.force_energy);
   hdf5::write_attribute(group, "moment_energy", record.moment_energy);
   write_fields(group, record.members);
+  write_reactions(group, record);
   write_history(group, record.history);
   if (!record.state.empty()) write_state(group, record.state, record.point);
 
@@ -205,6 +230,7 @@ std::size_t bytes_of(const StepRecord& record) {
   for (const auto* numbers : {&record.state.vertex_displacement, &record.state.vertex_rotation,
                               &record.state.element_triad, &record.state.interior})
     bytes += numbers->size() * sizeof(double);
+  bytes += record.reactions.size() * (6 * sizeof(double) + 2048);
   bytes += record.history.size() * sizeof(NewtonIteration) * 2;
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;
   return bytes;
@@ -370,7 +396,10 @@ void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
     if (!copy.created) write_header(file, header_);
     copy.created = true;
     if (record != nullptr) {
-      if (!copy.has_members) write_members(file, record->members);
+      if (!copy.has_members) {
+        write_members(file, record->members);
+        write_supports(file, record->reactions);
+      }
       copy.has_members = true;
       if (!labels_.empty() && copy.last_step != previous_.step) write_step(file, previous_);
       write_step(file, *record);

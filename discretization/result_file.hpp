@@ -8,12 +8,15 @@
 ///     /properties               attributes: compiler, threads, ... as the caller names them
 ///     /members/<name>           attributes index, first_sample, samples, points_per_element; arc_length, element,
 ///                               reference_position (.,3)
+///     /supports/0, 1, ...       attribute point
 ///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
 ///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,
 ///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
 ///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
 ///                               triad_3 (n,3), triad (n,4: w,x,y,z); residual_history (iterations,3: attempt,
-///                               iteration, scaled maximum norm)
+///                               iteration, scaled maximum norm); reactions (supports,6: force, moment), balance
+///                               (2,6: applied force and moment, those of the reactions) and attributes
+///                               force_balance_error, moment_balance_error
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
 ///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)

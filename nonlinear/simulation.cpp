@@ -64,6 +64,11 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.state = snapshot_of(assembler(), state_);
   record.point = report.point;
   record.members = samples(points_per_element);
+  for (const Reaction& reaction : reactions())
+    record.reactions.push_back({reaction.point, reaction.force, reaction.moment});
+  const Balance sums = balance();
+  record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
+                    sums.reaction_moment, sums.force_error,    sums.moment_error};
   for (const std::string& point : monitored_points) {
     const Vector3 u = displacement(point), theta = rotation(point);
     record.monitored.push_back({point + ".displacement", {u[0], u[1], u[2]}});

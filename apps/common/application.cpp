@@ -1,20 +1,23 @@
 #include "apps/common/application.hpp"
 
+#include "apps/common/monitor_table.hpp"
 #include "apps/common/progress.hpp"
 #include "kernels/execution_space.hpp"
 #include "mixbeam/version.hpp"
 
+#include <sys/utsname.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 namespace mixbeam {
 
 namespace {
-
-constexpr int kSamplesPerElement = 9;
 
 /// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a busy machine may
 /// keep a thread waiting; a run below takes a fraction of a second anyway.
@@ -45,6 +48,13 @@ int chosen_threads(const Scene& scene, const SolverParameters& parameters, int a
   return work_of(scene) < kWorkForThreads ? 1 : available;
 }
 
+/// System, release, processor and name of the machine.
+std::string machine() {
+  utsname system{};
+  if (uname(&system) != 0) return "unknown";
+  return std::string(system.sysname) + " " + system.release + " " + system.machine + ", " + system.nodename;
+}
+
 /// Component of a vector by the names of the list "Expected".
 double component(const Vector3& v, const std::string& name) {
   if (name == "norm") return std::hypot(v[0], v[1], v[2]);
@@ -55,27 +65,61 @@ double component(const Vector3& v, const std::string& name) {
 
 std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
 
-Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
-                              const RunObserver& observer) {
+Simulation Application::walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                             const PathControl& control, const std::function<void(Simulation&)>& prepare,
+                             const RunObserver& observer) {
   SolverParameters chosen = parameters;
   chosen.threads = chosen_threads(solved, parameters, summary.threads);
   Simulation simulation(solved, chosen, communicator);
-  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages);
-  StepReport last;
-  simulation.run([&](const StepReport& report, const State&) {
-    last = report;
-    progress.report(report);
-    if (observer) observer(simulation, report);
-  });
-  summary.load_steps += simulation.result().steps;
-  summary.newton_iterations += simulation.result().newton_iterations;
+  if (prepare) prepare(simulation);
+  const double from = control.resume ? control.resume->load_factor : 0.0;
+  const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
+  const int steps_before = control.resume ? control.resume->step : 0;
+  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages, from);
+  simulation.run(
+      [&](const StepReport& report, const State&) {
+        progress.report(report);
+        if (observer) observer(simulation, report);
+      },
+      control);
+  summary.load_steps += simulation.result().steps - steps_before;
+  summary.newton_iterations += simulation.result().newton_iterations - iterations_before;
   for (const auto& [phase, seconds] : simulation.times()) summary.seconds[phase] += seconds;
+  return simulation;
+}
+
+/// Brings the simulation to the last step of a stored run; on the way, shows the observer those of its steps to which
+/// expected values belong.
+void Application::replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const {
+  for (std::size_t i = 0; i < run.steps().size(); ++i) {
+    const PathPoint& point = run.steps()[i];
+    const auto belongs_here = [&](const ExpectedValue& value) {
+      return std::abs(value.load_factor.value_or(simulation.scene().stages) - point.load_factor) <= kSameLoadFactor;
+    };
+    const bool is_expected = std::any_of(expected.begin(), expected.end(), belongs_here);
+    if (!is_expected && i + 1 < run.steps().size()) continue;
+    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor);
+    StepReport report;
+    report.step = point.step;
+    report.load_factor = point.load_factor;
+    if (is_expected && observer) observer(simulation, report);
+  }
+}
+
+Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                              const RunObserver& observer) {
+  StepReport last;
+  Simulation simulation =
+      walk(solved, parameters, label, {}, {}, [&](const Simulation& running, const StepReport& report) {
+        last = report;
+        if (observer) observer(running, report);
+      });
   if (simulation.result().finished) return simulation;
   const std::filesystem::path file = output / ((label.empty() ? name : label) + "_last_converged.h5");
-  const StepRecord record = simulation.record(last, kSamplesPerElement, {});
+  const StepRecord last_record = simulation.record(last, kPointsByOrder, {});
   if (writes_files()) {
     ResultFile results(file, header(solved));
-    results.append_step(record);
+    results.append_step(last_record);
     results.close();
   }
   throw ConvergenceError((label.empty() ? "" : label + ": ") + simulation.result().failure +
@@ -84,30 +128,105 @@ Simulation Application::solve(const Scene& solved, const SolverParameters& param
 
 Simulation Application::solve_and_record(const Scene& solved, const SolverParameters& parameters,
                                          const std::string& file, int points_per_element, const RunObserver& observer) {
-  std::unique_ptr<ResultFile> results;
-  if (writes_files()) results = std::make_unique<ResultFile>(output / (file + ".h5"), header(solved));
-  std::vector<std::string> points;
-  for (const Support& support : solved.supports) points.push_back(support.point);
-  for (const PointLoad& load : solved.point_loads) points.push_back(load.point);
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  Simulation simulation = solve(solved, parameters, file, [&](const Simulation& running, const StepReport& report) {
-    const StepRecord record = running.record(report, points_per_element, points);
-    if (results != nullptr) results->append_step(record);
-    if (observer) observer(running, report);
-  });
-  if (results != nullptr) results->close();
-  return simulation;
+  Recording recording;
+  recording.file = output / (file + ".h5");
+  recording.points_per_element = points_per_element;
+  recording.observer = observer;
+  return record(solved, parameters, recording);
 }
 
-ResultHeader Application::header(const Scene& solved) const {
-  return {solved.name,
-          xml.text,
-          kVersion,
-          {{"program", name},
-           {"compiler", kCompiler},
-           {"threads", std::to_string(number_of_threads())},
-           {"ranks", std::to_string(communicator->getSize())}}};
+namespace {
+
+/// Points whose motion is followed: those that are held or loaded. A scene may hold thousands (a wall of supports);
+/// a time series for each of them would take longer to write than the run.
+std::vector<std::string> followed_points(const Scene& scene) {
+  constexpr std::size_t kMostFollowedPoints = 100;
+  std::vector<std::string> points;
+  for (const PointLoad& load : scene.point_loads) points.push_back(load.point);
+  for (const Support& support : scene.supports) points.push_back(support.point);
+  std::set<std::string> known;
+  const auto seen = [&known](const std::string& point) { return !known.insert(point).second; };
+  points.erase(std::remove_if(points.begin(), points.end(), seen), points.end());
+  points.resize(std::min(points.size(), kMostFollowedPoints));
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+/// Forces and moments of the supports among the followed points, as time series.
+void follow_reactions(const std::vector<std::string>& points, StepRecord& record) {
+  std::map<std::string, std::array<Vector3, 2>> at;
+  for (const RecordedReaction& reaction : record.reactions) {
+    if (!std::binary_search(points.begin(), points.end(), reaction.point)) continue;
+    std::array<Vector3, 2>& sum = at[reaction.point];
+    for (int i = 0; i < 3; ++i) {
+      sum[0][i] += reaction.force[i];
+      sum[1][i] += reaction.moment[i];
+    }
+  }
+  for (const auto& [point, sum] : at) {
+    record.monitored.push_back({point + ".reaction_force", {sum[0].begin(), sum[0].end()}});
+    record.monitored.push_back({point + ".reaction_moment", {sum[1].begin(), sum[1].end()}});
+  }
+}
+
+PathControl control_of(const Recording& recording) {
+  PathControl control;
+  control.stop = recording.stop;
+  if (recording.resume != nullptr && !recording.resume->steps().empty())
+    control.resume = recording.resume->steps().back();
+  return control;
+}
+
+}  // namespace
+
+Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+  std::unique_ptr<ResultFile> results;
+  std::optional<MonitorTable> monitor;
+  if (writes_files()) {
+    results = recording.resume != nullptr
+                  ? std::make_unique<ResultFile>(*recording.resume)
+                  : std::make_unique<ResultFile>(recording.file, header(solved, recording.properties));
+    if (!recording.monitor.empty()) monitor.emplace(recording.monitor);
+    if (monitor && recording.resume != nullptr) monitor->add(*recording.resume);
+  }
+  const std::vector<std::string> points = followed_points(solved);
+  bool recorded = false;
+  const auto keep = [&](const Simulation& running, const StepReport& report) {
+    recorded = true;
+    StepRecord step = running.record(report, recording.points_per_element, points);
+    follow_reactions(points, step);
+    if (results != nullptr) results->append_step(step);
+    if (monitor) monitor->add(step);
+    if (recording.record_observer) recording.record_observer(step);
+    if (recording.observer) recording.observer(running, report);
+  };
+  const auto prepare = [&](Simulation& simulation) {
+    if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
+  };
+  Simulation simulation =
+      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare, keep);
+  if (!recorded && recording.record_observer) {  // resumed at the end of its path
+    StepRecord last = simulation.record({}, recording.points_per_element, points);
+    follow_reactions(points, last);
+    recording.record_observer(last);
+  }
+  if (results != nullptr) results->close();
+  if (simulation.result().finished || simulation.result().interrupted) return simulation;
+  throw ConvergenceError(recording.file.stem().string() + ": " + simulation.result().failure +
+                         " The last converged state is the last step in " + recording.file.string() + ".");
+}
+
+ResultHeader Application::header(const Scene& solved, const std::map<std::string, std::string>& properties) const {
+  ResultHeader result{solved.name,
+                      xml.text,
+                      kVersion,
+                      {{"program", name},
+                       {"compiler", kCompiler},
+                       {"machine", machine()},
+                       {"threads", std::to_string(number_of_threads())},
+                       {"ranks", std::to_string(communicator->getSize())}}};
+  result.properties.insert(properties.begin(), properties.end());
+  return result;
 }
 
 void Application::check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity) {

@@ -1,5 +1,5 @@
-/// The frame of every benchmark application: command line, XML, exit codes, single run, summary. An application adds
-/// its study (what the paper tabulates and plots) and nothing else.
+/// The frame of every application: runs with their records, checks, summary. A benchmark adds its study (what the paper
+/// tabulates and plots) and nothing else.
 #pragma once
 
 #include "apps/common/summary.hpp"
@@ -11,11 +11,26 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
+
+using RunObserver = std::function<void(const Simulation& simulation, const StepReport& report)>;
+
+/// Where and how a run is recorded.
+struct Recording {
+  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it
+  std::filesystem::path monitor{};  ///< CSV file of what is followed over the steps; empty: none
+  int points_per_element = kPointsByOrder;
+  std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
+  RunObserver observer{};
+  std::function<void(const StepRecord& record)> record_observer{};
+  std::function<bool()> stop{};       ///< see PathControl
+  const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
+};
 
 /// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and
 /// files are written only where `writes_files()`.
@@ -40,14 +55,17 @@ class Application {
   /// silent). Scenes too small to profit from threads run on one, unless the user chose a number; results are the same
   /// bits. `observer` is called with the simulation after each converged step. When no equilibrium is found, the last
   /// converged state is written to <output>/<label>_last_converged.h5 and ConvergenceError is thrown.
-  using RunObserver = std::function<void(const Simulation& simulation, const StepReport& report)>;
   Simulation solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                    const RunObserver& observer = {});
   Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
 
-  /// As solve(), and writes every step to <output>/<file>.h5 with XDMF. Monitored: all points of the scene.
+  /// As solve(), and writes every step to a result file; then the last converged state is in that file. A run that was
+  /// stopped ends like any other, and result().interrupted tells.
+  Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording);
+
+  /// As record(), to <output>/<file>.h5.
   Simulation solve_and_record(const Scene& solved, const SolverParameters& parameters, const std::string& file,
-                              int points_per_element = 9, const RunObserver& observer = {});
+                              int points_per_element = kPointsByOrder, const RunObserver& observer = {});
 
   /// Checks those values of the list "Expected" that belong to this load factor; a value without one belongs to the end
   /// of the path. `own_quantity` evaluates the application's own quantities, which are left out without it.
@@ -61,7 +79,12 @@ class Application {
   std::vector<ExpectedValue> not_compared() const;
 
  private:
-  ResultHeader header(const Scene& solved) const;
+  ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
+  /// Walks along the path, after `prepare`, and counts its costs; does not judge how it ended.
+  Simulation walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                  const PathControl& control, const std::function<void(Simulation&)>& prepare,
+                  const RunObserver& observer);
+  void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
 
   std::set<std::string> compared_;  ///< names of expected values
 };

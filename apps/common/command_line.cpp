@@ -5,17 +5,14 @@
 #include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 
+#include <algorithm>
 #include <ostream>
-#include <vector>
 
 namespace mixbeam {
 
 namespace {
 
 constexpr int kMostThreads = 1024;
-
-const std::vector<std::string> kOptions = {"--help",   "--print-parameters", "--single", "--quiet",
-                                           "--output", "--summary",          "--threads"};
 
 /// "-1" is a value, if a bad one.
 bool is_option(const std::string& argument) {
@@ -42,40 +39,58 @@ std::string value_after(int& i, int argc, const char* const* argv) {
   return value;
 }
 
-void read_scene_file(const std::string& argument, CommandLine& line) {
-  if (argument.empty()) throw InputError("an empty argument; allowed: one scene file and options (--help lists them)");
+void read_file_name(const std::string& argument, const std::string& kind, CommandLine& line) {
+  if (argument.empty())
+    throw InputError("an empty argument; allowed: one " + kind + " and options (--help lists them)");
   if (line.scene_file) {
-    throw InputError("two scene files given: \"" + *line.scene_file + "\" and \"" + excerpt(argument) +
+    throw InputError("two " + kind + "s given: \"" + *line.scene_file + "\" and \"" + excerpt(argument) +
                      "\"; allowed: one");
   }
   line.scene_file = argument;
 }
 
+void read_option(const std::string& name, int& i, int argc, const char* const* argv, CommandLine& line) {
+  if (name == "--help")
+    line.help = true;
+  else if (name == "--print-parameters")
+    line.print_parameters = true;
+  else if (name == "--single")
+    line.single = true;
+  else if (name == "--quiet")
+    line.quiet = true;
+  else if (name == "--markdown")
+    line.markdown = true;
+  else if (name == "--output")
+    line.output = value_after(i, argc, argv);
+  else if (name == "--summary")
+    line.summary = value_after(i, argc, argv);
+  else if (name == "--case")
+    line.load_case = value_after(i, argc, argv);
+  else if (name == "--threads")
+    line.threads = number_of_threads_from(value_after(i, argc, argv));
+}
+
 }  // namespace
 
-CommandLine read_command_line(int argc, const char* const* argv) {
+const std::vector<std::string>& benchmark_options() {
+  static const std::vector<std::string> options = {"--help",   "--print-parameters", "--single", "--quiet",
+                                                   "--output", "--summary",          "--threads"};
+  return options;
+}
+
+CommandLine read_command_line(int argc, const char* const* argv, const std::vector<std::string>& options,
+                              const std::string& kind) {
   CommandLine line;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    if (argument == "--help" || argument == "-h")
-      line.help = true;
-    else if (argument == "--print-parameters")
-      line.print_parameters = true;
-    else if (argument == "--single")
-      line.single = true;
-    else if (argument == "--quiet")
-      line.quiet = true;
-    else if (argument == "--output")
-      line.output = value_after(i, argc, argv);
-    else if (argument == "--summary")
-      line.summary = value_after(i, argc, argv);
-    else if (argument == "--threads")
-      line.threads = number_of_threads_from(value_after(i, argc, argv));
-    else if (is_option(argument)) {
-      throw InputError("unknown option \"" + excerpt(argument) + "\"; allowed: " + quoted_list(kOptions) +
-                       did_you_mean(argument, kOptions));
-    } else
-      read_scene_file(argument, line);
+    const std::string name = argument == "-h" ? "--help" : argument;
+    if (std::find(options.begin(), options.end(), name) != options.end())
+      read_option(name, i, argc, argv, line);
+    else if (is_option(argument))
+      throw InputError("unknown option \"" + excerpt(argument) + "\"; allowed: " + quoted_list(options) +
+                       did_you_mean(argument, options));
+    else
+      read_file_name(argument, kind, line);
   }
   return line;
 }

@@ -4,17 +4,24 @@
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
 struct CommandLine {
-  std::optional<std::string> scene_file, output, summary;
+  std::optional<std::string> scene_file, output, summary, load_case;
   std::optional<int> threads;
-  bool help = false, print_parameters = false, single = false, quiet = false;
+  bool help = false, print_parameters = false, single = false, quiet = false, markdown = false;
 };
 
-/// Throws InputError that names the option, what was seen and what is allowed.
-CommandLine read_command_line(int argc, const char* const* argv);
+/// Options of the benchmark applications.
+const std::vector<std::string>& benchmark_options();
+
+/// `options`: those that are allowed; `kind`: of the one file that may be named. Throws InputError that names the
+/// option, what was seen and what is allowed.
+CommandLine read_command_line(int argc, const char* const* argv,
+                              const std::vector<std::string>& options = benchmark_options(),
+                              const std::string& kind = "scene file");
 
 void print_help(std::ostream& out, const std::string& program, const std::string& purpose);
 

@@ -5,13 +5,14 @@
 
 namespace mixbeam {
 
-Progress::Progress(std::ostream& out, std::string label, int stages)
-    : out_(out), label_(std::move(label)), stages_(stages), start_(std::chrono::steady_clock::now()) {}
+Progress::Progress(std::ostream& out, std::string label, int stages, double from)
+    : out_(out), label_(std::move(label)), stages_(stages), from_(from), start_(std::chrono::steady_clock::now()) {}
 
 void Progress::report(const StepReport& report) {
   if (report.step == 0) return;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  const double to_go = report.load_factor > 0.0 ? elapsed * (stages_ - report.load_factor) / report.load_factor : 0.0;
+  const double covered = report.load_factor - from_;
+  const double to_go = covered > 0.0 ? elapsed * (stages_ - report.load_factor) / covered : 0.0;
   char line[200];
   std::snprintf(
       line, sizeof line,

@@ -11,13 +11,15 @@ namespace mixbeam {
 
 class Progress {
  public:
-  Progress(std::ostream& out, std::string label, int stages);
+  /// `from`: load factor at which the path starts or is resumed.
+  Progress(std::ostream& out, std::string label, int stages, double from = 0.0);
   void report(const StepReport& report);
 
  private:
   std::ostream& out_;
   std::string label_;
   int stages_;
+  double from_;
   std::chrono::steady_clock::time_point start_;
 };
 

@@ -188,7 +188,7 @@ TEST_F(BadInput, NoConvergenceLeavesTheLastConvergedState) {
   const fs::path summary = folder_ / "summary.json";
   const Ended ended = run_scene(scene_that_does_not_converge(), {"--summary", summary.string()});
   EXPECT_EQ(ended.exit_code, kNoConvergence);
-  const fs::path results = folder_ / "results" / "single_last_converged.h5";
+  const fs::path results = folder_ / "results" / "single.h5";
   expect_in(ended.err, {"no convergence: ", "beyond load factor ", "minimum of 0.1", "What to try", "\"Minimum Step\"",
                         "\"Maximum Iterations\"", "\"Maximum Rotation\"", results.string()});
   const auto json = nlohmann::json::parse(text_of(summary));

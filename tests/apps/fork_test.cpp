@@ -1,4 +1,4 @@
-#include "tests/apps/run_program.hpp"
+#include "tests/apps/process.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/run_program.hpp"
+#include "tests/apps/process.hpp"
 
 namespace mixbeam {
 namespace {

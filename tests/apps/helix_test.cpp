@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tests/apps/run_program.hpp"
+#include "tests/apps/process.hpp"
 
 namespace mixbeam {
 namespace {

@@ -1,8 +1,6 @@
 /// Starting an application as a user does: a process of its own, in a folder of its own.
 #pragma once
 
-#include "run_program.hpp"
-
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -14,12 +12,20 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
 namespace fs = std::filesystem;
+
+inline std::string text_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
 
 inline void write_text(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
@@ -76,9 +82,9 @@ inline std::vector<char*> pointers(std::vector<std::string>& texts) {
   return result;
 }
 
-/// Runs a program to its end; what it prints is kept. `folder`: for the prints.
-inline Ended run_process(const fs::path& executable, const std::vector<std::string>& arguments,
-                         const TemporaryFolder& folder) {
+/// Starts a program; what it prints goes to <folder>/stdout.txt and stderr.txt. Returns its number, 0 on failure.
+inline pid_t start_process(const fs::path& executable, const std::vector<std::string>& arguments,
+                           const fs::path& folder) {
   const std::string out = (folder / "stdout.txt").string(), err = (folder / "stderr.txt").string();
   std::vector<std::string> words = {executable.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -92,12 +98,49 @@ inline Ended run_process(const fs::path& executable, const std::vector<std::stri
       posix_spawn(&process, executable.c_str(), &actions, nullptr, pointers(words).data(), pointers(variables).data());
   posix_spawn_file_actions_destroy(&actions);
   EXPECT_EQ(problem, 0) << executable << ": " << std::strerror(problem);
-  if (problem != 0) return {};
+  return problem == 0 ? process : 0;
+}
+
+/// Waits for the end of a started program.
+inline Ended end_of(pid_t process, const fs::path& folder) {
+  if (process == 0) return {};
   int status = 0;
   EXPECT_EQ(waitpid(process, &status, 0), process);
-  EXPECT_FALSE(WIFSIGNALED(status)) << executable << " crashed: " << strsignal(WTERMSIG(status)) << "\n"
-                                    << text_of(err);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(folder / "stdout.txt"),
+          text_of(folder / "stderr.txt")};
+}
+
+/// Runs a program to its end. `folder`: for the prints.
+inline Ended run_process(const fs::path& executable, const std::vector<std::string>& arguments,
+                         const fs::path& folder) {
+  const Ended ended = end_of(start_process(executable, arguments, folder), folder);
+  EXPECT_GE(ended.exit_code, 0) << executable << " crashed: " << strsignal(-ended.exit_code) << "\n" << ended.err;
+  return ended;
+}
+inline Ended run_process(const fs::path& executable, const std::vector<std::string>& arguments,
+                         const TemporaryFolder& folder) {
+  return run_process(executable, arguments, folder.path());
+}
+
+/// A folder of the build for one test, emptied when it starts.
+inline fs::path folder_for(const std::string& test) {
+  const fs::path folder = fs::path(MIXBEAM_BIN_DIR) / "test_results" / test;
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  return folder;
+}
+
+/// Runs a benchmark with these arguments (no spaces inside them) on one thread, quietly; what it prints goes to
+/// <folder>/output.txt. Returns the exit code.
+inline int run_program(const std::string& name, const std::string& arguments, const fs::path& folder) {
+  std::vector<std::string> words;
+  std::istringstream stream(arguments);
+  for (std::string word; stream >> word;) words.push_back(word);
+  for (const std::string word : {"--quiet", "--threads", "1", "--output"}) words.push_back(word);
+  words.push_back(folder.string());
+  const Ended ended = run_process(program(name), words, folder);
+  write_text(folder / "output.txt", ended.out + ended.err);
+  return ended.exit_code;
 }
 
 /// `text` with the first `from` after the place of `after` replaced; a test that changes nothing would prove nothing.
@@ -112,6 +155,16 @@ inline std::string changed(std::string text, const std::string& from, const std:
 inline void expect_in(const std::string& text, const std::vector<std::string>& parts) {
   for (const std::string& part : parts)
     EXPECT_NE(text.find(part), std::string::npos) << "missing: " << part << "\nin: " << text;
+}
+
+/// The application's own scene file with one piece of text replaced, written to <folder>/scene.xml.
+inline std::string changed_scene(const std::string& application, const std::string& from, const std::string& to,
+                                 const fs::path& folder) {
+  std::string scene = scene_of(application);
+  const std::size_t place = scene.find(from);
+  if (place == std::string::npos) throw std::invalid_argument("the scene of " + application + " holds no " + from);
+  write_text(folder / "scene.xml", scene.replace(place, from.size(), to));
+  return (folder / "scene.xml").string();
 }
 
 }  // namespace mixbeam

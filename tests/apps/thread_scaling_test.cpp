@@ -1,5 +1,5 @@
 // The measurement of thread scaling in a tiny size, so that it cannot rot; its times are not judged.
-#include "tests/apps/run_program.hpp"
+#include "tests/apps/process.hpp"
 
 #include <gtest/gtest.h>
 

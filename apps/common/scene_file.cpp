@@ -1,0 +1,98 @@
+#include "apps/common/scene_file.hpp"
+
+#include "discretization/mechanism_check.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/scene_parameters.hpp"
+#include "discretization/validate.hpp"
+#include "kernels/execution_space.hpp"
+#include "mixbeam/version.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+/// A point that the scene does not have, or a load factor that its path does not reach, would never be compared.
+void check_expected_values(const Application& app) {
+  std::vector<std::string> points;
+  for (const Point& point : app.scene.points) points.push_back(point.name);
+  for (const ExpectedValue& value : app.expected) {
+    const ParameterPath path = {"Expected", value.name};
+    if (!value.point.empty() && std::find(points.begin(), points.end(), value.point) == points.end()) {
+      throw app.xml.source.error(child(path, "Point"), "\"" + excerpt(value.point) + "\" is not a point; allowed: " +
+                                                           quoted_list(points) + did_you_mean(value.point, points));
+    }
+    if (value.load_factor.value_or(0.0) > app.scene.stages) {
+      throw app.xml.source.error(child(path, "Load Factor"),
+                                 "value " + shortest(*value.load_factor) + "; allowed: at most " +
+                                     std::to_string(app.scene.stages) + ", where the load path of the scene ends");
+    }
+  }
+}
+
+}  // namespace
+
+ListSpec root_spec(const ApplicationDefinition& definition) {
+  ListSpec root("Scene file of " + definition.name + ".");
+  root.add_list("Scene", scene_spec(), Presence::required);
+  root.add_list("Solver", solver_spec(), Presence::defaulted);
+  root.add_list("Study", definition.study, Presence::defaulted);
+  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
+  return root;
+}
+
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
+  app.xml = std::move(xml);
+  validate(*app.xml.list, root_spec(definition), app.xml.source);
+  app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
+  check_supports(app.scene, app.xml.source);
+  app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
+  app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
+  check_expected_values(app);
+}
+
+void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {
+  app.name = app.summary.program = name;
+  app.summary.version = kVersion;
+  app.summary.compiler = kCompiler;
+  app.summary.ranks = app.communicator->getSize();
+  if (threads) app.solver.threads = *threads;
+  if (app.solver.threads > 0) set_number_of_threads(app.solver.threads);
+  app.summary.threads = number_of_threads();
+}
+
+void prepare_output_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError("the folder \"" + folder.string() + "\" for results cannot be made: " + error.message());
+  if (!std::filesystem::is_directory(folder))
+    throw InputError("\"" + folder.string() + "\", meant as a folder for results, is not a folder");
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    throw InputError("the folder \"" + folder.string() + "\" for results cannot be written to");
+}
+
+void prepare_summary(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file))
+    throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
+  if (file.has_parent_path()) prepare_output_folder(file.parent_path());
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
+}
+
+void require_all_compared(const Application& app) {
+  for (const ExpectedValue& value : app.not_compared()) {
+    const ParameterPath path = {"Expected", value.name, "Load Factor"};
+    if (!value.load_factor) throw app.xml.source.error(path, "the run did not compare this value");
+    throw app.xml.source.error(path, "value " + shortest(*value.load_factor) +
+                                         "; no load step ended there; allowed: ends of stages, and with \"Method\" = "
+                                         "\"fixed\" in \"Solver / Load Path\" the multiples of 1 / \"Steps\"");
+  }
+}
+
+}  // namespace mixbeam

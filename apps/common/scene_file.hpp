@@ -1,0 +1,28 @@
+/// Reading a scene file into an application, and the places where it writes.
+#pragma once
+
+#include "apps/common/application.hpp"
+
+namespace mixbeam {
+
+/// Declaration of everything below the root of an application's scene file.
+ListSpec root_spec(const ApplicationDefinition& definition);
+
+/// Fills in scene, solver parameters and expected values from the parsed file. Throws InputError with file, line and
+/// XML path.
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
+
+/// Name, version, compiler, ranks, threads. `threads`: of the command line, overrides the scene.
+void describe_run(Application& app, const std::string& name, const std::optional<int>& threads);
+
+/// Makes the folder; throws InputError when that fails or nothing can be written there.
+void prepare_output_folder(const std::filesystem::path& folder);
+
+/// Finds out before the run, not after it, whether the summary can be written; removes the one of an earlier run, which
+/// a script might otherwise take for that of a run that failed.
+void prepare_summary(const std::filesystem::path& file);
+
+/// Throws InputError for an expected value at whose load factor no step ended.
+void require_all_compared(const Application& app);
+
+}  // namespace mixbeam

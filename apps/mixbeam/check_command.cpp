@@ -1,0 +1,120 @@
+#include "apps/common/command_line.hpp"
+#include "apps/common/guarded_run.hpp"
+#include "apps/common/mpi_session.hpp"
+#include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "discretization/errors.hpp"
+#include "discretization/load_cases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+template <class... Values>
+std::string text_of(const char* format, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+/// Bytes of the arrays that grow with the model: element equations and responses, states and vectors of an iteration,
+/// the matrix, and its factors.
+double memory_estimate(const Simulation& simulation) {
+  constexpr double kStatesAlive = 6, kVectorsAlive = 12;  // groups of NOX and LOCA: two each, their copies, our own
+  constexpr double kFactorEntries = 3;  // per entry of the matrix: seen for chains and frames of moderate branching
+  constexpr double kBytesPerEntry = 12;
+  const Structure& structure = simulation.assembler().structure();
+  const double elements = structure.local_elements(), vertices = structure.local_vertices();
+  const double interior = static_cast<double>(structure.interior_size);
+  const double entries = static_cast<double>(simulation.assembler().matrix()->getNodeNumEntries());
+  const double state = 7 * vertices + 4 * elements + interior;
+  const double vector = 6 * vertices + interior;
+  const double numbers =
+      168 * elements + static_cast<double>(structure.response_size) + kStatesAlive * state + kVectorsAlive * vector;
+  return 8 * numbers + kBytesPerEntry * entries * (1 + kFactorEntries);
+}
+
+void print_size(std::ostream& out, const Simulation& simulation) {
+  const Mesh& mesh = simulation.assembler().mesh();
+  const Structure& structure = simulation.assembler().structure();
+  const size_t condensed = 6 * static_cast<size_t>(mesh.vertices());
+  out << text_of("  members %zu, elements %zu, vertices %d\n", mesh.members.size(), mesh.elements.size(),
+                 mesh.vertices());
+  out << text_of("  unknowns %zu, of which %zu inside the elements; equations to solve %zu\n",
+                 condensed + structure.increment_size, structure.increment_size, condensed);
+  out << text_of("  matrix entries %zu, memory about %.3g MB\n",
+                 static_cast<size_t>(simulation.assembler().matrix()->getGlobalNumEntries()),
+                 memory_estimate(simulation) / 1e6);
+}
+
+/// Box around the samples of all undeformed members.
+void print_extent(std::ostream& out, const Simulation& simulation) {
+  double length = 0.0;
+  for (const MeshMember& member : simulation.assembler().mesh().members) length += member.curve.length;
+  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  for (const MemberSamples& member : simulation.samples(kPointsByOrder))
+    for (const Vector3& position : member.reference_position)
+      for (int i = 0; i < 3; ++i) {
+        low[i] = std::min(low[i], position[i]);
+        high[i] = std::max(high[i], position[i]);
+      }
+  out << text_of("  total length %.10g, box (%.10g, %.10g, %.10g) to (%.10g, %.10g, %.10g)\n", length, low[0], low[1],
+                 low[2], high[0], high[1], high[2]);
+}
+
+/// Sums at the end of each stage, as they act on the undeformed shape.
+void print_loads(std::ostream& out, Simulation& simulation) {
+  const StateSnapshot undeformed = snapshot_of(simulation.assembler(), simulation.state());
+  for (int stage = 1; stage <= simulation.scene().stages; ++stage) {
+    simulation.restore(undeformed, stage);
+    const Balance sums = simulation.balance();
+    const Vector3 &f = sums.applied_force, &m = sums.applied_moment;
+    out << text_of("  loads at the end of stage %d: force (%.6g, %.6g, %.6g), moment (%.6g, %.6g, %.6g)", stage, f[0],
+                   f[1], f[2], m[0], m[1], m[2])
+        << text_of(" about (%.6g, %.6g, %.6g)\n", sums.center[0], sums.center[1], sums.center[2]);
+  }
+}
+
+void print_check(Application& app, const std::string& load_case) {
+  const Scene scene = scene_of_case(app.scene, load_case);
+  Simulation simulation(scene, app.solver, app.communicator);
+  std::ostream& out = app.out();
+  out << (scene.name.empty() ? "scene" : scene.name) << (load_case.empty() ? "" : ", load case " + load_case) << "\n";
+  print_size(out, simulation);
+  print_extent(out, simulation);
+  out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
+                 scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
+                 scene.distributed_loads.size(), scene.eigenstrains.size());
+  print_loads(out, simulation);
+}
+
+}  // namespace
+
+int check_command(const Arguments& arguments) {
+  const CommandLine line = read_command_line(arguments.count(), arguments.values.data(), {"--case", "--help"});
+  if (!line.scene_file) throw InputError("a scene file is missing: mixbeam check SCENE.xml");
+  int argc = 1;
+  char name[] = "mixbeam";
+  char* names[] = {name, nullptr};
+  char** argv = names;
+  const MpiSession session(argc, argv);
+  return guarded_run(session.communicator(), "mixbeam", [&] {
+    Application app;
+    app.communicator = session.communicator();
+    read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+    describe_run(app, "mixbeam", {});
+    std::vector<std::string> cases = app.scene.load_cases;
+    if (line.load_case) cases = {*line.load_case};
+    if (cases.empty()) cases = {""};
+    for (const std::string& load_case : cases) print_check(app, load_case);
+    app.out() << *line.scene_file << ": in order\n";
+    return 0;
+  });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,32 @@
+/// The subcommands of `mixbeam`. Each takes what follows its own name on the command line and returns the exit code.
+#pragma once
+
+#include "apps/common/application.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// The command line from the subcommand on: arguments.values[0] is its name.
+struct Arguments {
+  std::vector<const char*> values;
+  int count() const { return static_cast<int>(values.size()); }
+};
+
+int run_command(const Arguments& arguments);
+int check_command(const Arguments& arguments);
+int parameters_command(const Arguments& arguments);
+int resume_command(const Arguments& arguments);
+int plot_command(const Arguments& arguments);
+
+/// Help on the whole program, or on one subcommand; empty when there is none of that name.
+std::string help_text(const std::string& command = "");
+
+/// What mixbeam accepts in a scene file: lists of the benchmark programs included.
+const ApplicationDefinition& mixbeam_definition();
+
+/// Strain energy of the moment strains, a quantity that the list "Expected" may name.
+inline constexpr const char* kMomentEnergyName = "moment energy";
+
+}  // namespace mixbeam

@@ -1,0 +1,72 @@
+#include "apps/mixbeam/commands.hpp"
+
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr const char* kExitCodes =
+    "exit code: 0 done and all checks passed, 1 a check failed, 2 bad input, 3 no convergence,\n"
+    "           130 stopped by Ctrl-C (the results so far are written)\n";
+
+const char* const kProgram =
+    "mixbeam: static equilibrium of structures of geometrically exact beams\n\n"
+    "usage: mixbeam COMMAND [arguments]\n\n"
+    "  run SCENE.xml       solves a scene and writes its results\n"
+    "  check SCENE.xml     reads, validates and measures a scene; solves nothing\n"
+    "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
+    "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
+    "  plot RESULTS.h5     draws pictures of results\n\n"
+    "mixbeam COMMAND --help tells more; mixbeam --version prints the version.\n\n";
+
+const std::map<std::string, const char*>& texts() {
+  static const std::map<std::string, const char*> all = {
+      {"run",
+       "usage: mixbeam run SCENE.xml [options]\n\n"
+       "Solves a scene; with several load cases one after the other, each from the undeformed structure. Writes\n"
+       "  DIR/NAME.h5            every converged step: shape, forces, strains, energies, reactions, residuals, state\n"
+       "  DIR/NAME.xdmf          the same for ParaView and VisIt: open this file there\n"
+       "  DIR/NAME-monitor.csv   what is followed over the steps: load factor, displacements, reactions, energies\n"
+       "where NAME is that of the scene file without .xml, with -CASE behind it for each load case. The list "
+       "\"Study\"\n"
+       "of a benchmark's scene is ignored.\n\n"
+       "  --output DIR         folder for results; default: results/NAME\n"
+       "  --case NAME          only this load case\n"
+       "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
+       "                       processors for scenes that are large enough to profit; results are the same bits\n"
+       "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"
+       "  --quiet              no line for each step\n\n"
+       "Ctrl-C ends the run after the present step, a second one at once; mixbeam resume goes on.\n"},
+      {"check",
+       "usage: mixbeam check SCENE.xml [--case NAME]\n\n"
+       "Reads and validates a scene and prints its size: members, elements, unknowns, matrix, memory, lengths, loads "
+       "of\n"
+       "each stage, supports, warnings. Solves nothing, writes nothing.\n\n"},
+      {"parameters",
+       "usage: mixbeam parameters [--markdown]\n\n"
+       "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"
+       "  --markdown           as a page of documentation\n\n"},
+      {"resume",
+       "usage: mixbeam resume RESULTS.h5 [options]\n\n"
+       "Goes on behind the last completed step in a result file, to the very bits of a run that was never stopped, on\n"
+       "any number of threads. The scene is the one in the file. Appends to the file, and writes NAME.xdmf and\n"
+       "NAME-monitor.csv beside it.\n\n"
+       "  --threads N, --summary FILE.json, --quiet    as for mixbeam run\n\n"},
+      {"plot",
+       "usage: mixbeam plot RESULTS.h5 [options of the script]\n\n"
+       "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists its options. Needs Python\n"
+       "with matplotlib and h5py.\n\n"},
+  };
+  return all;
+}
+
+}  // namespace
+
+std::string help_text(const std::string& command) {
+  if (command.empty()) return std::string(kProgram) + kExitCodes;
+  const auto text = texts().find(command);
+  return text == texts().end() ? "" : std::string(text->second) + kExitCodes;
+}
+
+}  // namespace mixbeam

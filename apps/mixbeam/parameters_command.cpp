@@ -1,0 +1,37 @@
+#include "apps/common/command_line.hpp"
+#include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "discretization/errors.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/print_parameters.hpp"
+
+#include <iostream>
+
+namespace mixbeam {
+
+const ApplicationDefinition& mixbeam_definition() {
+  static const ApplicationDefinition definition = [] {
+    ApplicationDefinition own;
+    own.name = "mixbeam";
+    own.purpose = "static equilibrium of structures of geometrically exact beams.";
+    own.study = ListSpec("Of the benchmark programs; mixbeam ignores it.").without_checks();
+    own.own_quantities = {kMomentEnergyName};
+    return own;
+  }();
+  return definition;
+}
+
+int parameters_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(), {"--help", "--markdown"}, "(no file)");
+  if (line.scene_file)
+    throw InputError("\"" + excerpt(*line.scene_file) + "\" given to \"parameters\"; allowed: \"--markdown\"");
+  const ListSpec root = root_spec(mixbeam_definition());
+  if (line.markdown)
+    print_parameters_markdown(std::cout, root, "Parameters of a scene file");
+  else
+    print_parameters(std::cout, root, "mixbeam");
+  return 0;
+}
+
+}  // namespace mixbeam

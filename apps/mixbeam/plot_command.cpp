@@ -1,0 +1,59 @@
+#include "apps/mixbeam/commands.hpp"
+#include "discretization/errors.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+
+namespace mixbeam {
+
+namespace {
+
+/// Debian's Python has Debian's packages; another one earlier in PATH need not.
+const std::vector<std::string> kInterpreters = {"/usr/bin/python3", "python3"};
+constexpr const char* kNeeded = "import numpy, matplotlib, h5py";
+
+/// Exit code of a program, -1 when it cannot be started or is killed. `quiet`: its messages are of no interest.
+int exit_code_of(std::vector<std::string> words, bool quiet) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  if (quiet) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t process = 0;
+  const int problem = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  int status = 0;
+  if (problem != 0 || waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+std::string suitable_python() {
+  for (const std::string& python : kInterpreters)
+    if (exit_code_of({python, "-c", kNeeded}, true) == 0) return python;
+  throw InputError(
+      "pictures need Python with numpy, matplotlib and h5py; none of \"/usr/bin/python3\" and \"python3\" in PATH has "
+      "them (Debian: apt-get install python3-matplotlib python3-h5py)");
+}
+
+}  // namespace
+
+int plot_command(const Arguments& arguments) {
+  if (arguments.count() < 2) throw InputError("a result file is missing: mixbeam plot RESULTS.h5");
+  const std::filesystem::path script =
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / "plot_result.py";
+  if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
+  std::vector<std::string> words = {suitable_python(), script.string()};
+  words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());
+  const int keep_the_users_choice = 0;
+  setenv("MPLBACKEND", "Agg", keep_the_users_choice);
+  const int code = exit_code_of(words, false);
+  return code == 0 ? 0 : kInputErrorExitCode;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,72 @@
+#include "apps/common/guarded_run.hpp"
+#include "apps/common/interrupt.hpp"
+#include "apps/common/mpi_session.hpp"
+#include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/scene_run.hpp"
+#include "discretization/errors.hpp"
+#include "mixbeam/version.hpp"
+
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+std::string property(const StoredRun& run, const std::string& name) {
+  const auto found = run.header().properties.find(name);
+  return found == run.header().properties.end() ? "" : found->second;
+}
+
+void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
+  app.quiet = line.quiet;
+  if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
+  read_scene_file(app, parse_xml(run.header().scene_xml, run.path().string() + " (scene)"), mixbeam_definition());
+  describe_run(app, "mixbeam", line.threads);
+  app.output = run.path().has_parent_path() ? run.path().parent_path() : std::filesystem::path(".");
+  on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
+  const std::string obstacle = obstacle_to_resuming(app.solver);
+  if (!obstacle.empty()) throw InputError(run.path().string() + ": cannot be resumed: " + obstacle);
+  if (property(run, "program") != "mixbeam")
+    throw InputError(run.path().string() + ": written by \"" + property(run, "program") +
+                     "\", which goes on where its own study wants; allowed: results of mixbeam run");
+}
+
+void say_where(const Application& app, const StoredRun& run) {
+  if (run.header().version != kVersion)
+    app.out() << "Written by version " << run.header().version << ", resumed by " << kVersion
+              << ": the last digits may differ from those of an uninterrupted run.\n";
+  if (run.steps().empty())
+    app.out() << "The file holds no steps: the run starts.\n";
+  else
+    app.out() << "Resuming behind step " << run.steps().back().step << ", load factor "
+              << run.steps().back().load_factor << ".\n";
+}
+
+}  // namespace
+
+int resume_command(const Arguments& arguments) {
+  const CommandLine line = read_command_line(arguments.count(), arguments.values.data(),
+                                             {"--threads", "--summary", "--quiet", "--help"}, "result file");
+  if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
+  int argc = 1;
+  char name[] = "mixbeam";
+  char* names[] = {name, nullptr};
+  char** argv = names;
+  const MpiSession session(argc, argv);
+  return guarded_run(session.communicator(), "mixbeam", [&] {
+    const StoredRun run(*line.scene_file);
+    Application app;
+    app.communicator = session.communicator();
+    set_up(app, line, run);
+    say_where(app, run);
+    watch_for_interrupts();
+    return finish_runs(app, line, [&] {
+      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), &run);
+      if (end == RunEnd::arrived && app.scene.load_cases.empty()) require_all_compared(app);
+      return end;
+    });
+  });
+}
+
+}  // namespace mixbeam

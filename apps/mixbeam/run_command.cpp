@@ -1,0 +1,67 @@
+#include "apps/common/guarded_run.hpp"
+#include "apps/common/interrupt.hpp"
+#include "apps/common/mpi_session.hpp"
+#include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/scene_run.hpp"
+#include "discretization/errors.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<std::string>& wanted) {
+  const std::vector<std::string>& known = scene.load_cases;
+  if (!wanted) return known.empty() ? std::vector<std::string>{""} : known;
+  if (std::find(known.begin(), known.end(), *wanted) != known.end()) return {*wanted};
+  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case of the scene; allowed: " +
+                   (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
+}
+
+void set_up(Application& app, const CommandLine& line) {
+  app.quiet = line.quiet;
+  if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
+  read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+  describe_run(app, "mixbeam", line.threads);
+  const std::filesystem::path scene(*line.scene_file);
+  app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
+  on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
+  if (app.xml.source.line({"Study"}) > 0)
+    app.out() << "The list \"Study\" belongs to a benchmark program; it is ignored.\n";
+}
+
+}  // namespace
+
+int run_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(),
+                        {"--output", "--case", "--threads", "--summary", "--quiet", "--help"}, "scene file");
+  if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
+  int argc = 1;
+  char name[] = "mixbeam";
+  char* names[] = {name, nullptr};
+  char** argv = names;
+  const MpiSession session(argc, argv);
+  return guarded_run(session.communicator(), "mixbeam", [&] {
+    Application app;
+    app.communicator = session.communicator();
+    set_up(app, line);
+    const auto cases = chosen_cases(app.scene, line.load_case);
+    watch_for_interrupts();
+    return finish_runs(app, line, [&] {
+      RunEnd end = RunEnd::arrived;
+      const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
+      for (const std::string& load_case : cases)
+        if (end == RunEnd::arrived) end = run_case(app, load_case, result_file_of(app.output, stem, load_case));
+      if (end == RunEnd::arrived && app.scene.load_cases.empty()) require_all_compared(app);
+      return end;
+    });
+  });
+}
+
+}  // namespace mixbeam

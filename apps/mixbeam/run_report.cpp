@@ -1,0 +1,80 @@
+#include "apps/mixbeam/run_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+/// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
+/// the sums run over all rows.
+constexpr double kBalanceTolerance = 1e-10;
+
+/// Lines of a table on the terminal; the files hold everything.
+constexpr std::size_t kMostLines = 12;
+
+template <class... Values>
+std::string text_of(const char* format, Values... values) {
+  char line[256];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+bool ends_with(const std::string& text, const std::string& ending) {
+  return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
+}
+
+void print_left_out(std::ostream& out, std::size_t count) {
+  if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
+}
+
+}  // namespace
+
+void RunReport::add(const StepRecord& record) {
+  const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
+  force_error_ = larger(force_error_, record.balance.force_error);
+  moment_error_ = larger(moment_error_, record.balance.moment_error);
+  last_ = record;
+  last_.members.clear();
+  last_.state = {};
+}
+
+void RunReport::check_balance(Application& app, const std::string& run) const {
+  const std::string source = "equilibrium of the whole structure, every step";
+  app.summary.check_upper_bound(run + ": loads and reactions, sum of forces / largest force", force_error_,
+                                kBalanceTolerance, source);
+  app.summary.check_upper_bound(run + ": loads and reactions, sum of moments / largest moment", moment_error_,
+                                kBalanceTolerance, source);
+}
+
+void RunReport::print(std::ostream& out) const {
+  const std::string displacement = ".displacement";
+  std::size_t points = 0;
+  for (const MonitoredQuantity& quantity : last_.monitored) {
+    if (!ends_with(quantity.name, displacement) || ++points > kMostLines) continue;
+    if (points == 1) out << text_of("  %-24s %18s %18s %18s\n", "displacement of", "x", "y", "z");
+    const std::string point = quantity.name.substr(0, quantity.name.size() - displacement.size());
+    const std::vector<double>& u = quantity.components;
+    out << text_of("  %-24.60s %18.10g %18.10g %18.10g\n", point.c_str(), u[0], u[1], u[2]);
+  }
+  print_left_out(out, points);
+  if (!last_.reactions.empty())
+    out << text_of("  %-24s %18s %18s %18s   moment x, y, z\n", "reaction at", "force x", "y", "z");
+  for (std::size_t i = 0; i < std::min(last_.reactions.size(), kMostLines); ++i) {
+    const RecordedReaction& reaction = last_.reactions[i];
+    out << text_of("  %-24.60s %18.10g %18.10g %18.10g   %.10g, %.10g, %.10g\n", reaction.point.c_str(),
+                   reaction.force[0], reaction.force[1], reaction.force[2], reaction.moment[0], reaction.moment[1],
+                   reaction.moment[2]);
+  }
+  print_left_out(out, last_.reactions.size());
+  out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
+                 last_.moment_energy);
+  const bool balanced = force_error_ <= kBalanceTolerance && moment_error_ <= kBalanceTolerance;
+  out << text_of("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",
+                 balanced ? "balance" : "DO NOT BALANCE", force_error_, moment_error_, kBalanceTolerance);
+}
+
+}  // namespace mixbeam

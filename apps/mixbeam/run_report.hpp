@@ -1,0 +1,24 @@
+/// What a run says about itself on the terminal when it has ended.
+#pragma once
+
+#include "apps/common/application.hpp"
+
+namespace mixbeam {
+
+/// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
+class RunReport {
+ public:
+  void add(const StepRecord& record);
+
+  /// Adds the checks of the balance to the summary of the run.
+  void check_balance(Application& app, const std::string& run) const;
+
+  /// Displacements of points and reactions of supports in the last step (a few of them), energies, balance.
+  void print(std::ostream& out) const;
+
+ private:
+  StepRecord last_;  ///< without its samples and state
+  double force_error_ = 0.0, moment_error_ = 0.0;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,89 @@
+#include "apps/mixbeam/scene_run.hpp"
+
+#include "apps/common/guarded_run.hpp"
+#include "apps/common/interrupt.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/run_report.hpp"
+#include "discretization/errors.hpp"
+#include "discretization/load_cases.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+namespace mixbeam {
+
+namespace {
+
+void check_expected(Application& app, const Simulation& simulation, double load_factor) {
+  app.check_expected(simulation, load_factor, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
+}
+
+void say_how_to_resume(Application& app, const SolverParameters& solver, const Simulation& simulation,
+                       const std::filesystem::path& file) {
+  char progress[64];
+  std::snprintf(progress, sizeof progress, "%.6g of %d", simulation.result().load_factor, simulation.scene().stages);
+  app.out() << "Stopped after step " << simulation.result().steps << ", load factor " << progress << ". ";
+  const std::string obstacle = obstacle_to_resuming(solver);
+  if (obstacle.empty())
+    app.out() << "To go on:\n  mixbeam resume " << file.string() << "\n";
+  else
+    app.out() << "This run cannot be resumed: " << obstacle << ".\n";
+}
+
+}  // namespace
+
+std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
+                                     const std::string& load_case) {
+  return folder / (name + (load_case.empty() ? "" : "-" + load_case) + ".h5");
+}
+
+RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
+                const StoredRun* resume) {
+  const Scene scene = scene_of_case(app.scene, load_case);
+  RunReport report;
+  Recording recording;
+  recording.file = file;
+  recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
+  recording.properties = {{"load_case", load_case}};
+  recording.resume = resume;
+  recording.stop = [&app] { return interrupt_requested(app.communicator); };
+  recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
+  recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
+    check_expected(app, simulation, step.load_factor);
+  };
+  const Simulation simulation = app.record(scene, app.solver, recording);
+  app.out() << file.stem().string() << ": " << simulation.result().steps << " steps to load factor "
+            << simulation.result().load_factor << ", " << file.string() << "\n";
+  report.print(app.out());
+  report.check_balance(app, file.stem().string());
+  if (!simulation.result().interrupted) return RunEnd::arrived;
+  say_how_to_resume(app, app.solver, simulation, file);
+  return RunEnd::interrupted;
+}
+
+int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto finish = [&] {
+    app.summary.seconds["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
+  };
+  RunEnd end = RunEnd::arrived;
+  try {
+    end = cases();
+  } catch (const ConvergenceError& error) {
+    app.summary.failure = error.what();
+    finish();
+    throw;
+  }
+  finish();
+  app.summary.print_checks(app.out(), false);
+  char seconds[32];
+  std::snprintf(seconds, sizeof seconds, "%.3f s", app.summary.seconds["total"]);
+  app.out() << "mixbeam: " << app.summary.load_steps << " load steps, " << app.summary.newton_iterations
+            << " Newton iterations, " << seconds << ", results in " << app.output.string() << "\n";
+  if (!app.summary.all_passed()) return kFailedExitCode;
+  return end == RunEnd::arrived ? 0 : kInterruptedExitCode;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,24 @@
+/// What `run` and `resume` share: solving one case of a scene with its record, report and checks.
+#pragma once
+
+#include "apps/common/application.hpp"
+#include "apps/common/command_line.hpp"
+
+namespace mixbeam {
+
+/// Whether the run came to its end.
+enum class RunEnd { arrived, interrupted };
+
+/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, or goes on with `resume`, and
+/// prints what came out.
+RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
+                const StoredRun* resume = nullptr);
+
+/// `results/scene.h5` of `results`, "scene" and no case; `results/scene-wind.h5` with the case "wind".
+std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
+                                     const std::string& load_case);
+
+/// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
+int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases);
+
+}  // namespace mixbeam
