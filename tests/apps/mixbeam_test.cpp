@@ -1,0 +1,244 @@
+/// The program `mixbeam` as a user runs it: every subcommand, exit codes, Ctrl-C, and what is left when it is killed.
+#include "mixbeam_files.hpp"
+
+#include <signal.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+#include <thread>
+
+namespace mixbeam {
+namespace {
+
+constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3, kInterrupted = 130;
+
+class Mixbeam : public ::testing::Test {
+ protected:
+  Ended run(const std::vector<std::string>& arguments) { return run_process(program("mixbeam"), arguments, folder_); }
+
+  std::string write_scene(const std::string& text, const std::string& name = "scene.xml") {
+    write_text(folder_ / name, text);
+    return (folder_ / name).string();
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// The fork's two stages in many steps, some of which fail and are repeated with half the size.
+std::string scene_of_many_steps() {
+  const auto parameter = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+  };
+  return scene_with_solver_list("fork", "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\">" +
+                                            parameter("Initial Step", "double", "0.05") +
+                                            parameter("Maximum Step", "double", "0.05") + "</ParameterList>" +
+                                            "</ParameterList>");
+}
+
+TEST_F(Mixbeam, RunWritesEverythingAndChecksIt) {
+  const std::string results = (folder_ / "results").string();
+  const Ended ended = run({"run", write_scene(scene_of("fork")), "--output", results});
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err;
+  expect_in(ended.out, {"\"Study\" belongs to a benchmark program", "step   2", "displacement of", "reaction at",
+                        "strain energy", "loads and reactions balance", "8 of 8 checks passed", "scene.h5"});
+  const auto contents = contents_of(folder_ / "results" / "scene.h5");
+  ASSERT_TRUE(contents);
+  for (const char* path : {"scene", "version", "supports/0@point", "members/shaft@points_per_element",
+                           "steps/000002/residual_history", "steps/000002/reactions", "steps/000002/balance",
+                           "steps/000002/state/interior", "monitor/moment_energy", "monitor/clamp.reaction_moment"})
+    EXPECT_EQ(contents->count(path), 1u) << path;
+  EXPECT_EQ(complete_steps(*contents), 3);
+  const std::string csv = text_of(folder_ / "results" / "scene-monitor.csv");
+  expect_in(csv, {"step,load_factor,", "P1.displacement.x", "clamp.reaction_force.z"});
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);  // the head and three steps
+  EXPECT_NE(text_of(folder_ / "results" / "scene.xdmf").find("/steps/000002/position"), std::string::npos);
+}
+
+TEST_F(Mixbeam, ExitCodes) {
+  const std::string output = (folder_ / "results").string();
+  const auto code = [&](const std::string& scene) { return run({"run", write_scene(scene), "--output", output}); };
+  EXPECT_EQ(code(changed(scene_of("fork"), "value=\"-1.088614\"", "value=\"-1.088624\"")).exit_code, kCheckFailed);
+  EXPECT_EQ(code(changed(scene_of("fork"), "value=\"rod\"", "value=\"rd\"")).exit_code, kBadInput);
+  const Ended ended = code(scene_with_solver_list(
+      "fork",
+      "<ParameterList name=\"Solver\"><ParameterList name=\"Newton\"><Parameter name=\"Maximum Iterations\" "
+      "type=\"int\" value=\"1\"/></ParameterList></ParameterList>"));
+  EXPECT_EQ(ended.exit_code, kNoConvergence);
+  expect_in(ended.err, {"no convergence", "The last converged state is the last step in", "scene.h5"});
+  ASSERT_TRUE(contents_of(folder_ / "results" / "scene.h5"));
+}
+
+TEST_F(Mixbeam, CheckMeasuresAndSolvesNothing) {
+  const Ended ended = run({"check", write_scene(scene_of("fork"))});
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err;
+  // 31 vertices of 6 unknowns; shaft 1 and two quarter circles of radius 1; forces of 200 in z, then -200 on top
+  expect_in(ended.out,
+            {"members 3, elements 30, vertices 31", "equations to solve 186", "total length 4.14159265",
+             "box (0, -1, 0) to (2, 1, 0)", "stage 1: force (0, 0, 200)", "stage 2: force (0, 0, 0)", "in order"});
+  EXPECT_FALSE(fs::exists("results/scene"));
+  const Ended wrong = run({"check", write_scene(changed(scene_of("fork"), "name=\"EA\"", "name=\"EB\""))});
+  EXPECT_EQ(wrong.exit_code, kBadInput);
+  expect_in(wrong.err, {"scene.xml:", "did you mean \"EA\"?"});
+}
+
+TEST_F(Mixbeam, ParametersAsTextAndMarkdown) {
+  const Ended text = run({"parameters"}), markdown = run({"parameters", "--markdown"});
+  EXPECT_EQ(text.exit_code, kOk);
+  EXPECT_EQ(markdown.exit_code, kOk);
+  expect_in(text.out, {"[Scene] required", "Maximum Iterations: int", "[Expected]"});
+  expect_in(markdown.out, {"# Parameters of a scene file", "## Scene (required)", "## Scene / Members",
+                           "| Maximum Iterations | int", "| --- |"});
+}
+
+TEST_F(Mixbeam, CommandLine) {
+  expect_in(run({"--version"}).out, {"mixbeam "});
+  expect_in(run({"--help"}).out, {"run SCENE.xml", "resume RESULTS.h5", "exit code: 0"});
+  for (const char* command : {"run", "check", "parameters", "resume", "plot"})
+    expect_in(run({command, "--help"}).out, {std::string("usage: mixbeam ") + command, "exit code: 0"});
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.exit_code, kBadInput);
+    expect_in(ended.err, {"mixbeam: bad input: "});
+    expect_in(ended.err, parts);
+  };
+  refused({}, {"a command is missing", "\"check\""});
+  refused({"resmue"}, {"did you mean \"resume\"?"});
+  refused({"beam.xml"}, {"did you mean \"mixbeam run beam.xml\"?"});
+  refused({"run"}, {"a scene file is missing"});
+  refused({"run", "x.xml", "--qiet"}, {"did you mean \"--quiet\"?"});
+  refused({"run", write_scene(scene_of("fork")), "--case", "wind"}, {"\"wind\" is not a load case", "has none"});
+  refused({"resume", (folder_ / "none.h5").string()}, {"none.h5: no such file"});
+  refused({"resume", write_scene("<a/>")}, {"scene.xml: not an HDF5 file"});
+  refused({"plot"}, {"a result file is missing"});
+}
+
+TEST_F(Mixbeam, PlotDrawsAPicture) {
+  if (std::system("/usr/bin/python3 -c 'import matplotlib, h5py' 2> /dev/null") != 0)
+    GTEST_SKIP() << "no matplotlib or h5py: pictures are not drawn";
+  ASSERT_EQ(run({"run", write_scene(scene_of("fork")), "--output", folder_.path().string()}).exit_code, kOk);
+  const Ended ended = run({"plot", (folder_ / "scene.h5").string()});
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err;
+  EXPECT_NE(ended.out.find(".png"), std::string::npos) << ended.out;
+}
+
+/// A run of many steps and what it writes when nobody disturbs it.
+class Disturbed : public Mixbeam {
+ protected:
+  void SetUp() override {
+    scene_ = write_scene(scene_of_many_steps());
+    const auto start = std::chrono::steady_clock::now();
+    const Ended ended = run({"run", scene_, "--output", (folder_ / "whole").string(), "--threads", "2"});
+    milliseconds_ = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    ASSERT_EQ(ended.exit_code, kOk) << ended.err;
+    const auto contents = contents_of(folder_ / "whole" / "scene.h5");
+    ASSERT_TRUE(contents);
+    whole_ = *contents;
+    ASSERT_GE(complete_steps(whole_), 30);
+  }
+
+  pid_t start(const std::vector<std::string>& arguments) {
+    return start_process(program("mixbeam"), arguments, folder_.path());
+  }
+  pid_t start_run() { return start({"run", scene_, "--output", (folder_ / "cut").string()}); }
+
+  void expect_resumes_to_the_same_bits(const std::string& threads) {
+    const Ended ended = run({"resume", (folder_ / "cut" / "scene.h5").string(), "--threads", threads, "--quiet"});
+    EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+    const auto contents = contents_of(folder_ / "cut" / "scene.h5");
+    ASSERT_TRUE(contents);
+    EXPECT_EQ(differences(whole_, *contents), "");
+    for (const char* name : {"scene-monitor.csv", "scene.xdmf"})
+      EXPECT_EQ(text_of(folder_ / "cut" / name), text_of(folder_ / "whole" / name)) << name;
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "cut"), fs::directory_iterator()), 3);
+  }
+
+  std::string scene_;
+  double milliseconds_ = 0.0;
+  FileContents whole_;
+};
+
+/// As many kills as the environment variable MIXBEAM_KILLS says.
+int number_of_kills() {
+  const char* given = std::getenv("MIXBEAM_KILLS");
+  return given == nullptr ? 20 : std::stoi(given);
+}
+
+TEST_F(Disturbed, KilledAtAnyMomentLeavesEveryCompletedStepAndResumes) {
+  constexpr unsigned kSeed = 20261121;
+  std::mt19937 generator(kSeed);
+  std::uniform_real_distribution<double> moment(0.05, 1.0);
+  const int kills = number_of_kills();
+  int in_the_middle = 0, without_file = 0;
+  for (int kill_number = 0; kill_number < kills; ++kill_number) {
+    SCOPED_TRACE("kill " + std::to_string(kill_number) + ", seed " + std::to_string(kSeed));
+    fs::remove_all(folder_ / "cut");
+    const pid_t process = start_run();
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(moment(generator) * milliseconds_));
+    kill(process, SIGKILL);
+    end_of(process, folder_.path());
+    if (!fs::exists(folder_ / "cut" / "scene.h5")) {  // killed before there was anything to keep
+      ++without_file;
+      continue;
+    }
+    const auto left = contents_of(folder_ / "cut" / "scene.h5");
+    ASSERT_TRUE(left) << "not readable";
+    const int steps = complete_steps(*left);
+    ASSERT_GE(steps, 0) << "a step is incomplete";
+    for (const auto& [path, bytes] : *left)
+      if (path.rfind("steps/", 0) == 0) ASSERT_EQ(bytes, whole_.at(path)) << path;
+    if (steps > 0 && steps < complete_steps(whole_)) ++in_the_middle;
+    expect_resumes_to_the_same_bits(kill_number % 2 == 0 ? "1" : "2");
+    if (HasFailure()) return;
+  }
+  std::cout << kills << " kills, " << in_the_middle << " of them between first and last step, " << without_file
+            << " before there was a file\n";
+  EXPECT_GT(in_the_middle, kills / 4) << "most kills missed the run";
+}
+
+/// Waits until the running program has completed `steps` of its steps.
+void wait_for_steps(const fs::path& csv, int steps) {
+  const auto lines = [&] {
+    const std::string text = text_of(csv);
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  for (int tries = 0; tries < 2000 && lines() <= steps; ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+}
+
+TEST_F(Disturbed, CtrlCFinishesTheStepAndSaysHowToResume) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    fs::remove_all(folder_ / "cut");
+    const pid_t process = start_run();
+    wait_for_steps(folder_ / "cut" / "scene-monitor.csv", 3);
+    kill(process, signal);
+    const Ended ended = end_of(process, folder_.path());
+    EXPECT_EQ(ended.exit_code, kInterrupted) << ended.err;
+    expect_in(ended.err, {"once more to end at once"});
+    expect_in(ended.out, {"Stopped after step", "mixbeam resume", "cut/scene.h5"});
+    const auto left = contents_of(folder_ / "cut" / "scene.h5");
+    ASSERT_TRUE(left);
+    EXPECT_GT(complete_steps(*left), 2);
+    EXPECT_LT(complete_steps(*left), complete_steps(whole_));
+    expect_resumes_to_the_same_bits("2");
+  }
+}
+
+TEST_F(Disturbed, ResumingAFinishedRunChangesNothing) {
+  fs::copy(folder_ / "whole", folder_ / "cut");
+  expect_resumes_to_the_same_bits("1");
+}
+
+TEST_F(Mixbeam, RefusesToResumeWhatRemembersMore) {
+  const std::string solver =
+      "<ParameterList name=\"Solver\"><ParameterList name=\"LOCA\"><ParameterList name=\"Predictor\">"
+      "<Parameter name=\"Method\" type=\"string\" value=\"Secant\"/></ParameterList></ParameterList></ParameterList>";
+  const std::string scene = write_scene(scene_with_solver_list("fork", solver));
+  ASSERT_EQ(run({"run", scene, "--output", folder_.path().string()}).exit_code, kOk);
+  const Ended ended = run({"resume", (folder_ / "scene.h5").string()});
+  EXPECT_EQ(ended.exit_code, kBadInput);
+  expect_in(ended.err, {"cannot be resumed", "extrapolates from steps before the last one"});
+}
+
+}  // namespace
+}  // namespace mixbeam
