@@ -1,6 +1,8 @@
 #include "discretization/scene_parameters.hpp"
 
+#include "discretization/scene_import.hpp"
 #include "discretization/scene_limits.hpp"
+#include "discretization/scene_patterns.hpp"
 #include "discretization/scene_reader_conditions.hpp"
 #include "discretization/scene_reader_curves.hpp"
 #include "discretization/scene_reader_sections.hpp"
@@ -66,12 +68,13 @@ ListSpec scene_spec() {
       "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
   spec.add_list("Sections", ListSpec("Cross sections.").with_named_lists("section", section_spec(), 1),
                 Presence::required);
-  spec.add_list(
-      "Points",
-      ListSpec("Points of the undeformed structure.")
-          .with_named_parameters("point", bounded_vector("").required().means("Global coordinates [length]."), 1),
-      Presence::required);
-  spec.add_list("Members", ListSpec("Beams.").with_named_lists("member", member_spec(), 1), Presence::required);
+  spec.add_list("Points", ListSpec("Points of the undeformed structure; at least one here or by Import.")
+                              .with_named_parameters(
+                                  "point", bounded_vector("").required().means("Global coordinates [length].")));
+  spec.add_list("Members",
+                ListSpec("Beams; at least one here or by Import.").with_named_lists("member", member_spec()));
+  spec.add_list("Import", import_spec(), Presence::optional);
+  spec.add_list("Patterns", patterns_spec(), Presence::optional);
   add_condition_lists(spec);
   return spec;
 }

@@ -1,17 +1,17 @@
 #include "discretization/scene_reader.hpp"
 
 #include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/parameter_access.hpp"
-#include "discretization/scene_names.hpp"
 #include "discretization/scene_parameters.hpp"
+#include "discretization/scene_patterns.hpp"
 #include "discretization/scene_reader_conditions.hpp"
 #include "discretization/scene_reader_sections.hpp"
 #include "discretization/validate.hpp"
 #include "discretization/vector_algebra.hpp"
 
-#include <algorithm>
-#include <map>
+#include <cctype>
 
 namespace mixbeam {
 
@@ -27,10 +27,15 @@ Scene SceneReader::read() {
   scene_.name = source_.root_name();
   read_sections();
   read_points();
+  import_points();
   read_members();
+  import_members();
+  if (scene_.members.empty())
+    throw source_.error(child(path_, "Members"), "no member; allowed: at least one, here or by \"Import\"");
   place_members();
   share_out_elements();
   check_members();
+  if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), source_, child(path_, "Patterns"), scene_);
   read_conditions(list_, source_, path_, scene_);
   check_points_are_used();
   return std::move(scene_);
@@ -43,9 +48,7 @@ void SceneReader::read_sections() {
 
 void SceneReader::read_points() {
   const List& points = list_.sublist("Points");
-  for (const std::string& name : names_of(points)) {
-    add_point(name, get_vector(points, name));
-  }
+  for (const std::string& name : names_of(points)) add_point(name, get_vector(points, name));
 }
 
 bool SceneReader::add_point(const std::string& name, const Vector3& position) {
@@ -54,8 +57,21 @@ bool SceneReader::add_point(const std::string& name, const Vector3& position) {
   return true;
 }
 
+void SceneReader::import_points() {
+  declared_points_ = scene_.points.size();
+  if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Points File")) return;
+  const ImportTable table = points_table(list_.sublist("Import"), source_, child(path_, "Import"));
+  table.for_each([&](const CsvRecord& record) {
+    const Point point = imported_point(table, record);
+    if (add_point(point.name, point.position)) return;
+    throw table.error(record, "name",
+                      "value \"" + excerpt(point.name) + "\" is the name of another point; allowed: names that differ");
+  });
+}
+
+/// A table may hold more points than members use; a point that somebody wrote here without use is a slip.
 void SceneReader::check_points_are_used() const {
-  for (std::size_t i = 0; i < scene_.points.size(); ++i) {
+  for (std::size_t i = 0; i < declared_points_; ++i) {
     if (point_touched_[i]) continue;
     const std::string& name = scene_.points[i].name;
     throw source_.error(child(child(path_, "Points"), name),
@@ -63,24 +79,29 @@ void SceneReader::check_points_are_used() const {
   }
 }
 
-InputError SceneReader::unknown(const ParameterPath& path, const std::string& what, const std::string& name,
-                                const Index& known) const {
+InputError SceneReader::unknown(std::size_t member, const std::string& parameter, const std::string& what,
+                                const std::string& name, const Index& known) const {
   std::vector<std::string> names(known.size());  // in the order of the scene
   for (const auto& [known_name, index] : known) names[index] = known_name;
-  return unknown_name(source_, path, what, name, names);
-}
-
-ParameterPath SceneReader::member_path(std::size_t member, const ParameterPath& parameter) const {
-  ParameterPath path = child(child(path_, "Members"), list_names_[list_name_[member]]);
-  path.insert(path.end(), parameter.begin(), parameter.end());
-  return path;
+  return member_error(member, {parameter},
+                      "value \"" + excerpt(name) + "\" is not a " + what +
+                          " of the scene; allowed: " + quoted_list(names) + did_you_mean(name, names));
 }
 
 InputError SceneReader::member_error(std::size_t member, const ParameterPath& parameter,
                                      const std::string& problem) const {
   const std::string& name = scene_.members[member].name;
-  const bool is_part = name != list_names_[list_name_[member]];
-  return source_.error(member_path(member, parameter), (is_part ? "line \"" + excerpt(name) + "\": " : "") + problem);
+  const Origin& origin = origins_[member];
+  if (origin.is_imported) {
+    std::string column = parameter.empty() ? "name" : parameter.front();
+    column[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(column[0])));
+    return imported_members_->error(static_cast<int>(origin.place), column,
+                                    "member \"" + excerpt(name) + "\": " + problem);
+  }
+  const std::string& list_name = list_names_[origin.place];
+  ParameterPath path = child(child(path_, "Members"), list_name);
+  path.insert(path.end(), parameter.begin(), parameter.end());
+  return source_.error(path, (name == list_name ? "" : "line \"" + excerpt(name) + "\": ") + problem);
 }
 
 const Vector3& SceneReader::position_of(const std::string& point) const {

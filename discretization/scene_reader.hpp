@@ -5,6 +5,7 @@
 #include "discretization/parameter_source.hpp"
 #include "discretization/reference_curve.hpp"
 #include "discretization/scene.hpp"
+#include "discretization/scene_import.hpp"
 #include "discretization/scene_reader_curves.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -25,6 +26,12 @@ class SceneReader {
   using List = Teuchos::ParameterList;
   using Index = std::unordered_map<std::string, std::size_t>;
 
+  /// Where a member was written: a list of "Members", or a line of the imported table.
+  struct Origin {
+    bool is_imported;
+    std::size_t place;  ///< in list_names_, or the line of the table
+  };
+
   /// The lines that a polyline becomes.
   struct Polyline {
     std::size_t first_member, lines;
@@ -34,10 +41,12 @@ class SceneReader {
   // scene_reader.cpp
   void read_sections();
   void read_points();
+  void import_points();
   void check_points_are_used() const;
   /// False if there is a point of this name.
   bool add_point(const std::string& name, const Vector3& position);
-  InputError unknown(const ParameterPath& path, const std::string& what, const std::string& name,
+  /// A name in a member that nothing bears.
+  InputError unknown(std::size_t member, const std::string& parameter, const std::string& what, const std::string& name,
                      const Index& known) const;
   const Vector3& position_of(const std::string& point) const;
 
@@ -50,7 +59,8 @@ class SceneReader {
   void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
   std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const ParameterPath& path);
   void check_plain(const List& list, const ParameterPath& path) const;
-  void add_member(Member member, std::size_t list_name);
+  void import_members();
+  void add_member(Member member, Origin origin);
 
   // scene_reader_geometry.cpp
   void place_members();
@@ -69,7 +79,6 @@ class SceneReader {
   void check_line(std::size_t member) const;
   void check_second_axis(std::size_t member) const;
 
-  ParameterPath member_path(std::size_t member, const ParameterPath& parameter = {}) const;
   InputError member_error(std::size_t member, const ParameterPath& parameter, const std::string& problem) const;
 
   const List& list_;
@@ -79,8 +88,10 @@ class SceneReader {
   Index section_index_, point_index_, member_index_;
   std::vector<bool> point_touched_;
   std::vector<std::string> list_names_;  ///< of the list "Members"
-  std::vector<std::size_t> list_name_;   ///< of every member: which of these lists it comes from
-  long long elements_ = 0;               ///< of all members so far
+  std::vector<Origin> origins_;          ///< of every member
+  std::optional<ImportTable> imported_members_;
+  std::size_t declared_points_ = 0;  ///< those of the list "Points", which come first
+  long long elements_ = 0;           ///< of all members so far
   std::vector<Polyline> polylines_;
   std::unordered_map<std::size_t, ArcDefinition> open_arcs_;  ///< member -> what its centre, axis, angle follow from
 };

@@ -220,15 +220,14 @@ void SceneReader::check_members() {
     for (const bool at_start : {true, false}) {
       const std::string& point = at_start ? member.start_point : member.end_point;
       const auto known = point_index_.find(point);
-      if (known == point_index_.end())
-        throw unknown(member_path(i, {at_start ? "Start" : "End"}), "point", point, point_index_);
+      if (known == point_index_.end()) throw unknown(i, at_start ? "Start" : "End", "point", point, point_index_);
       point_touched_[known->second] = true;
     }
     for (const InnerPoint& inner : member.inner_points) point_touched_[point_index_.at(inner.point)] = true;
     if (section_index_.count(member.section) == 0)
-      throw unknown(member_path(i, {"Section"}), "section", member.section, section_index_);
+      throw unknown(i, "Section", "section", member.section, section_index_);
     if (!member.end_section.empty() && section_index_.count(member.end_section) == 0)
-      throw unknown(member_path(i, {"End Section"}), "section", member.end_section, section_index_);
+      throw unknown(i, "End Section", "section", member.end_section, section_index_);
     if (member.curve.shape == CurveShape::line) check_line(i);
     if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
     if (!is_zero(member.second_axis)) check_second_axis(i);

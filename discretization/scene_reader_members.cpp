@@ -44,7 +44,7 @@ void SceneReader::read_members() {
     }
     if (draft.arc) open_arcs_.emplace(scene_.members.size(), *draft.arc);
     member.curve = std::move(draft.curve);
-    add_member(std::move(member), i);
+    add_member(std::move(member), {false, i});
   }
 }
 
@@ -158,12 +158,27 @@ void SceneReader::add_polyline(const Member& whole, const CurveDraft& draft, std
       throw source_.error(path, "line " + std::to_string(i + 1) + " of the polyline would be member \"" +
                                     excerpt(line.name) + "\", which exists already; allowed: another name");
     }
-    add_member(std::move(line), list_name);
+    add_member(std::move(line), {false, list_name});
   }
 }
 
-void SceneReader::add_member(Member member, std::size_t list_name) {
-  list_name_.push_back(list_name);
+void SceneReader::import_members() {
+  if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Members File")) return;
+  const List& list = list_.sublist("Import");
+  imported_members_.emplace(members_table(list, source_, child(path_, "Import")));
+  imported_members_->for_each([&](const CsvRecord& record) {
+    Member member = imported_member(*imported_members_, record, list);
+    if (member_index_.count(member.name) > 0) {
+      throw imported_members_->error(
+          record, "name",
+          "value \"" + excerpt(member.name) + "\" is the name of another member; allowed: names that differ");
+    }
+    add_member(std::move(member), {true, static_cast<std::size_t>(record.line)});
+  });
+}
+
+void SceneReader::add_member(Member member, Origin origin) {
+  origins_.push_back(origin);
   const int pieces = static_cast<int>(member.inner_points.size()) + 1;
   elements_ += std::max(member.elements, pieces);
   member_index_.emplace(member.name, scene_.members.size());
