@@ -64,7 +64,8 @@ Member SceneReader::read_member(const std::string& name, const List& list, const
   }
   if (list.isParameter("Twist")) member.twist = list.get<double>("Twist");
   read_taper(member, list, path);
-  if (list.isSublist("Inner Points")) read_inner_points(member, list, child(path, "Inner Points"));
+  if (list.isSublist("Inner Points"))
+    read_inner_points(member, list.sublist("Inner Points"), child(path, "Inner Points"));
   if (list.isParameter("Stations")) read_stations(member, list, path);
   return member;
 }

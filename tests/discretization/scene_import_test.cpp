@@ -1,0 +1,156 @@
+#include "scene_text.hpp"
+
+#include "discretization/csv_file.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+namespace mixbeam {
+namespace {
+
+/// A folder with tables beside a scene, removed in the end.
+class SceneImport : public ::testing::Test {
+ protected:
+  SceneImport() {
+    const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::path(::testing::TempDir()) / (std::string("mixbeam_import_") + test->name());
+    std::filesystem::create_directories(folder_);
+  }
+  ~SceneImport() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& file, const std::string& text) const {
+    std::ofstream(folder_ / file, std::ios::binary) << text;
+  }
+
+  Scene read(const std::string& more = "", const std::string& points = "", const std::string& members = "") const {
+    const std::string import =
+        list("Import", word("Points File", "points.csv") + word("Members File", "members.csv") + more);
+    XmlParameters xml = parse_xml(scene_text(points, members, import), (folder_ / "scene.xml").string());
+    return read_scene(xml.list->sublist("Scene"), xml.source);
+  }
+
+  void expect_refused(const std::vector<std::string>& parts) const {
+    expect_parts(message_of([&] { read(); }), parts);
+  }
+
+  std::filesystem::path folder_;
+};
+
+const std::string kPoints = "A,0,0,0\nB,1,0,0\nC,1,1e0,-2.5\n";
+const std::string kMembers = "m,A,B,flat\nn,B,C,flat,3,7\n";
+
+TEST_F(SceneImport, ReadsTables) {
+  write("points.csv", kPoints);
+  write("members.csv", kMembers);
+  const Scene scene = read();
+  expect_at(scene, "C", {1, 1, -2.5}, 0.0);
+  ASSERT_EQ(scene.members.size(), 2U);
+  EXPECT_EQ(scene.members[0].order, 2);
+  EXPECT_EQ(scene.members[0].elements, 1);
+  EXPECT_EQ(scene.members[1].start_point, "B");
+  EXPECT_EQ(scene.members[1].order, 3);
+  EXPECT_EQ(scene.members[1].elements, 7);
+}
+
+TEST_F(SceneImport, JoinsWhatTheSceneHas) {
+  write("points.csv", kPoints);
+  write("members.csv", kMembers);
+  const Scene scene = read("", numbers("D", "{0, 5, 0}"), member("o", "D", "C"));
+  EXPECT_EQ(scene.members.size(), 3U);
+  EXPECT_EQ(member_in(scene, "o")->end_point, "C");
+}
+
+TEST_F(SceneImport, UnderstandsWhatProgramsWrite) {
+  write("points.csv",
+        "\xEF\xBB\xBF# exported\r\n\r\n  \"Name\" ;z; Y;x\r\n\"A\";0;0;0\r\n\"the \"\"B\"\"; here\" ; 3 ;2;+1\r\n");
+  write("members.csv", "name\tstart\tend\telements\tsection\nm\tA\t\"the \"\"B\"\"; here\"\t4\t\nn\tA\tA\t\t\n");
+  EXPECT_THROW(read(word("Section", "flat")), InputError);  // n has no length
+  write("members.csv", "name\tstart\tend\telements\tsection\nm\tA\t\"the \"\"B\"\"; here\"\t4\t");
+  const Scene scene = read(word("Section", "flat") + integer_of("Order", 5));
+  expect_at(scene, "the \"B\"; here", {1, 2, 3}, 0.0);
+  EXPECT_EQ(scene.members[0].section, "flat");
+  EXPECT_EQ(scene.members[0].order, 5);
+  EXPECT_EQ(scene.members[0].elements, 4);
+}
+
+TEST_F(SceneImport, ErrorsNameLineAndColumn) {
+  write("members.csv", kMembers);
+  const auto refused = [&](const std::string& points, const std::vector<std::string>& parts) {
+    write("points.csv", points);
+    expect_refused(parts);
+  };
+  refused("A,0,0,0\nB,1,O,0\n", {"points.csv:2:5: ", "y: value \"O\" is not a number"});
+  refused("A,0,0,0\n# no\n\nB,1,0\n", {"points.csv:4:1: ", "missing \"z\""});
+  refused("A,0,0,0,9\n", {"points.csv:1:9: ", "one cell too many"});
+  refused("A,0,0,nan\n", {"points.csv:1:7: ", "z: value nan"});
+  refused("A,0,0,1e101\n", {"points.csv:1:7: ", "up to 1e+100"});
+  refused("A,0,0,0\nA,1,0,0\n", {"points.csv:2:1: ", "\"A\" is the name of another point"});
+  refused("\"A,0,0,0\n", {"points.csv:1:1: ", "not closed"});
+  refused("\"A\"x,0,0,0\n", {"points.csv:1:4: ", "after a closing quote"});
+  refused("name,x,y,zz\nA,0,0,0\n", {"points.csv:1:10: ", "\"zz\" is not a column", "did you mean \"z\"?"});
+  refused("name,x,y\nA,0,0\n", {"points.csv:1:1: ", "no column \"z\""});
+  refused("name,x,x,z\n", {"points.csv:1:8: ", "second time"});
+  refused("\xC3\xA4,0,b,0\n", {"points.csv:1:5: ", "\"b\""});  // columns count characters
+  refused("A,\xFF,0,0\n", {"points.csv:1: ", "UTF-8"});
+  refused(std::string("A,0,0,0\0", 8), {"UTF-8"});
+}
+
+TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
+  write("points.csv", kPoints);
+  const auto refused = [&](const std::string& members, const std::vector<std::string>& parts) {
+    write("members.csv", members);
+    expect_refused(parts);
+  };
+  refused("m,A,B,flat\nn,B,Q,flat\n", {"members.csv:2:5: ", "member \"n\"", "\"Q\" is not a point"});
+  refused("m,A,B,flat\nn,B,C,flet\n", {"members.csv:2:7: ", "did you mean \"flat\"?"});
+  refused("m,A,B\n", {"members.csv:1:1: ", "missing section"});
+  refused("m,A,B,flat,9\n", {"members.csv:1:12: ", "order: value 9", "1 to 8"});
+  refused("m,A,B,flat,2,0\n", {"members.csv:1:14: ", "elements: value 0"});
+  refused("m,A,B,flat\nn,B,B,flat\n", {"members.csv:2:1: ", "no length"});
+  refused("m,A,B,flat\nm,B,C,flat\n", {"members.csv:2:1: ", "\"m\" is the name of another member"});
+  refused("m,A,B,flat,1,9000000\nn,B,C,flat,1,9000000\n", {"members.csv:2:14: ", "18000000 elements"});
+  refused("\n# nothing\n", {"Scene / Members", "no member"});
+}
+
+TEST_F(SceneImport, NamesAFileThatIsNotThere) {
+  write("points.csv", kPoints);
+  expect_refused({"scene.xml:", "\"Scene / Import / Members File\"", "there is no file"});
+  std::filesystem::create_directories(folder_ / "members.csv");
+  expect_refused({"\"Scene / Import / Members File\"", "there is no file"});
+}
+
+/// A generous bound for a busy machine; what takes quadratic time takes minutes here.
+constexpr double kMostSeconds = 20.0;
+
+TEST_F(SceneImport, ManyMembersTakeLinearTime) {
+  constexpr int kMembersOfChain = 100'000;
+  std::string points, members;
+  for (int i = 0; i <= kMembersOfChain; ++i) points += "p" + std::to_string(i) + "," + std::to_string(i) + ",0,0\n";
+  for (int i = 0; i < kMembersOfChain; ++i) {
+    members += "m" + std::to_string(i) + ",p" + std::to_string(i) + ",p" + std::to_string(i + 1) + ",flat\n";
+  }
+  write("points.csv", "A,0,1,0\n" + points);
+  write("members.csv", "first,A,p0,flat\n" + members);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(read().members.size(), kMembersOfChain + 1U);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  RecordProperty("seconds", std::to_string(seconds));
+  EXPECT_LT(seconds, kMostSeconds);
+}
+
+TEST(CsvFile, RecordsKeepTheirPlaces) {
+  const CsvFile file("t.csv", "a, b ,\"c,\"\"d\"\n\n  # no\rlast");
+  std::vector<CsvRecord> records;
+  file.for_each([&](const CsvRecord& record) { records.push_back(record); });
+  ASSERT_EQ(records.size(), 2U);
+  EXPECT_EQ(records[0].cells, (std::vector<std::string>{"a", "b", "c,\"d"}));
+  EXPECT_EQ(records[0].columns, (std::vector<int>{1, 4, 7}));
+  EXPECT_EQ(records[1].line, 4);
+  EXPECT_EQ(records[1].cells, (std::vector<std::string>{"last"}));
+  EXPECT_EQ(file.record_at(4).cells[0], "last");
+  EXPECT_TRUE(file.record_at(2).cells.empty());
+}
+
+}  // namespace
+}  // namespace mixbeam

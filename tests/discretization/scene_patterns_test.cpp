@@ -1,0 +1,280 @@
+#include "scene_text.hpp"
+
+#include "discretization/isometry.hpp"
+#include "discretization/mesh.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/reference_curve.hpp"
+#include "discretization/vector_algebra.hpp"
+
+#include <cmath>
+#include <set>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+constexpr double kRounding = 1e-14;  // of numbers of size 1
+
+std::string repeat(const std::string& vector, int count, const std::string& more = "") {
+  return word("Kind", "repeat") + numbers("Vector", vector) + integer_of("Count", count) + more;
+}
+std::string rotate(int count, const std::string& more = "", const std::string& axis = "{0, 0, 1}") {
+  return word("Kind", "rotate") + numbers("Center", "{0, 0, 0}") + numbers("Axis", axis) + integer_of("Count", count) +
+         more;
+}
+std::string mirror(const std::string& normal, const std::string& point = "{0, 0, 0}") {
+  return word("Kind", "mirror") + numbers("Point", point) + numbers("Normal", normal);
+}
+std::string patterns(const std::vector<std::string>& all) {
+  std::string inside;
+  for (std::size_t i = 0; i < all.size(); ++i) inside += list("p" + std::to_string(i + 1), all[i]);
+  return list("Patterns", inside);
+}
+
+const std::string kCell = numbers("A", "{0, 0, 0}") + numbers("B", "{1, 0, 0}") + numbers("C", "{0, 1, 0}");
+const std::string kCellMembers = member("along", "A", "B") + member("up", "A", "C");
+
+void expect_pattern_refused(const std::string& pattern, const std::vector<std::string>& parts) {
+  expect_text_refused(scene_text(kCell, kCellMembers, patterns({pattern})), parts);
+}
+
+TEST(ScenePatterns, RepeatedCellsConnect) {
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 3)})));
+  EXPECT_EQ(scene.members.size(), 6U);
+  EXPECT_EQ(scene.points.size(), 7U);  // 4 below, 3 above
+  EXPECT_EQ(member_in(scene, "along (1)")->start_point, "B");
+  EXPECT_EQ(member_in(scene, "along (1)")->end_point, "B (1)");
+  EXPECT_EQ(member_in(scene, "along (2)")->start_point, "B (1)");
+  EXPECT_EQ(member_in(scene, "up (2)")->end_point, "C (2)");
+  expect_at(scene, "B (2)", {3, 0, 0}, 0.0);
+}
+
+TEST(ScenePatterns, TwoRepeatsMakeAGrid) {
+  const int nx = 4, ny = 3;
+  const Scene scene =
+      scene_from(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", nx), repeat("{0, 1, 0}", ny)})));
+  EXPECT_EQ(scene.members.size(), static_cast<std::size_t>(2 * nx * ny));
+  EXPECT_EQ(scene.points.size(), static_cast<std::size_t>((nx + 1) * (ny + 1) - 1));  // no far corner
+  EXPECT_NE(member_in(scene, "up (3, 2)"), nullptr);
+  EXPECT_NE(member_in(scene, "up (0, 2)"), nullptr);
+  EXPECT_NE(member_in(scene, "up (3)"), nullptr);
+  std::set<std::string> names;
+  for (const Member& m : scene.members) EXPECT_TRUE(names.insert(m.name).second) << m.name;
+  EXPECT_EQ(build_mesh(scene).vertices(), static_cast<int>(scene.points.size()));
+}
+
+TEST(ScenePatterns, SecondPatternOfOneMemberOnly) {
+  const Scene scene =
+      scene_from(scene_text(kCell, kCellMembers,
+                            patterns({repeat("{0, 0, 1}", 2), repeat("{0, 0, 5}", 2, words("Members", "{up}")),
+                                      repeat("{0, 0, 9}", 2, words("Members", "{along*}"))})));
+  std::set<std::string> names;
+  for (const Member& m : scene.members) names.insert(m.name);
+  const std::set<std::string> expected = {"along",     "up",           "along (1)",   "up (1)",
+                                          "up (0, 1)", "along (0, 1)", "along (1, 1)"};
+  EXPECT_EQ(names, expected);
+}
+
+/// Hexagons of side 1: one side, turned about the centre, then repeated.
+Scene honeycomb(int nx, int ny) {
+  const double half = std::sqrt(0.75);
+  const auto vector = [](double x, double y) { return "{" + shortest(x) + ", " + shortest(y) + ", 0}"; };
+  return scene_from(scene_text(numbers("A", "{1, 0, 0}") + numbers("B", vector(0.5, half)), member("side", "A", "B"),
+                               patterns({rotate(6), repeat(vector(1.5, half), nx), repeat(vector(0, 2 * half), ny)})));
+}
+
+TEST(ScenePatterns, HoneycombSharesItsEdges) {
+  const Scene one = honeycomb(2, 2);
+  // Euler: a sheet of F = 4 cells has V - E + F = 1; four cells in a rhombus share 5 edges
+  EXPECT_EQ(one.members.size(), 6U * 4U - 5U);
+  EXPECT_EQ(one.points.size(), one.members.size() + 1U - 4U);
+  const Scene large = honeycomb(20, 10);
+  EXPECT_EQ(large.points.size(), large.members.size() + 1U - 200U);
+  for (const Member& m : large.members) {
+    const double length = norm(difference(*position_in(large, m.start_point), *position_in(large, m.end_point)));
+    EXPECT_NEAR(length, 1.0, 1e-12);  // coordinates up to 50 with 17 digits
+  }
+}
+
+TEST(ScenePatterns, WholeTurnClosesOnItself) {
+  const Scene scene =
+      scene_from(scene_text(numbers("A", "{1, 0, 0}"),
+                            member("m", "A", "B",
+                                   curve("arc", numbers("Center", "{0, 0, 0}") + numbers("Axis", "{0, 0, 1}") +
+                                                    number("Angle", "0.8975979010256552"))),
+                            patterns({rotate(7)})));
+  EXPECT_EQ(scene.members.size(), 7U);  // angle 2 pi / 7
+  EXPECT_EQ(scene.points.size(), 7U);
+  EXPECT_EQ(member_in(scene, "m (6)")->end_point, "A");
+  EXPECT_EQ(build_mesh(scene).vertices(), 7);
+}
+
+TEST(ScenePatterns, RotationByAngle) {
+  const Scene scene = scene_from(
+      scene_text(kCell, member("along", "A", "B") + member("up", "A", "C"),
+                 patterns({rotate(2, number("Angle", "-1.5707963267948966") + words("Members", "{along}"))})));
+  expect_at(scene, "B (1)", {0, -1, 0}, 0.0);
+  EXPECT_EQ(member_in(scene, "along (1)")->start_point, "A");  // on the axis: stays
+}
+
+Mat3<double> triad_of(const Scene& scene, const Member& m, double x) {
+  const ReferenceCurve curve =
+      make_reference_curve(m, *position_in(scene, m.start_point), *position_in(scene, m.end_point));
+  return rotation_matrix(curve.triad(x * curve.length));
+}
+Vector3 place_of(const Scene& scene, const Member& m, double x) {
+  const ReferenceCurve curve =
+      make_reference_curve(m, *position_in(scene, m.start_point), *position_in(scene, m.end_point));
+  const Vec3<double> r = curve.position(x * curve.length);
+  return {r[0], r[1], r[2]};
+}
+
+/// The copy "m (1)" has its centerline and the axes of its sections where the motion takes those of "m"; a reflection
+/// turns axis 3 round.
+void expect_image(const Scene& scene, const Isometry& motion, double tolerance) {
+  const Member &m = *member_in(scene, "m"), &copy = *member_in(scene, "m (1)");
+  for (const double x : {0.0, 0.3, 0.5, 1.0}) {
+    SCOPED_TRACE(x);
+    const Vector3 expected = motion.position(place_of(scene, m, x)), place = place_of(scene, copy, x);
+    const Mat3<double> original = triad_of(scene, m, x), triad = triad_of(scene, copy, x);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int a = static_cast<int>(axis);
+      EXPECT_NEAR(place[axis], expected[axis], tolerance);
+      const Vector3 direction = motion.direction({original(0, a), original(1, a), original(2, a)});
+      const double sign = motion.mirrors() && axis == 2 ? -1.0 : 1.0;
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(triad(static_cast<int>(i), a), sign * direction[i], tolerance);
+    }
+  }
+}
+
+const std::string kOblique = "{1, 2, -0.5}";
+const std::string kAside = "{7, 1, -4}";
+const Vector3 kObliqueVector = {1, 2, -0.5}, kAsideVector = {7, 1, -4};
+
+void expect_images(const std::string& member_text, double tolerance) {
+  const std::string points = numbers("A", "{1, 0, 0}") + numbers("B", "{-1, 0.5, 2}");
+  const Scene mirrored = scene_from(scene_text(points, member_text, patterns({mirror(kOblique, kAside)})));
+  expect_image(mirrored, Isometry::reflection(kAsideVector, kObliqueVector), tolerance);
+  const std::string turned = word("Kind", "rotate") + numbers("Center", kAside) + numbers("Axis", kOblique) +
+                             number("Angle", "0.7") + integer_of("Count", 2);
+  expect_image(scene_from(scene_text(points, member_text, patterns({turned}))),
+               Isometry::rotation(kAsideVector, kObliqueVector, 0.7), tolerance);
+}
+
+constexpr double kImageTolerance = 1e-13;  // coordinates of size 10, some ten operations
+
+TEST(ScenePatterns, ImagesOfLines) {
+  expect_images(member("m", "A", "B"), kImageTolerance);
+  expect_images(member("m", "A", "B", numbers("Second Axis", "{3, 1, 1}") + number("Twist", "0.4")), kImageTolerance);
+}
+
+TEST(ScenePatterns, ImagesOfArcs) {
+  const std::string arc = curve("arc", numbers("Through", "{0, 1, 3}"));
+  expect_images(member("m", "A", "B", arc), kImageTolerance);
+  expect_images(member("m", "A", "B", arc + numbers("Second Axis", "{3, 1, 1}")), kImageTolerance);
+}
+
+TEST(ScenePatterns, ImagesOfHelices) {
+  const std::string helix = curve("helix", numbers("Center", "{0, 0.2, 0}") + numbers("Axis", "{0.1, 0, 1}") +
+                                               number("Angle", "4") + number("Rise", "-1.5"));
+  const std::string chord = member("c", "A", "B");
+  expect_images(member("m", "A", "end", helix) + chord, kImageTolerance);
+  expect_images(member("m", "A", "end", helix + numbers("Second Axis", "{3, 1, 1}")) + chord, kImageTolerance);
+}
+
+TEST(ScenePatterns, ImagesOfSplines) {
+  expect_images(
+      member("m", "A", "B",
+             curve("spline", numbers("Through", "{0, 1, 3, -1, 2, 1}") + numbers("End Tangent", "{1, 0, 1}")) +
+                 number("Twist", "-0.3")),
+      1e-11);  // arc length by integration
+}
+
+TEST(ScenePatterns, ImagesOfFormulas) {
+  expect_images(member("m", "A", "end", curve("parametric", words("Formula", "{cos(t), t^2/2, sin(t)+t}"))) +
+                    member("c", "A", "B"),
+                1e-11);
+}
+
+TEST(ScenePatterns, MembersInTheMirrorPlaneStayOne) {
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({mirror("{1, 0, 0}")})));
+  EXPECT_EQ(scene.members.size(), 3U);
+  EXPECT_EQ(scene.points.size(), 4U);
+  EXPECT_EQ(member_in(scene, "up (1)"), nullptr);
+  expect_at(scene, "B (1)", {-1, 0, 0}, 0.0);
+}
+
+const std::string kCoupled =
+    list("skew", numbers("Matrix", "{10,0,0.1,0.2,0,0.3, 5,0,0,0,0, 6,0,0,0, 3,0.4,0.5, 4,0.6, 5}"));
+
+TEST(ScenePatterns, MirroredCouplingChangesItsSign) {
+  const std::string text =
+      list("m", word("Start", "A") + word("End", "B") + word("Section", "skew")) + member("up", "A", "C");
+  const Scene scene = scene_from(scene_text(
+      kCell, text, patterns({mirror("{1, 0, 0}", "{5, 0, 0}"), mirror("{0, 1, 0}", "{0, 5, 0}")}), "A", kCoupled));
+  const Member& copy = *member_in(scene, "m (1)");
+  EXPECT_EQ(copy.section, "skew (mirrored)");
+  EXPECT_EQ(member_in(scene, "m (1, 1)")->section, "skew");  // twice mirrored
+  EXPECT_EQ(member_in(scene, "up (1)")->section, "flat");
+  const Section* section = nullptr;
+  for (const Section& s : scene.sections)
+    if (s.name == copy.section) section = &s;
+  ASSERT_NE(section, nullptr);
+  const Matrix6& c = *section->matrix;
+  // couplings of one even strain (gamma_1, gamma_2, kappa_3) with an odd one change, the others stay
+  EXPECT_EQ(c[0][2], -0.1);
+  EXPECT_EQ(c[0][3], -0.2);
+  EXPECT_EQ(c[0][5], 0.3);
+  EXPECT_EQ(c[3][4], 0.4);
+  EXPECT_EQ(c[3][5], -0.5);
+  EXPECT_EQ(c[4][5], -0.6);
+}
+
+TEST(ScenePatterns, CopiesOfInnerPoints) {
+  const Scene scene = scene_from(
+      scene_text(kCell, member("along", "A", "B", list("Inner Points", number("mid", "0.5"))) + member("up", "A", "C"),
+                 patterns({repeat("{0, 1, 0}", 2)})));
+  EXPECT_EQ(member_in(scene, "along (1)")->inner_points[0].point, "mid (1)");
+  expect_at(scene, "mid (1)", {0.5, 1, 0}, kRounding);
+}
+
+TEST(ScenePatterns, CoincidingMembersMustAgree) {
+  const std::string other = member("over", "B", "D", integer_of("Elements", 2));
+  expect_text_refused(
+      scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + other,
+                 patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})),
+      {"\"Scene / Patterns / p1\"", "\"along (1)\" would lie on member \"over\"", "number of elements"});
+  const Scene same = scene_from(scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + member("over", "D", "B"),
+                                           patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})));
+  EXPECT_EQ(same.members.size(), 3U);
+}
+
+TEST(ScenePatterns, RefusesWrongPatterns) {
+  expect_pattern_refused(word("Kind", "repeat") + integer_of("Count", 2), {"p1 / Vector", "missing; needed for"});
+  expect_pattern_refused(repeat("{1, 0, 0}", 1), {"p1 / Count", "value 1"});
+  expect_pattern_refused(repeat("{0, 0, 0}", 2), {"p1 / Vector", "no direction"});
+  expect_pattern_refused(repeat("{1, 0, 0}", 2, numbers("Normal", "{1, 0, 0}")), {"p1 / Normal", "no meaning"});
+  expect_pattern_refused(repeat("{1, 0, 0}", 2, words("Members", "{alog}")),
+                         {"p1 / Members", "\"alog\" is not a member", "did you mean \"along\"?"});
+  expect_pattern_refused(repeat("{1, 0, 0}", 2, words("Members", "{x*}")), {"p1 / Members", "\"x*\""});
+  expect_pattern_refused(word("Kind", "rotat"), {"did you mean \"rotate\"?"});
+  expect_pattern_refused(rotate(3, "", "{0, 0, 0}"), {"p1 / Axis", "no direction"});
+  expect_pattern_refused(repeat("{1, 0, 0}", 2, numbers("Point", "{0, 0, 0}")), {"p1 / Point", "no meaning"});
+}
+
+TEST(ScenePatterns, RefusesMoreThanMemoryHolds) {
+  expect_pattern_refused(repeat("{1, 0, 0}", 10000000), {"elements", "allowed: 10000000"});
+  expect_text_refused(scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 3000), repeat("{0, 1, 0}", 3000)})),
+                      {"\"Scene / Patterns / p2\"", "elements"});
+  expect_pattern_refused(repeat("{1e99, 0, 0}", 1000), {"coordinates"});
+}
+
+TEST(ScenePatterns, NamesOfCopiesMustBeFree) {
+  expect_text_refused(
+      scene_text(kCell, kCellMembers + member("along (1)", "B", "C"), patterns({repeat("{0, 0, 1}", 2)})),
+      {"\"along (1)\", which exists already"});
+}
+
+}  // namespace
+}  // namespace mixbeam
