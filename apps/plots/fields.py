@@ -5,6 +5,7 @@ import numpy as np
 import style
 
 NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
+NO_LOAD = 1e-12  # and so are moments below this share of EI / size, when nothing in the structure is larger
 
 
 class Field:
@@ -26,6 +27,7 @@ class Field:
 
     def _floor(self, step, size):
         force, moment = (_largest(step.field(name)) for name in ("material_force", "material_moment"))
+        moment = max(moment, NO_LOAD / NOISE * _bending_stiffness(step) / size)
         if self.source == "material_force":
             return NOISE * max(force, moment / size)
         if self.source == "material_moment":
@@ -79,6 +81,13 @@ def color_scale(field, values):
         steps = [style.BLUE, "#7FB2D6", "#BDBDBD", "#E8A36B", style.RED]
         return LinearSegmentedColormap.from_list("signed", steps), Normalize(-largest, largest)
     return style.plt.get_cmap("viridis"), Normalize(0.0, largest)
+
+
+def _bending_stiffness(step):
+    """A typical ratio of moment to curvature; 0 where nothing bends."""
+    moment, strain = (np.abs(step.field(name)).ravel() for name in ("material_moment", "moment_strain"))
+    bent = strain > 0
+    return float(np.median(moment[bent] / strain[bent])) if bent.any() else 0.0
 
 
 def _largest(values):

@@ -130,7 +130,8 @@ def strip_figure(view, steps, field):
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
     canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * rows)
-    canvas.suptitle(f"{_short(view.run.scene_name)}: {field.label}{fields.times(exponent)}", fontsize=13)
+    canvas.suptitle(f"{_short(view.run.scene_name)}: {field.label}{fields.times(exponent)}"
+                    + ("" if any(np.any(value) for value in values) else ": zero everywhere"), fontsize=13)
     return canvas
 
 
