@@ -103,6 +103,7 @@ constexpr double kCapForLockingElements = 1e3;
 void Assembler::cap_force_stiffness() {
   const double bending = structure_.bending_reference / (structure_.length * structure_.length);
   const double cap = options_.force_stiffness_cap * std::max(bending, scales_.force);
+  const double moment_cap = cap * structure_.length * structure_.length;  // far above every finite stiffness
   if (cap == stiffness_cap_) return;
   stiffness_cap_ = cap;
   for (size_t m = 0; m < structure_.views.member_section.extent(0); ++m) {
@@ -112,6 +113,10 @@ void Assembler::cap_force_stiffness() {
     for (int i = 0; i < 3; ++i)
       section.tangent_force_stiffness[i] =
           section.force_compliance[i] > 1.0 / limit ? 1.0 / section.force_compliance[i] : limit;
+    for (int i = 0; i < 3; ++i)
+      if (section.moment_compliance[i] == 0.0) section.moment_stiffness[i] = moment_cap;
+    section.force_stiffness_limit = limit;
+    section.moment_stiffness_limit = moment_cap;
   }
 }
 

@@ -65,6 +65,15 @@ void append(const PointSample& sample, int element, MemberSamples& out) {
   out.material_moment.push_back(array(sample.moment));
 }
 
+/// (gamma, kappa) = S (N, M)
+void set_strains(const Matrix6& compliance, PointSample& sample) {
+  sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
+  for (int i = 0; i < 6; ++i) {
+    double& strain = i < 3 ? sample.force_strain[i] : sample.moment_strain[i - 3];
+    for (int j = 0; j < 3; ++j) strain += compliance[i][j] * sample.force[j] + compliance[i][3 + j] * sample.moment[j];
+  }
+}
+
 /// PointSample as plain numbers, for the exchange between ranks.
 constexpr int kSampleNumbers = sizeof(PointSample) / sizeof(double);
 static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
@@ -98,6 +107,11 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   sample.force = force_at(block, interior, xi);
   sample.moment = Vec{{0.0, 0.0, 0.0}};
   for (int j = 0; j <= k; ++j) sample.moment += P[j] * load_vector(interior + block.interior.moment(j));
+  if (block.general_section) {
+    const double x = sample.arc_length / member.curve.length;
+    set_strains(structure.member_laws[element.member]->compliance(x), sample);
+    return sample;
+  }
   const SectionConstants& section = structure.views.member_section(element.member);
   for (int i = 0; i < 3; ++i) {
     sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
@@ -186,6 +200,35 @@ double l2_norm(const Assembler& assembler, const State& state, int points,
 
 namespace {
 
+/// Half the work of N on its strain and of M on its strain, where a general section couples them.
+StrainEnergy general_element_energy(const ElementBlock& block, int e, const double* interior) {
+  const int k = block.order, n = block.interior.force_points;
+  const GeneralSection section{&block.compliance(e, 0), {k, n}, 0.0, 0.0};
+  StrainEnergy energy;
+  double points[kMaximumPoints], weights[kMaximumPoints];
+  const auto moment_at = [&](double xi) {
+    double P[kMaximumOrder + 1];
+    legendre(k, xi, P);
+    Vec moment{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= k; ++j) moment += P[j] * load_vector(interior + block.interior.moment(j));
+    return moment;
+  };
+  const double quarter = 0.25 * block.reference(e, 0);  // half of ds = h/2 dxi
+  gauss_rule(n, points, weights);
+  for (int q = 0; q < n; ++q) {
+    const Vec force = load_vector(interior + block.interior.force(q));
+    const double mixed = dot(force, section.force_moment(q) * moment_at(points[q]));
+    energy.force += quarter * weights[q] * (dot(force, section.force_force(q) * force) + mixed);
+    energy.moment += quarter * weights[q] * mixed;
+  }
+  gauss_rule(k + 1, points, weights);
+  for (int q = 0; q <= k; ++q) {
+    const Vec moment = moment_at(points[q]);
+    energy.moment += quarter * weights[q] * dot(moment, section.moment_moment(q) * moment);
+  }
+  return energy;
+}
+
 StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h,
                             const SectionConstants& section) {
   StrainEnergy energy;
@@ -218,8 +261,11 @@ StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       if (!answers_for(structure, block, e)) continue;
-      const StrainEnergy energy = element_energy(block, interior_of(block, state, e), block.reference(e, 0),
-                                                 structure.views.member_section(block.member(e)));
+      const double* interior = interior_of(block, state, e);
+      const StrainEnergy energy =
+          block.general_section
+              ? general_element_energy(block, e, interior)
+              : element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
       sum[0] += energy.force;
       sum[1] += energy.moment;
     }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -31,14 +32,23 @@ double largest_bending_stiffness(const Scene& scene) {
   double largest = 0.0;
   for (const Section& s : scene.sections)
     for (double value : {s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]})
-      largest = std::max(largest, value);
+      if (!std::isinf(value)) largest = std::max(largest, value);
   return largest;
 }
 
-/// Elements of one kind: those with the same order and integration rule share their kernels.
-using BlockKey = std::pair<int, int>;
+/// Elements of one kind share their kernels.
+struct BlockKey {
+  int order, rule;
+  bool general_section;
+  bool operator<(const BlockKey& other) const {
+    return std::tie(order, rule, general_section) < std::tie(other.order, other.rule, other.general_section);
+  }
+};
 
-BlockKey block_key(const Member& member) { return {member.order, static_cast<int>(member.force_integration)}; }
+BlockKey block_key(const Scene& scene, const MemberLaws& laws, int member) {
+  const Member& m = scene.members[member];
+  return {m.order, static_cast<int>(m.force_integration), laws[member] != nullptr};
+}
 
 bool is_local(const MeshElement& element, const VertexPartition& partition) {
   return partition.owns(element.vertex[0]) || partition.owns(element.vertex[1]);
@@ -93,8 +103,9 @@ void fill_block(ElementBlock& block, const Structure& structure, const Scene& sc
 
 void add_block(Structure& structure, const BlockKey& key, const std::vector<int>& elements) {
   ElementBlock block;
-  block.order = key.first;
-  block.force_integration = static_cast<ForceIntegration>(key.second);
+  block.order = key.order;
+  block.force_integration = static_cast<ForceIntegration>(key.rule);
+  block.general_section = key.general_section;
   block.first_element = structure.local_elements();
   block.count = static_cast<int>(elements.size());
   if (block.order < 1 || block.order > kMaximumOrder)
@@ -166,14 +177,19 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   structure.shortest_element = std::numeric_limits<double>::max();
   for (const MeshElement& element : mesh.elements)
     structure.shortest_element = std::min(structure.shortest_element, mesh.element_length(element));
+  structure.member_laws = member_laws(scene);
   std::map<BlockKey, std::vector<int>> kinds;
   for (size_t e = 0; e < mesh.elements.size(); ++e)
     if (is_local(mesh.elements[e], structure.partition))
-      kinds[block_key(scene.members[mesh.elements[e].member])].push_back(static_cast<int>(e));
+      kinds[block_key(scene, structure.member_laws, mesh.elements[e].member)].push_back(static_cast<int>(e));
   structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
   for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
   number_local_vertices(structure, mesh.elements);
-  for (ElementBlock& block : structure.blocks) fill_block(block, structure, scene, mesh);
+  for (ElementBlock& block : structure.blocks) {
+    fill_block(block, structure, scene, mesh);
+    if (block.general_section)
+      fill_compliance(scene, mesh, structure.member_laws, &structure.local_element_to_mesh[block.first_element], block);
+  }
   fill_structure_views(structure, scene);
   return structure;
 }

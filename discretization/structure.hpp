@@ -3,6 +3,7 @@
 /// travels.
 #pragma once
 
+#include "discretization/element_compliance.hpp"
 #include "discretization/mesh.hpp"
 #include "kernels/element_block.hpp"
 
@@ -38,6 +39,7 @@ struct Structure {
   std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
   std::vector<int> mesh_element_to_local;  ///< -1 where the element is not on this rank
   StructureViews views;
+  MemberLaws member_laws;          ///< (member of the scene): null where the section is plain
   double shortest_element = 0.0;   ///< of the whole mesh
   double length = 0.0;             ///< characteristic length of the whole mesh
   double bending_reference = 0.0;  ///< largest finite bending or torsional stiffness of the scene

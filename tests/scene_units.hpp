@@ -15,6 +15,13 @@ inline Scene in_other_units(Scene scene, double length, double force) {
     for (double& x : s.shear_stiffness) x *= force;
     s.torsional_stiffness *= force * length * length;
     for (double& x : s.bending_stiffness) x *= force * length * length;
+    if (s.matrix)
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j) (*s.matrix)[i][j] *= force * (i < 3 ? 1.0 : length) * (j < 3 ? 1.0 : length);
+    if (!s.shape) continue;
+    for (double* x : {&s.shape->size2, &s.shape->size3, &s.shape->wall, &s.shape->web}) *x *= length;
+    s.shape->youngs_modulus *= force / (length * length);
+    if (s.shape->shear_modulus) *s.shape->shear_modulus *= force / (length * length);
   }
   for (Point& point : scene.points) scale(point.position, length);
   for (Member& member : scene.members) {
