@@ -185,8 +185,10 @@ TEST_F(Disturbed, KilledAtAnyMomentLeavesEveryCompletedStepAndResumes) {
     ASSERT_TRUE(left) << "not readable";
     const int steps = complete_steps(*left);
     ASSERT_GE(steps, 0) << "a step is incomplete";
-    for (const auto& [path, bytes] : *left)
-      if (path.rfind("steps/", 0) == 0) ASSERT_EQ(bytes, whole_.at(path)) << path;
+    for (const auto& [path, bytes] : *left) {
+      if (path.rfind("steps/", 0) != 0) continue;
+      EXPECT_TRUE(bytes == whole_.at(path)) << path << " differs";
+    }
     if (steps > 0 && steps < complete_steps(whole_)) ++in_the_middle;
     expect_resumes_to_the_same_bits(kill_number % 2 == 0 ? "1" : "2");
     if (HasFailure()) return;
