@@ -40,7 +40,7 @@ def _options():
     parser.add_argument("--format", default="png,svg", help="png, svg, pdf, separated by commas (default: png,svg)")
     parser.add_argument("--step", default="last", metavar="N", help="number of a step, last (default) or all")
     parser.add_argument("--field", default="bending", metavar="NAME", help="colour of shape and steps; see below")
-    parser.add_argument("--case", metavar="NAME", help="load case, for a file that holds several")
+    parser.add_argument("--case", metavar="NAME", help="load case: takes FILE-NAME.h5 beside FILE.h5")
     parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help="these only: " + ", ".join(KINDS))
     parser.add_argument("--triads", action="store_true", help="draw axes 1, 2, 3 of some sections in space")
     parser.add_argument("--dots", type=int, metavar="N", help="dots per inch of a PNG")
@@ -64,7 +64,7 @@ def _draw(options, style):
         chosen = _chosen_steps(run, options.step, options.result)
         folder = options.output or options.result.parent
         folder.mkdir(parents=True, exist_ok=True)
-        stem = options.result.stem + (f"_{run.case}" if run.case else "")
+        stem = run.path.stem
         view = View(run, chosen)
         for kind in options.picture or KINDS:
             for name, canvas in _figures(kind, run, view, chosen, options):

@@ -123,23 +123,32 @@ class Step:
         return [rows[rows[:, 0] == attempt, -1] for attempt in np.unique(rows[:, 0])]
 
 
+def file_of_case(path, case):
+    """Where `mixbeam run` puts the results of a load case, `path` being those of the scene."""
+    return path.with_name(f"{path.stem}-{case}{path.suffix}")
+
+
 class Run:
     """An open result file: its members in the order of the scene, and its steps in the order of the path."""
 
     def __init__(self, path, case=None):
         path = Path(path)
+        if case and file_of_case(path, case).is_file():
+            path = file_of_case(path, case)
         if not path.is_file():
             raise InputError(f"{path}: no such file")
+        self.path = path
         try:
             self._file = h5py.File(path, "r")
         except OSError as error:
             raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
         if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
             raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
-        self.case = _text(self._file.attrs["load_case"]) if "load_case" in self._file.attrs else ""
+        properties = self._file["properties"].attrs if "properties" in self._file else {}
+        self.case = _text(properties.get("load_case", ""))
         if case and case != self.case:
-            raise InputError(f"{path}: no load case {case}; the file is of " +
-                             (f"load case {self.case}" if self.case else "a scene without load cases"))
+            what = f"of load case {self.case}" if self.case else "of a scene without load cases"
+            raise InputError(f"{path}: the file is {what}, and there is no {file_of_case(path, case).name} beside it")
         self.scene_name = _text(self._file.attrs.get("scene_name", path.stem))
         try:
             groups = self._file["members"]

@@ -99,7 +99,7 @@ TEST_F(PlotResult, RefusesWhatItCannotDraw) {
   expect_refusal(good, {"--step", "7"}, {"no step 7", "steps 0 to 2"});
   expect_refusal(good, {"--field", "colour"}, {"--field colour", "bending", "torsion"});
   expect_refusal(good, {"--format", "gif"}, {"--format gif", "png, svg, pdf"});
-  expect_refusal(good, {"--case", "wind"}, {"no load case wind"});
+  expect_refusal(good, {"--case", "wind"}, {"without load cases", "no run-wind.h5"});
 }
 
 }  // namespace
