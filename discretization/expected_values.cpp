@@ -1,19 +1,60 @@
 #include "discretization/expected_values.hpp"
 
+#include "discretization/load_cases.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/parameter_access.hpp"
+#include "discretization/scene_names.hpp"
 #include "discretization/validate.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace mixbeam {
 
 namespace {
 
-const std::vector<std::string> kComponents = {"x", "y", "z", "norm"};
+const std::vector<std::string> kSpatial = {"x", "y", "z", "norm"};
+const std::vector<std::string> kMaterial = {"1", "2", "3", "norm"};
+const std::vector<std::string> kComponents = {"x", "y", "z", "1", "2", "3", "norm"};
 
-bool is_point_quantity(const std::string& quantity) {
-  const std::vector<std::string>& known = point_quantities();
-  return std::find(known.begin(), known.end(), quantity) != known.end();
+/// What a quantity needs to be told.
+struct QuantityKind {
+  std::vector<std::string> needs;       ///< of "Point", "Member", "Position", "Component"; no others are allowed
+  std::vector<std::string> components;  ///< allowed ones
+};
+
+const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
+const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
+const std::map<std::string, QuantityKind> kKinds = {{"displacement", kOfPoint},      {"position", kOfPoint},
+                                                    {"rotation", kOfPoint},          {"reaction force", kOfPoint},
+                                                    {"reaction moment", kOfPoint},   {"material force", kOfSection},
+                                                    {"material moment", kOfSection}, {"strain energy", {{}, {}}}};
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// Quantities of an application are its own affair.
+void check_description(const Teuchos::ParameterList& list, const std::string& quantity, const ParameterSource& source,
+                       const ParameterPath& path) {
+  const auto found = kKinds.find(quantity);
+  if (found == kKinds.end()) return;
+  const QuantityKind& kind = found->second;
+  for (const std::string parameter : {"Point", "Member", "Position", "Component"}) {
+    const bool needed = contains(kind.needs, parameter);
+    if (needed == list.isParameter(parameter)) continue;
+    throw source.error(child(path, parameter), std::string(needed ? "missing; needed" : "given, but has no meaning") +
+                                                   " for the quantity \"" + quantity + "\", which takes " +
+                                                   quoted_list(kind.needs));
+  }
+  if (!list.isParameter("Component")) return;
+  const auto& component = list.get<std::string>("Component");
+  if (contains(kind.components, component)) return;
+  throw source.error(child(path, "Component"), "value \"" + component + "\" of the quantity \"" + quantity +
+                                                   "\"; allowed: " + quoted_list(kind.components));
 }
 
 void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
@@ -36,12 +77,12 @@ ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& na
   ExpectedValue expected;
   expected.name = name;
   expected.quantity = list.get<std::string>("Quantity");
-  for (const std::string parameter : {"Point", "Component"}) {
-    if (!is_point_quantity(expected.quantity) || list.isParameter(parameter)) continue;
-    throw source.error(child(path, parameter), "missing; needed for the quantity \"" + expected.quantity + "\"");
-  }
-  if (list.isParameter("Point")) expected.point = list.get<std::string>("Point");
-  if (list.isParameter("Component")) expected.component = list.get<std::string>("Component");
+  check_description(list, expected.quantity, source, path);
+  expected.point = get_text_or_empty(list, "Point");
+  expected.member = get_text_or_empty(list, "Member");
+  if (list.isParameter("Position")) expected.position = list.get<double>("Position");
+  expected.component = get_text_or_empty(list, "Component");
+  expected.load_case = get_text_or_empty(list, "Case");
   if (list.isParameter("Load Factor")) expected.load_factor = list.get<double>("Load Factor");
   expected.value = list.get<double>("Value");
   expected.source = list.get<std::string>("Source");
@@ -49,20 +90,53 @@ ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& na
   return expected;
 }
 
+bool is_reaction(const std::string& quantity) { return quantity == "reaction force" || quantity == "reaction moment"; }
+
+void check_case(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
+                const ParameterPath& path) {
+  const std::vector<std::string>& cases = scene.load_cases;
+  if (value.load_case.empty() && cases.empty()) return;
+  if (contains(cases, value.load_case)) return;
+  const std::string seen = value.load_case.empty() ? "missing" : "value \"" + excerpt(value.load_case) + "\"";
+  throw source.error(child(path, "Case"), seen + "; allowed: a load case of the scene: " + quoted_list(cases) +
+                                              did_you_mean(value.load_case, cases));
+}
+
+void check_supported(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
+                     const ParameterPath& path) {
+  std::vector<std::string> supported;
+  for (const Support& support : scene.supports) supported.push_back(support.point);
+  if (contains(supported, value.point)) return;
+  throw source.error(child(path, "Point"), "value \"" + excerpt(value.point) +
+                                               "\" has no support, so no reaction; allowed: " + quoted_list(supported));
+}
+
 }  // namespace
 
-const std::vector<std::string>& point_quantities() {
-  static const std::vector<std::string> quantities = {"displacement", "position", "rotation"};
+const std::vector<std::string>& common_quantities() {
+  static const std::vector<std::string> quantities = {"displacement",    "position",        "rotation",
+                                                      "reaction force",  "reaction moment", "material force",
+                                                      "material moment", "strain energy"};
   return quantities;
 }
 
 ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
-  std::vector<std::string> quantities = point_quantities();
+  std::vector<std::string> quantities = common_quantities();
   quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
   ListSpec one("A value that the run must reproduce.");
   one.add(choice("Quantity", quantities).required().means("What is compared."));
-  one.add(text("Point").means("Name of the point, for a quantity of a point."));
-  one.add(choice("Component", kComponents).means("Component in global axes, or the norm; for vectors."));
+  one.add(text("Point").means("Name of the point, for a quantity of a point; for a reaction: a supported one."));
+  one.add(text("Member").means("Name of the member, for a material force or moment."));
+  one.add(real("Position")
+              .at_least(0.0)
+              .at_most(1.0)
+              .means("Where along the member: arc length from its start over its length; between two elements the "
+                     "value of the second "
+                     "one counts."));
+  one.add(choice("Component", kComponents)
+              .means("For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment "
+                     "in the axes of the section, or the norm."));
+  one.add(text("Case").means("Load case in which it is compared; needed where the scene has load cases."));
   one.add(real("Load Factor").at_least(0.0).means("When it is compared; at the end of the run if absent."));
   one.add(real("Value").required().means("The expected value, in the scene's units."));
   one.add(real("Absolute Tolerance").above(0.0).means("Largest difference, in the units of the value."));
@@ -81,6 +155,25 @@ std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, co
     expected.push_back(read_one(list.sublist(name), name, source, child(path, name)));
   }
   return expected;
+}
+
+void check_expected_values(const std::vector<ExpectedValue>& expected, const Scene& scene,
+                           const ParameterSource& source, const ParameterPath& path) {
+  const SceneNames names(scene);
+  for (const ExpectedValue& value : expected) {
+    const ParameterPath place = child(path, value.name);
+    check_case(value, scene, source, place);
+    if (!value.point.empty() && names.members_at(value.point) == nullptr)
+      throw unknown_name(source, child(place, "Point"), "point", value.point, names.point_names());
+    if (!value.member.empty() && names.member(value.member) == nullptr)
+      throw unknown_name(source, child(place, "Member"), "member", value.member, names.member_names());
+    if (is_reaction(value.quantity)) check_supported(value, scene, source, place);
+    const int stages = scene.load_cases.empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
+    if (value.load_factor.value_or(0.0) <= stages) continue;
+    throw source.error(child(place, "Load Factor"), "value " + shortest(*value.load_factor) + "; allowed: at most " +
+                                                        std::to_string(stages) +
+                                                        ", where the load path of the scene ends");
+  }
 }
 
 ExpectationResult compare(const ExpectedValue& expected, double actual) {

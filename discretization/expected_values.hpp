@@ -3,6 +3,7 @@
 
 #include "discretization/parameter_source.hpp"
 #include "discretization/parameter_spec.hpp"
+#include "discretization/scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -20,14 +21,17 @@ enum class ToleranceKind {
 
 struct ExpectedValue {
   std::string name;
-  std::string quantity;               ///< displacement, position, rotation, or one of the application's own
+  std::string quantity;               ///< one of common_quantities(), or one of the application's own
   std::string point;                  ///< empty: the quantity belongs to no point
-  std::string component;              ///< x, y, z, norm; empty: the quantity is a number
+  std::string component;              ///< x, y, z; 1, 2, 3 of the section; norm; empty: the quantity is a number
   std::optional<double> load_factor;  ///< none: at the end of the run
   double value = 0.0;
   double tolerance = 0.0;
   ToleranceKind kind = ToleranceKind::relative;
-  std::string source;  ///< where the value comes from: paper and table, formula, program
+  std::string source;       ///< where the value comes from: paper and table, formula, program
+  std::string member{};     ///< of a section's force or moment
+  double position = 0.0;    ///< relative arc length along that member, 0 to 1
+  std::string load_case{};  ///< in which it is compared; empty: the scene has none
 };
 
 struct ExpectationResult {
@@ -35,16 +39,23 @@ struct ExpectationResult {
   double difference = 0.0;  ///< actual - value, divided by |value| if the tolerance is relative
 };
 
-/// Quantities of a point that every application provides; each needs "Point" and "Component".
-const std::vector<std::string>& point_quantities();
+/// Quantities that every application provides: of a point (displacement, position, rotation, reaction force, reaction
+/// moment; "Point" and a spatial "Component"), of a section (material force, material moment; "Member", "Position" and
+/// a material "Component"), of the whole structure (strain energy).
+const std::vector<std::string>& common_quantities();
 
-/// Declaration of the list "Expected"; `own_quantities` are those of the application besides point_quantities().
+/// Declaration of the list "Expected"; `own_quantities` are those of the application besides common_quantities().
 ListSpec expected_values_spec(const std::vector<std::string>& own_quantities = {});
 
 /// Validates and reads the list. `path`: where it stands below the root of `source`.
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities = {},
                                                 const ParameterPath& path = {"Expected"});
+
+/// Throws InputError for a value that no run of the scene could be compared with: a point, member or load case that it
+/// does not have, a reaction where nothing is supported, a load factor beyond the end of its path.
+void check_expected_values(const std::vector<ExpectedValue>& expected, const Scene& scene,
+                           const ParameterSource& source, const ParameterPath& path = {"Expected"});
 
 /// A value that is not a number never passes.
 ExpectationResult compare(const ExpectedValue& expected, double actual);

@@ -120,6 +120,29 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   return sample;
 }
 
+PointSample sample_member(const Assembler& assembler, const State& state, int member, double position) {
+  const Structure& structure = assembler.structure();
+  const MeshMember& m = assembler.mesh().members[member];
+  const double s = position * m.curve.length;
+  const auto& ends = m.vertex_arc_length;
+  const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
+  const int index = static_cast<int>(next - ends.begin()) - 1;
+  const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
+  const int local = structure.mesh_element_to_local[m.first_element + index];
+  double mine[kSampleNumbers] = {}, all[kSampleNumbers];
+  if (local >= 0) {
+    const ElementBlock& block = structure.block_of(local);
+    if (answers_for(structure, block, local - block.first_element)) {
+      const PointSample sample = sample_element(structure, assembler.mesh(), state, local, xi);
+      std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
+    }
+  }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
+  PointSample sample;
+  std::copy_n(all, kSampleNumbers, reinterpret_cast<double*>(&sample));
+  return sample;
+}
+
 int smooth_points(int order) {
   constexpr int kFewestPoints = 5;  // a quarter of a radian from chord to chord in an element that turns by one radian
   return std::max(kFewestPoints, 2 * order + 1);

@@ -21,6 +21,10 @@ struct PointSample {
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi);
 
+/// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
+/// counts (at the end of the member its last one). Collective.
+PointSample sample_member(const Assembler& assembler, const State& state, int member, double position);
+
 /// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.
 int smooth_points(int order);

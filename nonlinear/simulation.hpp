@@ -40,6 +40,10 @@ class Simulation {
   /// Sums of loads and reactions: errors below 1e-10 in every converged state.
   Balance balance() const { return mixbeam::balance(problem_->assembler, state_, load_factor_); }
   std::vector<MemberSamples> samples(int points_per_element) const;
+  /// All fields at relative arc length `position` in [0, 1] of a member, see sample_member.
+  PointSample sample(const std::string& member, double position) const {
+    return sample_member(assembler(), state_, member_index(scene(), member), position);
+  }
   StrainEnergy strain_energy() const { return mixbeam::strain_energy(assembler(), state_); }
   /// See l2_norm in sampling.hpp.
   double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {

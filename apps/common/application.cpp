@@ -1,5 +1,6 @@
 #include "apps/common/application.hpp"
 
+#include "apps/common/expected_quantity.hpp"
 #include "apps/common/monitor_table.hpp"
 #include "apps/common/progress.hpp"
 #include "kernels/execution_space.hpp"
@@ -53,12 +54,6 @@ std::string machine() {
   utsname system{};
   if (uname(&system) != 0) return "unknown";
   return std::string(system.sysname) + " " + system.release + " " + system.machine + ", " + system.nodename;
-}
-
-/// Component of a vector by the names of the list "Expected".
-double component(const Vector3& v, const std::string& name) {
-  if (name == "norm") return std::hypot(v[0], v[1], v[2]);
-  return v[name == "x" ? 0 : name == "y" ? 1 : 2];
 }
 
 }  // namespace
@@ -233,22 +228,15 @@ void Application::check_expected(const Simulation& simulation, double load_facto
   for (const ExpectedValue& value : expected) {
     const double wanted = value.load_factor.value_or(simulation.scene().stages);
     if (std::abs(wanted - load_factor) > kSameLoadFactor) continue;
-    double actual = 0.0;
-    if (value.quantity == "displacement")
-      actual = component(simulation.displacement(value.point), value.component);
-    else if (value.quantity == "position")
-      actual = component(simulation.position(value.point), value.component);
-    else if (value.quantity == "rotation")
-      actual = component(simulation.rotation(value.point), value.component);
-    else if (own_quantity)
-      actual = own_quantity(value);
-    else
-      continue;
+    if (value.load_case != load_case) continue;
+    std::optional<double> actual = present_value(simulation, value);
+    if (!actual && own_quantity) actual = own_quantity(value);
+    if (!actual) continue;
     compared_.insert(value.name);
     if (value.kind == ToleranceKind::absolute)
-      summary.check_absolute(value.name, actual, value.value, value.tolerance, value.source);
+      summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
     else
-      summary.check_relative(value.name, actual, value.value, value.tolerance, value.source);
+      summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
   }
 }
 

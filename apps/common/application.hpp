@@ -41,6 +41,7 @@ class Application {
   Scene scene;  ///< as the XML file gives it; a study changes copies of it
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
+  std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
   Summary summary;

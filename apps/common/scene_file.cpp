@@ -15,28 +15,6 @@
 
 namespace mixbeam {
 
-namespace {
-
-/// A point that the scene does not have, or a load factor that its path does not reach, would never be compared.
-void check_expected_values(const Application& app) {
-  std::vector<std::string> points;
-  for (const Point& point : app.scene.points) points.push_back(point.name);
-  for (const ExpectedValue& value : app.expected) {
-    const ParameterPath path = {"Expected", value.name};
-    if (!value.point.empty() && std::find(points.begin(), points.end(), value.point) == points.end()) {
-      throw app.xml.source.error(child(path, "Point"), "\"" + excerpt(value.point) + "\" is not a point; allowed: " +
-                                                           quoted_list(points) + did_you_mean(value.point, points));
-    }
-    if (value.load_factor.value_or(0.0) > app.scene.stages) {
-      throw app.xml.source.error(child(path, "Load Factor"),
-                                 "value " + shortest(*value.load_factor) + "; allowed: at most " +
-                                     std::to_string(app.scene.stages) + ", where the load path of the scene ends");
-    }
-  }
-}
-
-}  // namespace
-
 ListSpec root_spec(const ApplicationDefinition& definition) {
   ListSpec root("Scene file of " + definition.name + ".");
   root.add_list("Scene", scene_spec(), Presence::required);
@@ -53,7 +31,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   check_supports(app.scene, app.xml.source);
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
-  check_expected_values(app);
+  check_expected_values(app.expected, app.scene, app.xml.source);
 }
 
 void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {

@@ -41,6 +41,7 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
                 const StoredRun* resume) {
   const Scene scene = scene_of_case(app.scene, load_case);
+  app.load_case = load_case;
   RunReport report;
   Recording recording;
   recording.file = file;

@@ -61,7 +61,7 @@ TEST(ExpectedValues, AreRefusedWithAPlace) {
   expect_parts(refusal("\"displacement\"", "\"displacment\""),
                {"scene.xml:3: XML path \"Expected / tip height / Quantity\"", "did you mean \"displacement\"?"});
   expect_parts(refusal("<Parameter name=\"Point\" type=\"string\" value=\"tip\"/>", ""), {"Point", "missing"});
-  expect_parts(refusal("\"z\"", "\"w\""), {"Component", "\"x\", \"y\", \"z\", \"norm\""});
+  expect_parts(refusal("\"z\"", "\"w\""), {"Component", "\"x\", \"y\", \"z\""});
   expect_parts(refusal("\"2.5\"", "\"0\""), {"relative to the value 0", "Absolute Tolerance"});
   expect_parts(refusal("\"1e-6\"", "\"0\""), {"value > 0"});
   expect_parts(refusal("<Parameter name=\"Relative Tolerance\" type=\"double\" value=\"1e-6\"/>", ""),
@@ -70,6 +70,62 @@ TEST(ExpectedValues, AreRefusedWithAPlace) {
       refusal("<Parameter name=\"Source\"",
               "<Parameter name=\"Absolute Tolerance\" type=\"double\" value=\"1\"/><Parameter name=\"Source\""),
       {"both of", "exactly one"});
+}
+
+std::string check_of(const std::string& description) {
+  return "<ParameterList name=\"check\">" + description +
+         "<Parameter name=\"Value\" type=\"double\" value=\"1\"/><Parameter name=\"Absolute Tolerance\" "
+         "type=\"double\" "
+         "value=\"1\"/><Parameter name=\"Source\" type=\"string\" value=\"by hand\"/></ParameterList>";
+}
+std::string word(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"string\" value=\"" + value + "\"/>";
+}
+const std::string kMiddle = "<Parameter name=\"Position\" type=\"double\" value=\"0.5\"/>";
+
+TEST(ExpectedValues, KnowTheQuantitiesOfSectionsAndOfTheStructure) {
+  const ExpectedValue moment = expected_from(
+      check_of(word("Quantity", "material moment") + word("Member", "shaft") + kMiddle + word("Component", "3")))[0];
+  EXPECT_EQ(moment.member, "shaft");
+  EXPECT_EQ(moment.position, 0.5);
+  EXPECT_EQ(moment.component, "3");
+  EXPECT_EQ(expected_from(check_of(word("Quantity", "strain energy")))[0].component, "");
+  const auto refusal = [](const std::string& description) {
+    return message_of([&] { expected_from(check_of(description)); });
+  };
+  expect_parts(refusal(word("Quantity", "strain energy") + word("Component", "x")),
+               {"check / Component", "has no meaning", "\"strain energy\""});
+  expect_parts(refusal(word("Quantity", "material moment") + word("Member", "shaft") + word("Component", "3")),
+               {"check / Position", "missing"});
+  expect_parts(
+      refusal(word("Quantity", "material moment") + word("Member", "shaft") + kMiddle + word("Component", "z")),
+      {"check / Component", "\"z\"", "\"1\", \"2\", \"3\", \"norm\""});
+  expect_parts(refusal(word("Quantity", "reaction force") + word("Point", "foot") + word("Component", "1")),
+               {"check / Component", "\"1\"", "\"x\", \"y\", \"z\", \"norm\""});
+}
+
+TEST(ExpectedValues, MustBelongToTheScene) {
+  const Scene scene = scene_from(kBowScene);
+  Scene with_cases = scene;
+  with_cases.load_cases = {"wind", "snow"};
+  const auto check = [](const Scene& checked, const std::string& description) {
+    check_expected_values(expected_from(check_of(description)), checked, ParameterSource("scene.xml"));
+  };
+  const std::string reaction = word("Quantity", "reaction force") + word("Component", "x");
+  const std::string moment = word("Quantity", "material moment") + kMiddle + word("Component", "3");
+  EXPECT_NO_THROW(check(scene, reaction + word("Point", "foot")));
+  EXPECT_NO_THROW(check(scene, moment + word("Member", "arch")));
+  EXPECT_NO_THROW(check(with_cases, moment + word("Member", "arch") + word("Case", "snow")));
+  const auto refusal = [&](const Scene& checked, const std::string& description) {
+    return message_of([&] { check(checked, description); });
+  };
+  expect_parts(refusal(scene, reaction + word("Point", "top")), {"check / Point", "has no support", "\"foot\""});
+  expect_parts(refusal(scene, reaction + word("Point", "fot")), {"check / Point", "did you mean \"foot\"?"});
+  expect_parts(refusal(scene, moment + word("Member", "arhc")), {"check / Member", "did you mean \"arch\"?"});
+  expect_parts(refusal(scene, moment + word("Member", "arch") + word("Case", "wind")), {"check / Case", "(none)"});
+  expect_parts(refusal(with_cases, moment + word("Member", "arch")), {"check / Case", "missing", "\"wind\", \"snow\""});
+  const std::string late = "<Parameter name=\"Load Factor\" type=\"double\" value=\"2.5\"/>";
+  expect_parts(refusal(scene, moment + word("Member", "arch") + late), {"check / Load Factor", "2.5", "at most 2"});
 }
 
 TEST(ExpectedValues, PassWithinTheTolerance) {

@@ -1,0 +1,14 @@
+/// Evaluation of what a list "Expected" asks for.
+#pragma once
+
+#include "discretization/expected_values.hpp"
+#include "nonlinear/simulation.hpp"
+
+#include <optional>
+
+namespace mixbeam {
+
+/// The present value of one of common_quantities(); none for a quantity of the application's own. Collective.
+std::optional<double> present_value(const Simulation& simulation, const ExpectedValue& wanted);
+
+}  // namespace mixbeam

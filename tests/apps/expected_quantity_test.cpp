@@ -1,0 +1,122 @@
+/// Every quantity that a scene may expect, of a rod whose answer is exact.
+#include "apps/common/expected_quantity.hpp"
+
+#include <gtest/gtest.h>
+#include <Teuchos_DefaultMpiComm.hpp>
+
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+constexpr double kLength = 4.0, kAxial = 1000.0, kBending = 20.0;
+constexpr double kPull = 3.0, kBend = 2.0;
+constexpr double kTolerance = 1e-9;  // Newton's method ends below it for values of order one
+
+/// A rod along y from "foot" to "tip", clamped at its foot.
+Scene rod(const Vector3& force, const Vector3& moment) {
+  Scene scene;
+  Section section;
+  section.name = "section";
+  section.axial_stiffness = kAxial;
+  section.shear_stiffness = {500.0, 500.0};
+  section.torsional_stiffness = kBending;
+  section.bending_stiffness = {kBending, kBending};
+  scene.sections = {section};
+  scene.points = {{"foot", {0, 0, 0}}, {"tip", {0, kLength, 0}}};
+  Member member;
+  member.name = "rod";
+  member.start_point = "foot";
+  member.end_point = "tip";
+  member.section = "section";
+  member.order = 4;
+  member.elements = 4;
+  scene.members = {member};
+  Support clamp;
+  clamp.point = "foot";
+  clamp.displacement_fixed = clamp.rotation_fixed = {true, true, true};
+  scene.supports = {clamp};
+  PointLoad load;
+  load.point = "tip";
+  load.force = force;
+  load.moment = moment;
+  scene.point_loads = {load};
+  return scene;
+}
+
+class ExpectedQuantities {
+ public:
+  explicit ExpectedQuantities(const Scene& scene)
+      : simulation_(scene, {}, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))) {
+    EXPECT_TRUE(simulation_.run().finished);
+  }
+
+  double at_point(const std::string& quantity, const std::string& point, const std::string& component) const {
+    ExpectedValue wanted;
+    wanted.quantity = quantity;
+    wanted.point = point;
+    wanted.component = component;
+    return present_value(simulation_, wanted).value();
+  }
+  double in_section(const std::string& quantity, double position, const std::string& component) const {
+    ExpectedValue wanted;
+    wanted.quantity = quantity;
+    wanted.member = "rod";
+    wanted.position = position;
+    wanted.component = component;
+    return present_value(simulation_, wanted).value();
+  }
+  bool knows(const std::string& quantity) const {
+    ExpectedValue wanted;
+    wanted.quantity = quantity;
+    return present_value(simulation_, wanted).has_value();
+  }
+  double strain_energy() const {
+    ExpectedValue wanted;
+    wanted.quantity = "strain energy";
+    return present_value(simulation_, wanted).value();
+  }
+
+ private:
+  Simulation simulation_;
+};
+
+TEST(ExpectedQuantity, OfARodUnderTension) {
+  const ExpectedQuantities values(rod({0, kPull, 0}, {}));
+  EXPECT_NEAR(values.at_point("displacement", "tip", "y"), kPull * kLength / kAxial, kTolerance);
+  EXPECT_NEAR(values.at_point("position", "tip", "norm"), kLength * (1.0 + kPull / kAxial), kTolerance);
+  EXPECT_NEAR(values.at_point("reaction force", "foot", "y"), -kPull, kTolerance);
+  EXPECT_NEAR(values.at_point("reaction force", "foot", "norm"), kPull, kTolerance);
+  for (const double position : {0.0, 0.25, 0.3, 1.0}) {
+    EXPECT_NEAR(values.in_section("material force", position, "1"), kPull, kTolerance) << position;
+    EXPECT_NEAR(values.in_section("material force", position, "2"), 0.0, kTolerance) << position;
+  }
+  EXPECT_NEAR(values.strain_energy(), 0.5 * kPull * kPull * kLength / kAxial, kTolerance);
+}
+
+TEST(ExpectedQuantity, OfARodBentToACircle) {
+  const ExpectedQuantities values(rod({}, {0, 0, kBend}));
+  EXPECT_NEAR(values.at_point("rotation", "tip", "z"), kBend * kLength / kBending, kTolerance);
+  EXPECT_NEAR(values.at_point("reaction moment", "foot", "z"), -kBend, kTolerance);
+  EXPECT_NEAR(values.in_section("material moment", 0.6, "3"), kBend, kTolerance);
+  EXPECT_NEAR(values.in_section("material moment", 0.6, "norm"), kBend, kTolerance);
+  EXPECT_NEAR(values.strain_energy(), 0.5 * kBend * kBend * kLength / kBending, kTolerance);
+}
+
+TEST(ExpectedQuantity, ChangesAlongTheRod) {  // linear for a load this small: moment F (L - s)
+  constexpr double kSmall = 1e-6;
+  const ExpectedQuantities values(rod({0, 0, kSmall}, {}));
+  for (const double position : {0.0, 0.1, 0.5, 0.75, 1.0}) {
+    EXPECT_NEAR(values.in_section("material moment", position, "norm"), kSmall * kLength * (1.0 - position),
+                1e-6 * kSmall * kLength)
+        << position;
+  }
+}
+
+TEST(ExpectedQuantity, LeavesOthersToTheApplication) {
+  const ExpectedQuantities values(rod({0, kPull, 0}, {}));
+  for (const std::string& quantity : {"iterations", "moment energy"}) EXPECT_FALSE(values.knows(quantity));
+}
+
+}  // namespace
+}  // namespace mixbeam
