@@ -1,0 +1,210 @@
+/// Each warning has a scene that provokes it and only it, and its twin within the limits that does not.
+#include "discretization/scene_warnings.hpp"
+
+#include "input_text.hpp"
+
+#include <chrono>
+
+namespace mixbeam {
+namespace {
+
+/// Diameter 0.1 and E = 100 GPa, in m and N.
+Section steel() {
+  Section section;
+  section.name = "steel";
+  section.axial_stiffness = 7.85e8;
+  section.shear_stiffness = {2.7e8, 2.7e8};
+  section.torsional_stiffness = 3.8e5;
+  section.bending_stiffness = {4.9e5, 4.9e5};
+  return section;
+}
+
+Member line(const std::string& name, const std::string& start, const std::string& end, int elements = 4) {
+  Member member;
+  member.name = name;
+  member.start_point = start;
+  member.end_point = end;
+  member.section = "steel";
+  member.elements = elements;
+  return member;
+}
+
+/// An L of two rods of 5 m with a force of 1 kN at its end.
+Scene frame() {
+  Scene scene;
+  scene.sections = {steel()};
+  scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 0, 5}}, {"end", {5, 0, 5}}};
+  scene.members = {line("post", "foot", "corner"), line("arm", "corner", "end")};
+  Support clamp;
+  clamp.point = "foot";
+  clamp.displacement_fixed = clamp.rotation_fixed = {true, true, true};
+  scene.supports = {clamp};
+  PointLoad load;
+  load.point = "end";
+  load.force = {0, 0, -1000};
+  scene.point_loads = {load};
+  return scene;
+}
+
+void expect_only(const Scene& scene, const std::vector<std::string>& parts) {
+  const std::vector<std::string> found = warnings(scene);
+  ASSERT_EQ(found.size(), 1U) << (found.empty() ? "none" : found[0] + "\n" + found.back());
+  expect_parts(found[0], parts);
+}
+
+template <typename Change>
+Scene frame_with(const Change& change) {
+  Scene scene = frame();
+  change(scene);
+  return scene;
+}
+
+TEST(SceneWarnings, ASoundSceneHasNone) {
+  EXPECT_EQ(warnings(frame()), std::vector<std::string>{});
+  for (const std::string& text : warnings(scene_from(kBowScene))) ADD_FAILURE() << text;
+}
+
+TEST(SceneWarnings, OfUnits) {
+  // Stiffnesses against bending in N mm^2, all else in m.
+  expect_only(frame_with([](Scene& s) {
+                s.sections[0].bending_stiffness = {4.9e11, 4.9e11};
+                s.sections[0].torsional_stiffness = 3.8e11;
+              }),
+              {"Sections / steel", "sqrt(EI/EA) = 25", "size 7.07", "different units"});
+  expect_only(frame_with([](Scene& s) {
+                s.sections[0].bending_stiffness[0] = 0.049;
+                s.sections[0].torsional_stiffness = 0.1;
+              }),
+              {"EI2 and EI3 differ", "factor 1e+07"});
+  expect_only(frame_with([](Scene& s) { s.sections[0].shear_stiffness[1] = 2.7e3; }), {"GA / EA = 3.44e-06"});
+  expect_only(frame_with([](Scene& s) { s.sections[0].torsional_stiffness = 3.8e11; }), {"GIt over", "It is the sum"});
+  expect_only(frame_with([](Scene& s) { s.point_loads[0].force[2] = 1e12; }),
+              {"Point Loads / at end", "over EI is 1.02e+08", "units"});
+  expect_only(frame_with([](Scene& s) {
+                DistributedLoad load;
+                load.member = "arm";
+                load.couple = {0, 1e12, 0};
+                s.distributed_loads = {load};
+              }),
+              {"Distributed Loads / on arm"});
+}
+
+TEST(SceneWarnings, OfRigidSectionsThereIsNothingToSay) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(warnings(frame_with([&](Scene& s) {
+                s.sections[0].axial_stiffness = infinity;
+                s.sections[0].shear_stiffness = {infinity, infinity};
+              })).empty());
+}
+
+TEST(SceneWarnings, OfElements) {
+  expect_only(frame_with([](Scene& s) { s.members[0].elements = 500; }),
+              {"Points / corner", "length 1.25 (\"arm\")", "0.01 (\"post\")", "more elements"});
+  expect_only(frame_with([](Scene& s) {
+                s.members[0].order = 1;
+                s.members[0].elements = 3;
+              }),
+              {"Members / post", "3 element(s) of order 1"});
+  expect_only(frame_with([](Scene& s) { s.members[1].twist = 45; }), {"Members / arm", "11.2 radian", "degrees"});
+  expect_only(frame_with([](Scene& s) {
+                s.members[1].stations = {0, 0.009, 0.02, 0.03, 1};
+              }),
+              {"Members / arm", "from 0.045 to 4.85", "Stations"});
+  const std::vector<std::string> many = warnings(frame_with([](Scene& s) {
+    for (Member& member : s.members) member.elements = 600000;
+  }));
+  ASSERT_EQ(many.size(), 4U);  // of each member: shorter than thick, many
+  expect_parts(many[0], {"elements of length 8.33e-06", "more elements than needed"});
+  expect_parts(many[2], {"600000 elements of order 2"});
+}
+
+TEST(SceneWarnings, OfForgottenConnections) {
+  expect_only(frame_with([](Scene& s) {  // two points at the corner
+                s.points.push_back({"corner 2", {1e-7, 0, 5}});
+                s.members[1].start_point = "corner 2";
+              }),
+              {"Points / corner 2", "1e-07 from \"corner\"", "should be one point"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) {
+                s.points.push_back({"corner 2", {1e-4, 0, 5}});
+                s.members[1].start_point = "corner 2";
+              })).empty());
+  expect_only(frame_with([](Scene& s) {  // a strut that ends on the arm
+                s.points.push_back({"middle", {2, 0, 5}});
+                s.members.push_back(line("strut", "foot", "middle"));
+              }),
+              {"Points / middle", "lies on \"arm\", 0.4 of its length", "inner point"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) {  // the same, connected
+                s.points.push_back({"middle", {2, 0, 5}});
+                s.members.push_back(line("strut", "foot", "middle"));
+                s.members[1].inner_points = {{"middle", 0.4}};
+              }))
+                  .empty());
+  expect_only(frame_with([](Scene& s) { s.members.push_back(line("again", "corner", "foot")); }),
+              {"Members / again", "lies on \"post\" all along"});
+}
+
+TEST(SceneWarnings, OfPointsOnArcs) {
+  Scene scene = scene_from(kBowScene);
+  scene.points.push_back({"on the arc", {10 + 3, 5 - 4, 0}});  // radius 5 about (10, 5, 0)
+  scene.members.push_back(line("chord", "foot", "on the arc"));
+  expect_only(scene, {"Points / on the arc", "lies on \"arch\""});
+  scene.points.back().position[0] += 0.01;
+  EXPECT_TRUE(warnings(scene).empty());
+}
+
+TEST(SceneWarnings, OfWhatActs) {
+  expect_only(frame_with([](Scene& s) { s.point_loads.clear(); }), {"nothing acts"});
+  expect_only(frame_with([](Scene& s) { s.point_loads[0].amplitude = "cos(t)"; }),
+              {"Point Loads", "\"cos(t)\" is 1 at t = 0"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) { s.point_loads[0].amplitude = "sin(t)"; })).empty());
+  expect_only(frame_with([](Scene& s) {
+                s.load_cases = {"wind", "snow"};
+                s.point_loads[0].load_case = "snow";
+              }),
+              {"Load Cases / wind", "nothing belongs to it"});
+  expect_only(frame_with([](Scene& s) {
+                s.sections.push_back(steel());
+                s.sections[1].name = "spare";
+              }),
+              {"Sections / spare", "no member has it"});
+}
+
+TEST(SceneWarnings, OfAKindAreCounted) {
+  Scene scene = frame();
+  for (int i = 0; i < 20; ++i) {
+    const std::string name = "corner " + std::to_string(i);
+    scene.points.push_back({name, {0.001 * (i + 1), 0, 5}});
+    scene.members.push_back(line("rod " + name, "foot", name));
+  }
+  const std::vector<std::string> found = warnings(scene);
+  ASSERT_EQ(found.size(), 6U);
+  EXPECT_EQ(found.back(), "... and 15 more points on members");
+}
+
+/// A lattice of 20 x 20 x 20 points: comparing each point with each member would be 2e8 comparisons.
+TEST(SceneWarnings, TakeTimeInProportionToTheScene) {
+  Scene scene = frame();
+  constexpr int kSide = 20;
+  const auto name = [](int i, int j, int k) {
+    return std::to_string(i) + " " + std::to_string(j) + " " + std::to_string(k);
+  };
+  scene.points.clear();
+  scene.members.clear();
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j)
+      for (int k = 0; k < kSide; ++k) {
+        scene.points.push_back({name(i, j, k), {1.0 * i, 1.0 * j, 1.0 * k}});
+        if (i > 0) scene.members.push_back(line("x" + name(i, j, k), name(i - 1, j, k), name(i, j, k)));
+        if (j > 0) scene.members.push_back(line("y" + name(i, j, k), name(i, j - 1, k), name(i, j, k)));
+        if (k > 0) scene.members.push_back(line("z" + name(i, j, k), name(i, j, k - 1), name(i, j, k)));
+      }
+  scene.supports[0].point = scene.point_loads[0].point = name(0, 0, 0);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_TRUE(warnings(scene).empty());
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - start;
+  EXPECT_LT(time.count(), 60.0);  // takes half a second
+  RecordProperty("seconds", std::to_string(time.count()));
+}
+
+}  // namespace
+}  // namespace mixbeam
