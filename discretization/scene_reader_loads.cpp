@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace mixbeam {
 namespace {
@@ -158,7 +159,11 @@ void ConditionReader::read_field(const List& list, const std::string& name, cons
 }
 
 double ConditionReader::length_of(const Member& member) const {
-  return make_reference_curve(member, names_.position(member.start_point), names_.position(member.end_point)).length;
+  try {
+    return make_reference_curve(member, names_.position(member.start_point), names_.position(member.end_point)).length;
+  } catch (const std::invalid_argument& error) {  // extreme numbers, where the checks of the curve see no fault
+    throw source_.error(child(child(path_, "Members"), member.name), error.what());
+  }
 }
 
 }  // namespace mixbeam

@@ -1,8 +1,6 @@
 #include "apps/common/scene_file.hpp"
 
 #include "discretization/mechanism_check.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/scene_parameters.hpp"
 #include "discretization/validate.hpp"
@@ -10,8 +8,6 @@
 #include "mixbeam/version.hpp"
 
 #include <unistd.h>
-
-#include <algorithm>
 
 namespace mixbeam {
 

@@ -5,6 +5,7 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/load_cases.hpp"
+#include "discretization/scene_warnings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -112,6 +113,7 @@ int check_command(const Arguments& arguments) {
     if (line.load_case) cases = {*line.load_case};
     if (cases.empty()) cases = {""};
     for (const std::string& load_case : cases) print_check(app, load_case);
+    for (const std::string& text : warnings(app.scene)) app.out() << "warning: " << text << "\n";
     app.out() << *line.scene_file << ": in order\n";
     return 0;
   });
