@@ -18,6 +18,7 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
     : scene_(scene),
       mesh_(build_mesh(scene)),
       structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
+      line_fields_(scene, mesh_, structure_),
       conditions_(build_conditions(scene, mesh_, structure_)),
       constraints_(conditions_),
       options_(options),
@@ -34,10 +35,10 @@ MixedVector Assembler::create_vector() const {
 }
 
 void Assembler::set_load_factor(double load_factor) {
-  if (line_loads_set_ && load_factor == load_factor_) return;
-  set_line_loads(conditions_, load_factor, false, structure_.views);
+  if (line_fields_set_ && load_factor == load_factor_) return;
+  line_fields_.set(structure_, load_factor);
   load_factor_ = load_factor;
-  line_loads_set_ = true;
+  line_fields_set_ = true;
 }
 
 void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const {
@@ -55,9 +56,10 @@ void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const 
 }
 
 /// Unscaled element residuals, interior rows straight into `out`.
-void Assembler::evaluate_elements(const StructureViews& views, const State& state, MixedVector& out) {
+void Assembler::evaluate_elements(const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
-  for (const ElementBlock& block : structure_.blocks) evaluate_residual(block, views, state.views, equations_);
+  for (const ElementBlock& block : structure_.blocks)
+    evaluate_residual(block, structure_.views, state.views, equations_);
   equations_.interior_residual = KernelView<double*>();
   gather_rows(equations_.residual, out.vertex());
 }
@@ -65,7 +67,7 @@ void Assembler::evaluate_elements(const StructureViews& views, const State& stat
 void Assembler::residual(const State& state, double load_factor, MixedVector& out) {
   PhaseTimer timer(times_, "residual");
   set_load_factor(load_factor);
-  evaluate_elements(structure_.views, state, out);
+  evaluate_elements(state, out);
   const KernelView<double*> rows = out.vertex();
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.remember(state, load_factor, rows);
@@ -83,9 +85,10 @@ ResidualScales Assembler::scales_of(const State& state, double load_factor) {
 
 void Assembler::element_rows(const State& state, double load_factor, bool with_line_loads, MixedVector& out) {
   set_load_factor(load_factor);
-  StructureViews views = structure_.views;
-  if (!with_line_loads) views.member_load = {};
-  evaluate_elements(views, state, out);
+  const bool set_aside = !with_line_loads && line_fields_.has_loads();
+  if (set_aside) line_fields_.set(structure_, load_factor, false);
+  evaluate_elements(state, out);
+  if (set_aside) line_fields_.set(structure_, load_factor);
 }
 
 namespace {
@@ -124,7 +127,7 @@ void Assembler::cap_force_stiffness() {
 void Assembler::remember_constraint_forces(const State& state, double load_factor) {
   if (constraints_.remembers(state, load_factor)) return;
   MixedVector rows = create_vector();
-  evaluate_elements(structure_.views, state, rows);
+  evaluate_elements(state, rows);
   subtract_point_loads(conditions_, state, load_factor, false, rows.vertex());
   constraints_.remember(state, load_factor, rows.vertex());
 }
@@ -251,17 +254,15 @@ State Assembler::apply(const State& from, const MixedVector& increment, double s
 
 void Assembler::load_derivative(const State& state, double load_factor, MixedVector& out) {
   out.fill(0.0);
-  if (structure_.views.member_load.extent(0) > 0) {
-    // line loads enter linearly: their contribution is the residual with the derivative of the load minus that without
-    // load
-    MixedVector unloaded = out.clone(false);
-    for (int pass = 0; pass < 2; ++pass) {
-      MixedVector& target = pass == 0 ? unloaded : out;
-      set_line_loads(conditions_, pass == 0 ? 0.0 : load_factor, pass == 1, structure_.views);
-      evaluate_elements(structure_.views, state, target);
-    }
-    out.update(-1.0, unloaded, 1.0);
-    line_loads_set_ = false;
+  if (!line_fields_.empty()) {
+    // fields enter linearly: their contribution is the residual with their derivative minus that without any
+    MixedVector without = out.clone(false);
+    line_fields_.set_zero(structure_);
+    evaluate_elements(state, without);
+    line_fields_.set_slope(structure_, load_factor);
+    evaluate_elements(state, out);
+    out.update(-1.0, without, 1.0);
+    line_fields_set_ = false;
     set_load_factor(load_factor);
   }
   const KernelView<double*> rows = out.vertex();

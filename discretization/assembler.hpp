@@ -4,6 +4,7 @@
 #pragma once
 
 #include "discretization/constraint_rows.hpp"
+#include "discretization/line_fields.hpp"
 #include "discretization/mixed_vector.hpp"
 #include "discretization/phase_timer.hpp"
 #include "discretization/residual_scales.hpp"
@@ -31,6 +32,7 @@ class Assembler {
   const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
   const ElementEquations& equations() const { return equations_; }
   const Conditions& conditions() const { return conditions_; }
+  const LineFields& line_fields() const { return line_fields_; }
   PhaseTimes& times() { return times_; }
 
   State reference_state() const { return mixbeam::reference_state(structure_, mesh_); }
@@ -91,7 +93,7 @@ class Assembler {
   void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
-  void evaluate_elements(const StructureViews& views, const State& state, MixedVector& out);
+  void evaluate_elements(const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void scale_rows(MixedVector& v, bool inverse) const;
@@ -103,6 +105,7 @@ class Assembler {
   Scene scene_;
   Mesh mesh_;
   Structure structure_;
+  LineFields line_fields_;
   Conditions conditions_;
   ConstraintRows constraints_;
   AssemblerOptions options_;
@@ -118,7 +121,7 @@ class Assembler {
   KernelView<int* [4]> adjacency_;  ///< local element, its end here, column slot of this vertex, of the other
   ResidualScales scales_;
   double load_factor_ = 0.0;
-  bool line_loads_set_ = false;
+  bool line_fields_set_ = false;
   double stiffness_cap_ = 0.0;
   PhaseTimes times_;
 };

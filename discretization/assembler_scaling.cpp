@@ -65,16 +65,15 @@ StateMagnitude Assembler::magnitude(const State& state) const {
     m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));
     m.load_moment = std::max(m.load_moment, amplitude * largest_component(load.moment));
   }
-  for (size_t member = 0; member < structure_.views.member_load.extent(0); ++member) {
-    const double length = mesh_.members[member].curve.length;
-    const LineLoad& load = structure_.views.member_load(member);
-    m.load_force = std::max(m.load_force, length * largest_component(load_vector(load.force)));
-    m.load_moment = std::max(m.load_moment, length * largest_component(load_vector(load.couple)));
-  }
+  const LineFieldMagnitude& fields = line_fields_.magnitude();
+  m.load_force = std::max(m.load_force, fields.force);
+  m.load_moment = std::max(m.load_moment, fields.couple);
+  m.eigenstrain = std::max(fields.strain, fields.turn);
   if (!import_.is_null()) {
-    double mine[6] = {m.force, m.moment, m.displacement, m.rotation, m.load_force, m.load_moment}, all[6];
-    Teuchos::reduceAll(*row_map_->getComm(), Teuchos::REDUCE_MAX, 6, mine, all);
-    m = {all[0], all[1], all[2], all[3], all[4], all[5]};
+    double mine[7] = {m.force, m.moment, m.displacement, m.rotation, m.load_force, m.load_moment, m.eigenstrain};
+    double all[7];
+    Teuchos::reduceAll(*row_map_->getComm(), Teuchos::REDUCE_MAX, 7, mine, all);
+    m = {all[0], all[1], all[2], all[3], all[4], all[5], all[6]};
   }
   return m;
 }

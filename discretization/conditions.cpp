@@ -108,8 +108,6 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     conditions.joints.push_back({joint.master - partition.owned_first(), joint.slave - partition.owned_first(),
                                  described.kind, joint_frame(described), described.stiffness});
   }
-  for (const DistributedLoad& load : scene.distributed_loads)
-    conditions.line_loads.push_back({member_index(scene, load.member), load.force, load.couple, load.stage});
   return conditions;
 }
 
@@ -158,19 +156,6 @@ double largest_prescribed_rotation(const Scene& scene) {
     if (!vector_algebra::is_zero(s.prescribed_rotation))
       largest = std::max(largest, steepest_slope(s, scene.stages) * norm(to_vec(s.prescribed_rotation)));
   return largest;
-}
-
-void set_line_loads(const Conditions& conditions, double load_factor, bool slope, const StructureViews& views) {
-  if (views.member_load.extent(0) == 0) return;
-  Kokkos::deep_copy(views.member_load, LineLoad{});
-  for (const MemberLoad& load : conditions.line_loads) {
-    const double amplitude =
-        slope ? stage_amplitude_slope(load_factor, load.stage) : stage_amplitude(load_factor, load.stage);
-    for (int i = 0; i < 3; ++i) {
-      views.member_load(load.member).force[i] += amplitude * load.force[i];
-      views.member_load(load.member).couple[i] += amplitude * load.couple[i];
-    }
-  }
 }
 
 }  // namespace mixbeam

@@ -46,18 +46,11 @@ struct VertexJoint {
   }
 };
 
-struct MemberLoad {
-  int member = 0;
-  Vector3 force{}, couple{};
-  Stage stage = 1;
-};
-
-/// Everything that acts on a structure from outside.
+/// Everything that acts on vertices from outside.
 struct Conditions {
   std::vector<VertexLoad> loads;
   std::vector<VertexSupport> supports;
   std::vector<VertexJoint> joints;
-  std::vector<MemberLoad> line_loads;  ///< of all members, on every rank
 };
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
@@ -76,9 +69,5 @@ void subtract_point_loads(const Conditions& conditions, const State& state, doub
 /// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene; amplitudes that are
 /// formulas: the steepest slope met at many load factors).
 double largest_prescribed_rotation(const Scene& scene);
-
-/// Writes the line loads of all members at a load factor into the structure's views; `slope` writes their derivative
-/// instead.
-void set_line_loads(const Conditions& conditions, double load_factor, bool slope, const StructureViews& views);
 
 }  // namespace mixbeam

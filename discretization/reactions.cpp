@@ -126,7 +126,7 @@ class BalanceSums {
       : assembler_(assembler), state_(state), load_factor_(load_factor), center_(box_center(assembler.mesh())) {
     MixedVector rows = assembler.create_vector();
     assembler.element_rows(state, load_factor, true, rows);
-    if (assembler.structure().views.member_load.extent(0) > 0) add_line_loads(rows);
+    if (assembler.line_fields().has_loads()) add_line_loads(rows);
     leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
     add_point_loads();
     for (const VertexSupport& support : assembler.conditions().supports)

@@ -26,7 +26,7 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   scales.moment = std::max(moment, scales.force * shortest_element);
   scales.bubble = scales.force * shortest_element;
   const double noise = kRoundings * std::numeric_limits<double>::epsilon() / tolerance;
-  const double amplitude = std::min(1.0, std::max(state.rotation, state.displacement / length));
+  const double amplitude = std::min(1.0, std::max({state.rotation, state.displacement / length, state.eigenstrain}));
   scales.rotation = std::max(amplitude, noise);
   scales.strain = std::max(amplitude, noise * (1.0 + state.displacement / shortest_element));
   scales.length = length;

@@ -21,6 +21,7 @@ struct StateMagnitude {
   double rotation = 0.0;      ///< largest vertex rotation angle
   double load_force = 0.0;    ///< largest applied force, point or line load times length
   double load_moment = 0.0;
+  double eigenstrain = 0.0;  ///< largest eigenstrain, or eigencurvature times length
 };
 
 /// `tolerance`: the scaled residual that will count as converged; floors keep round-off below it.

@@ -141,8 +141,6 @@ void fill_structure_views(Structure& structure, const Scene& scene) {
                        scene.members[m].section + "\"");
     structure.views.member_section(m) = section->second;
   }
-  if (!scene.distributed_loads.empty())
-    structure.views.member_load = KernelView<LineLoad*>("mixbeam::member_load", scene.members.size());
 }
 
 }  // namespace

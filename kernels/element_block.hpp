@@ -38,7 +38,6 @@ struct ElementEquations {
 /// Constant data of the structure that elements of all blocks share.
 struct StructureViews {
   KernelView<SectionConstants*> member_section;  ///< (member)
-  KernelView<LineLoad*> member_load;  ///< (member), at the current load factor; empty when the scene has none
 };
 
 struct ElementBlock {
@@ -56,6 +55,10 @@ struct ElementBlock {
   KernelView<int*> member;          ///< (element of the block)
   bool general_section = false;     ///< sections of this block are coupled or vary along the element
   KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
+  /// (element of the block, LineField): first row of that field in field_value, -1 where there is none; empty when no
+  /// element of the block has any
+  KernelView<int* [kLineFields]> field_row;
+  KernelView<double* [3]> field_value;  ///< at the present load factor
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.

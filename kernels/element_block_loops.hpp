@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/element_block.hpp"
+#include "kernels/element_fields_tangent.hpp"
 #include "kernels/element_tangent_general.hpp"
 
 namespace mixbeam {
@@ -18,8 +19,9 @@ struct ElementGather {
   KernelView<const double*[4]> vertex_rotation, element_triad;
   KernelView<const double*> interior;
   KernelView<const SectionConstants*> section;
-  KernelView<const LineLoad*> load;
   KernelView<const double**> compliance;
+  KernelView<const int* [kLineFields]> field_row;
+  KernelView<const double* [3]> field_value;
   InteriorLayout layout;
   ReferenceLayout reference_layout;
   ElementTables<K> tables;
@@ -35,8 +37,9 @@ struct ElementGather {
         element_triad(state.element_triad),
         interior(state.interior),
         section(structure.member_section),
-        load(structure.member_load),
         compliance(block.compliance),
+        field_row(block.field_row),
+        field_value(block.field_value),
         layout(block.interior),
         reference_layout(block.reference_layout),
         tables(block.force_integration),
@@ -66,8 +69,12 @@ struct ElementGather {
     else
       return (constants);
   }
-  KOKKOS_INLINE_FUNCTION const LineLoad* line_load(int e) const {
-    return load.extent(0) == 0 ? nullptr : &load(member(e));
+  KOKKOS_INLINE_FUNCTION bool has_fields() const { return field_row.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION ElementFields fields(int e) const {
+    ElementFields result;
+    for (int i = 0; i < kLineFields; ++i)
+      if (field_row(e, i) >= 0) result.values[i] = &field_value(field_row(e, i), 0);
+    return result;
   }
 };
 
@@ -83,7 +90,8 @@ struct ResidualLoop {
     const ElementKinematics<K> kinematics(in, gather.layout);
     ElementGradient<K> gradient;
     element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout, gather.section_of(e),
-                     gather.line_load(e), gradient);
+                     gradient);
+    if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, gather.tables, gradient);
     const int element = gather.first_element + e;
     store_residual(gradient, kinematics, gather.layout,
                    interior_residual.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments(),
@@ -117,17 +125,19 @@ struct CondensedElement {
   double response[ReducedSystem<K>::kInteriorSize][kResponseColumns];
   double tangent[9][9];
   double reduced_gradient[9];
+  MeanRows<K> mean_rows;  ///< under follower forces only
 
   KOKKOS_INLINE_FUNCTION void build(const ElementGather<K, General>& gather, int e, const ElementInput& in,
                                     const ElementKinematics<K>& kinematics, const double* given_rhs) {
     const auto& section = gather.section_of(e);
     const ElementTables<K>& tables = gather.tables;
-    const LineLoad* load = gather.line_load(e);
     clear_system();
-    if (given_rhs == nullptr)
-      element_gradient(in, kinematics, tables, gather.layout, gather.reference_layout, section, load, gradient);
-    else
+    if (given_rhs == nullptr) {
+      element_gradient(in, kinematics, tables, gather.layout, gather.reference_layout, section, gradient);
+      if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, tables, gradient);
+    } else {
       replace_gradient(given_rhs, kinematics, gather.layout, gradient);
+    }
     for (int q = 0; q < tables.force_points; ++q) {
       ForcePoint<K> point(q, in, kinematics, tables, gather.layout, gather.reference_layout, section);
       point.strain_error = gradient.strain_error[q];
@@ -150,9 +160,10 @@ struct CondensedElement {
     condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
     system.mirror();
-    if (load != nullptr) add_couple_tangent(*load, kinematics, tables, system);
+    if (gather.has_fields()) add_field_tangent(gather.fields(e), kinematics, tables, system, mean_rows);
     solve_interior(system, response);
     condense_interior(system, response, tangent, reduced_gradient);
+    if (mean_rows.used) mean_rows.condense(response);
   }
 
   /// Rows of the increments: response of N (pointwise), M (by mode), psi, beta (spatial) and w.
@@ -272,6 +283,8 @@ struct TangentLoop {
     const int index = gather.first_element + e;
     expand_tangent(element.tangent, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
     store_condensed_residual(element, kinematics, &condensed_residual(index, 0));
+    if (element.mean_rows.used)
+      element.mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
   }
 
   KOKKOS_INLINE_FUNCTION static void store_condensed_residual(const CondensedElement<K, General>& element,

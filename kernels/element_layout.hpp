@@ -68,6 +68,7 @@ struct ElementTables {
   double moment_weight[K + 1];
   double moment_legendre[K + 1][K + 1];  ///< P_0 .. P_k
   double moment_slope[K + 1][K];         ///< dP_0/dxi .. dP_{k-1}/dxi
+  double moment_bubble[K + 1][K];        ///< B_0 .. B_{k-1}: B_0 = xi, B_j = int P_j
 
   explicit ElementTables(ForceIntegration rule) {
     const int axial_count = axial_points(K, rule), shear_count = shear_points(K, rule);
@@ -80,6 +81,10 @@ struct ElementTables {
       double slope[K + 1];
       legendre_derivatives(K, moment_xi[q], slope);
       for (int j = 0; j < K; ++j) moment_slope[q][j] = slope[j];
+      double bubble[K + 1];
+      integrated_legendre(K - 1, moment_xi[q], bubble);
+      moment_bubble[q][0] = moment_xi[q];
+      for (int j = 1; j < K; ++j) moment_bubble[q][j] = bubble[j];
     }
   }
 
@@ -107,10 +112,26 @@ struct SectionConstants {
   double force_stiffness_limit, moment_stiffness_limit;
 };
 
-/// Dead load per unit reference length, spatial components.
-struct LineLoad {
-  double force[3];
-  double couple[3];
+/// Vector fields given along an element: loads per unit reference length and strains without stress.
+enum class LineField {
+  dead_force,       ///< at the k + 1 moment points, spatial
+  dead_couple,      ///< likewise
+  follower_force,   ///< at the k + 1 moment points, components in Lambda_E there
+  follower_couple,  ///< likewise
+  eigenstrain,      ///< of gamma at the force points, material
+  eigencurvature    ///< of kappa at the moment points, material
+};
+constexpr int kLineFields = 6;
+
+/// Points of an element at which a line field has values.
+constexpr int line_field_points(LineField field, int order, int force_points) {
+  return field == LineField::eigenstrain ? force_points : order + 1;
+}
+
+/// The line fields of one element at the present load factor, (point, 3) each; null where there is none.
+struct ElementFields {
+  const double* values[kLineFields] = {};
+  KOKKOS_INLINE_FUNCTION const double* operator[](LineField field) const { return values[static_cast<int>(field)]; }
 };
 
 }  // namespace mixbeam

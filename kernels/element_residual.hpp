@@ -55,29 +55,6 @@ KOKKOS_INLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K>& join
   for (int j = 0; j <= K; ++j) g.moment_row[j] += (joint.sign * end_value(end, j)) * joint.phi;
 }
 
-/// Virtual work of a constant dead line load: force . du and couple . dtheta_E with dtheta_E = w + T(psi) dpsi (element
-/// frame).
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_line_load_gradient(const LineLoad& load, const ElementKinematics<K>& kinematics,
-                                                   const ElementTables<K>& tables, ElementGradient<K>& g) {
-  const Vec force = load_vector(load.force);
-  const double h = kinematics.length;
-  for (int end = 0; end < 2; ++end) g.vertex_force[end] = (-0.5 * h) * force;
-  if constexpr (K > 1) {
-    // u has the bubble (h/2) beta_1 int P_1, whose mean over the element is -h/6; all higher bubbles have zero mean
-    g.slope[1] += (h * h / 6.0) * transpose_times(kinematics.triad, force);
-  }
-  const Vec couple = transpose_times(kinematics.triad, load_vector(load.couple));
-  g.spin += (-h) * couple;
-  if constexpr (K > 1) {
-    for (int q = 0; q <= K; ++q) {
-      const double* P = tables.moment_legendre[q];
-      const Vec turned = transpose_times(tangent_map(kinematics.relative_rotation(P)), couple);
-      for (int j = 1; j < K; ++j) g.psi[j] += (-0.5 * h * tables.moment_weight[q] * P[j]) * turned;
-    }
-  }
-}
-
 template <int K>
 KOKKOS_INLINE_FUNCTION void clear(ElementGradient<K>& g) {
   const Vec zero{{0.0, 0.0, 0.0}};
@@ -119,12 +96,12 @@ KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput& in, const 
   }
 }
 
-/// Gradient of the element energy. `load` may be null: a scene without line loads pays nothing.
+/// Gradient of the element energy, without line fields (element_fields.hpp).
 template <int K, class AnySection>
 KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const ElementKinematics<K>& kinematics,
                                              const ElementTables<K>& tables, const InteriorLayout& layout,
                                              const ReferenceLayout& reference, const AnySection& section,
-                                             const LineLoad* load, ElementGradient<K>& g) {
+                                             ElementGradient<K>& g) {
   clear(g);
   for (int q = 0; q < tables.force_points; ++q) {
     const ForcePoint<K> point(q, in, kinematics, tables, layout, reference, section);
@@ -142,7 +119,6 @@ KOKKOS_INLINE_FUNCTION void element_gradient(const ElementInput& in, const Eleme
     const double angle = norm(joint.phi);
     if (angle > g.largest_end_angle) g.largest_end_angle = angle;
   }
-  if (load != nullptr) add_line_load_gradient(*load, kinematics, tables, g);
 }
 
 /// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial

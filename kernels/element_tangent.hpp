@@ -218,31 +218,6 @@ KOKKOS_INLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K>& joint
   }
 }
 
-/// Dead couples are not conservative: their tangent is not symmetric, so it is added after the symmetric part is
-/// complete. (The spin block holds D R = H - hat(C)/2 at equilibrium, C the total couple in the element frame.)
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_couple_tangent(const LineLoad& load, const ElementKinematics<K>& kinematics,
-                                               const ElementTables<K>& tables, ReducedSystem<K>& system) {
-  using Blocks = ReducedBlocks<K>;
-  const Vec couple = transpose_times(kinematics.triad, load_vector(load.couple));
-  system.add(Blocks::spin(), Blocks::spin(), -0.5 * kinematics.length, hat(couple));
-  if constexpr (K > 1) {
-    for (int q = 0; q <= K; ++q) {
-      const double* P = tables.moment_legendre[q];
-      const double w = 0.5 * kinematics.length * tables.moment_weight[q];
-      // the psi row is -T(psi)^T c: its slope in psi and, because c turns backwards in the element frame, in w
-      const Vec psi = kinematics.relative_rotation(P);
-      const StumpffValues<double> c = stumpff(dot(psi, psi));
-      const Mat by_spin = -1.0 * (transpose(tangent_map(psi, c)) * hat(couple));
-      const Mat by_psi = tangent_map_derivative(-psi, couple, c);
-      for (int i = 1; i < K; ++i) {
-        system.add(Blocks::psi(i), Blocks::spin(), w * P[i], by_spin);
-        for (int j = 1; j < K; ++j) system.add(Blocks::psi(i), Blocks::psi(j), w * P[i] * P[j], by_psi);
-      }
-    }
-  }
-}
-
 /// M eliminated: for a constant section its block is -h/(2j + 1) C_kappa^-1, diagonal.
 template <int K>
 KOKKOS_INLINE_FUNCTION void condense_moments(const MomentRows<K>& rows, const Vec* moment_row,

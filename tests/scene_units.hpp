@@ -3,9 +3,21 @@
 
 #include "discretization/scene.hpp"
 
+#include <cstdio>
+#include <string>
+
 namespace mixbeam {
 
-/// Lengths multiplied by `length`, forces by `force`; stiffnesses and moments follow.
+/// A formula times a factor.
+inline void scale_formula(std::string& formula, double factor) {
+  if (formula.empty()) return;
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.17g", factor);
+  formula = std::string(digits) + " * (" + formula + ")";
+}
+
+/// Lengths multiplied by `length`, forces by `force`; stiffnesses and moments follow. Formulas along members may use x,
+/// not s.
 inline Scene in_other_units(Scene scene, double length, double force) {
   const auto scale = [](Vector3& v, double factor) {
     for (double& x : v) x *= factor;
@@ -37,6 +49,12 @@ inline Scene in_other_units(Scene scene, double length, double force) {
   for (DistributedLoad& load : scene.distributed_loads) {
     scale(load.force, force / length);
     scale(load.couple, force);
+    for (std::string& formula : load.force_formula) scale_formula(formula, force / length);
+    for (std::string& formula : load.couple_formula) scale_formula(formula, force);
+  }
+  for (Eigenstrain& strain : scene.eigenstrains) {
+    scale(strain.curvature, 1.0 / length);
+    for (std::string& formula : strain.curvature_formula) scale_formula(formula, 1.0 / length);
   }
   return scene;
 }

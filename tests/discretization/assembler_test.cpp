@@ -46,7 +46,13 @@ Scene loaded_scene() {
   scene.sections[0].bending_stiffness = {80.0, 120.0};
   scene.point_loads = {dead_load("tine 1", {3, -20, 50}, {4, 5, -6}),
                        follower_load("tine 2", "right", {-10, 30, 20}, {7, -3, 2}), dead_load("branch", {0, 0, 9})};
-  scene.distributed_loads = {{"shaft", {5, -6, 7}, {2, -1, 3}, 1}, {"left", {1, 2, 3}, {-4, 1, 2}, 1}};
+  scene.distributed_loads = {{"shaft", {5, -6, 7}, {2, -1, 3}, 1},
+                             {"left", {1, 2, 3}, {-4, 1, 2}, 1},
+                             {"shaft", {2, 8, -4}, {1, 3, -2}, 1, LoadFrame::follower}};
+  scene.distributed_loads[0].force_formula = {"", "-6 * cos(3 * x)", "7 + x"};
+  scene.distributed_loads[2].couple_formula = {"1 + x^2", "", ""};
+  scene.eigenstrains = {{"right", {0.02, 0.01, -0.03}, {0.1, -0.2, 0.3}}};
+  scene.eigenstrains[0].strain_formula[0] = "0.02 * x";
   scene.supports[0].prescribed_displacement = {0.02, -0.03, 0.01};
   scene.supports[0].prescribed_rotation = {0.1, 0.2, -0.1};
   return scene;
@@ -295,7 +301,14 @@ TEST(Assembler, NewtonWithOneKindOfLoadAtATime) {
   for (size_t i = 0; i < all.point_loads.size(); ++i) {
     Scene scene = all;
     scene.distributed_loads.clear();
+    scene.eigenstrains.clear();
     scene.point_loads = {all.point_loads[i]};
+    expect_newton_solves_the_linearised_system(scene);
+  }
+  for (size_t i = 0; i < all.distributed_loads.size(); ++i) {
+    Scene scene = all;
+    scene.point_loads.clear();
+    scene.distributed_loads = {all.distributed_loads[i]};
     expect_newton_solves_the_linearised_system(scene);
   }
   Scene scene = all;

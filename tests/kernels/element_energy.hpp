@@ -39,13 +39,25 @@ struct EnergyCurve {
   }
 };
 
+/// A vector that is linear along the element.
+struct LinearField {
+  Vec3<double> middle{}, slope{};
+  LinearField() = default;
+  LinearField(const Vec3<double>& constant) : middle(constant) {}  // NOLINT: a constant is a field
+  LinearField(const Vec3<double>& m, const Vec3<double>& s) : middle(m), slope(s) {}
+  Vec3<double> at(double xi) const { return middle + xi * slope; }
+  bool is_zero() const { return dot(middle, middle) + dot(slope, slope) == 0.0; }
+};
+
 /// What an element is made of.
 struct EnergyElement {
   int order;
   ForceIntegration rule;
   EnergyCurve curve;
   Vec3<double> force_compliance, moment_compliance;
-  Vec3<double> line_force, line_couple;  ///< dead, per length
+  LinearField line_force{}, line_couple{};          ///< dead, per length
+  LinearField follower_force{}, follower_couple{};  ///< per length, components in Lambda_E
+  LinearField eigenstrain{}, eigencurvature{};      ///< material
 };
 
 /// Unknowns of one element. N: the points of the axial part, then those of the shear part unless they are the same
@@ -168,7 +180,7 @@ S force_energy(const EnergyElement& element, const EnergyState<S>& state, int po
   gauss_rule(points, xi.data(), weight.data());
   S energy(0.0);
   for (int q = 0; q < points; ++q) {
-    const Vec3<S> strain = force_strain_at(element, state, xi[q]);
+    const Vec3<S> strain = force_strain_at(element, state, xi[q]) - as_scalar<S>(element.eigenstrain.at(xi[q]));
     const Vec3<S>& force = state.force[offset + q];
     for (int i = first; i <= last; ++i)
       energy += (0.5 * element.curve.length * weight[q]) *
@@ -187,7 +199,7 @@ S moment_energy(const EnergyElement& element, const EnergyState<S>& state) {
     double p[16];
     legendre(element.order, xi[q], p);
     const Vec3<S> moment = legendre_sum(state.moment, 0, p);
-    const Vec3<S> strain = moment_strain_at(element, state, xi[q]);
+    const Vec3<S> strain = moment_strain_at(element, state, xi[q]) - as_scalar<S>(element.eigencurvature.at(xi[q]));
     for (int i = 0; i < 3; ++i)
       energy += (0.5 * element.curve.length * weight[q]) *
                 (moment[i] * strain[i] - (0.5 * element.moment_compliance[i]) * moment[i] * moment[i]);
@@ -210,24 +222,29 @@ S end_energy(const EnergyElement& element, const EnergyState<S>& state) {
   return energy;
 }
 
-/// Work of the line force on u = (1 - xi)/2 u_a + (1 + xi)/2 u_b + h/2 sum_j beta_j int P_j.
+/// u = (1 - xi)/2 u_a + (1 + xi)/2 u_b + h/2 sum_j beta_j int P_j
+template <class S>
+Vec3<S> displacement_at(const EnergyElement& element, const EnergyState<S>& state, double xi) {
+  double bubble[16];
+  integrated_legendre(element.order, xi, bubble);
+  return (0.5 * (1.0 - xi)) * state.displacement[0] + (0.5 * (1.0 + xi)) * state.displacement[1] +
+         (0.5 * element.curve.length) * legendre_sum(state.slope, 1, bubble);
+}
+
+/// Work of the dead line force.
 template <class S>
 S line_force_work(const EnergyElement& element, const EnergyState<S>& state) {
   const int points = element.order + 1;
   std::vector<double> xi(points), weight(points);
   gauss_rule(points, xi.data(), weight.data());
   S work(0.0);
-  for (int q = 0; q < points; ++q) {
-    double bubble[16];
-    integrated_legendre(element.order, xi[q], bubble);
-    const Vec3<S> u = (0.5 * (1.0 - xi[q])) * state.displacement[0] + (0.5 * (1.0 + xi[q])) * state.displacement[1] +
-                      (0.5 * element.curve.length) * legendre_sum(state.slope, 1, bubble);
-    work += (0.5 * element.curve.length * weight[q]) * dot(as_scalar<S>(element.line_force), u);
-  }
+  for (int q = 0; q < points; ++q)
+    work += (0.5 * element.curve.length * weight[q]) *
+            dot(as_scalar<S>(element.line_force.at(xi[q])), displacement_at(element, state, xi[q]));
   return work;
 }
 
-/// Energy of the element minus the work of its line force.
+/// Energy of the element minus the work of its dead line force.
 template <class S>
 S element_energy(const EnergyElement& element, const EnergyState<S>& state) {
   const int axial = axial_points(element.order, element.rule), shear = shear_points(element.order, element.rule);
@@ -236,19 +253,25 @@ S element_energy(const EnergyElement& element, const EnergyState<S>& state) {
          end_energy(element, state) - line_force_work(element, state);
 }
 
-/// int c . dtheta_E ds for the small spatial spin dtheta_E that leads from `before` to `after` (exact to first order in
-/// it: the vector part of the quaternion of a small rotation is half of its rotation vector). The line couple has no
-/// energy.
+/// int c . dtheta_E + f . du ds of the loads that have no energy, for the small motion from `before` to `after`: the
+/// small spatial spin dtheta_E is exact to first order (the vector part of the quaternion of a small rotation is half
+/// of its rotation vector); followers have their directions of `before`.
 template <class S>
-S line_couple_work(const EnergyElement& element, const EnergyState<S>& before, const EnergyState<S>& after) {
+S line_load_work(const EnergyElement& element, const EnergyState<S>& before, const EnergyState<S>& after) {
   const int points = element.order + 1;
   std::vector<double> xi(points), weight(points);
   gauss_rule(points, xi.data(), weight.data());
   S work(0.0);
   for (int q = 0; q < points; ++q) {
-    const Quaternion<S> turn = element_rotation_at(after, xi[q]) * conjugate(element_rotation_at(before, xi[q]));
+    const Quaternion<S> here = element_rotation_at(before, xi[q]);
+    const Mat3<S> triad = rotation_matrix(here);
+    const Quaternion<S> turn = element_rotation_at(after, xi[q]) * conjugate(here);
     const Vec3<S> spin{{S(2.0 * turn.x), S(2.0 * turn.y), S(2.0 * turn.z)}};
-    work += (0.5 * element.curve.length * weight[q]) * dot(as_scalar<S>(element.line_couple), spin);
+    const Vec3<S> couple =
+        as_scalar<S>(element.line_couple.at(xi[q])) + triad * as_scalar<S>(element.follower_couple.at(xi[q]));
+    const Vec3<S> force = triad * as_scalar<S>(element.follower_force.at(xi[q]));
+    const Vec3<S> moved = displacement_at(element, after, xi[q]) - displacement_at(element, before, xi[q]);
+    work += (0.5 * element.curve.length * weight[q]) * (dot(couple, spin) + dot(force, moved));
   }
   return work;
 }

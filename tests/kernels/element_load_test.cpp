@@ -1,4 +1,5 @@
-/// Dead line loads: residual against virtual work, and the tangent of couples, which have no energy.
+/// Dead and follower line loads and eigenstrains, linear along the element: residual against virtual work, and the
+/// tangent of the loads that have no energy.
 #include "tests/kernels/element_comparison.hpp"
 
 #include <gtest/gtest.h>
@@ -22,8 +23,11 @@ constexpr int kNewtonSteps = 6;
 ElementSample loaded_sample(const SampleRecipe& recipe) {
   ElementSample sample = random_sample(recipe);
   RandomNumbers random(recipe.seed + 1000);
-  sample.element.line_force = random.vector(5.0);
-  sample.element.line_couple = random.vector(5.0);
+  for (LinearField* field : {&sample.element.line_force, &sample.element.line_couple, &sample.element.follower_force,
+                             &sample.element.follower_couple})
+    *field = {random.vector(5.0), random.vector(3.0)};
+  sample.element.eigenstrain = {random.vector(0.5), random.vector(0.5)};
+  sample.element.eigencurvature = {random.vector(2.0), random.vector(2.0)};
   return sample;
 }
 
@@ -31,7 +35,7 @@ ElementSample loaded_sample(const SampleRecipe& recipe) {
 std::vector<double> total_gradient(const EnergyElement& element, const EnergyState<double>& state) {
   return gradient_at_zero(number_of_increments(state), [&](const Fad* x) {
     const EnergyState<Fad> after = perturbed(state, x);
-    return Fad(element_energy(element, after) - line_couple_work(element, converted<Fad>(state), after));
+    return Fad(element_energy(element, after) - line_load_work(element, converted<Fad>(state), after));
   });
 }
 
@@ -41,7 +45,7 @@ Dense residual_derivative(const EnergyElement& element, const EnergyState<double
   return mixed_derivatives_at_zero(
       number_of_increments(state), false, [&](const FadOfFad* variation, const FadOfFad* increment) {
         const EnergyState<FadOfFad> before = perturbed(state, increment), after = perturbed(before, variation);
-        return FadOfFad(element_energy(element, after) - line_couple_work(element, before, after));
+        return FadOfFad(element_energy(element, after) - line_load_work(element, before, after));
       });
 }
 
@@ -110,14 +114,34 @@ TEST_P(ElementLoad, TangentInEquilibriumOfMoments) {
   EXPECT_LE(d.largest(), kTangentTolerance) << d << "\n" << recipe;
 }
 
-/// Must fail: the Hessian of the energy alone is not the tangent under a couple.
-TEST_P(ElementLoad, CoupleChangesTheTangent) {
-  const ElementSample sample = loaded_sample({GetParam(), ForceIntegration::both_reduced, 61});
+/// Must fail: the Hessian of the energy alone is not the tangent under any load without energy.
+TEST_P(ElementLoad, LoadsWithoutEnergyChangeTheTangent) {
+  const ElementSample loaded = loaded_sample({GetParam(), ForceIntegration::both_reduced, 61});
+  for (LinearField EnergyElement::*field :
+       {&EnergyElement::line_couple, &EnergyElement::follower_force, &EnergyElement::follower_couple}) {
+    ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 61});
+    sample.element.*field = loaded.element.*field;
+    const SampleBlock samples({sample}, true);
+    evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+    const CondensedDifference d = condensed_difference(samples, sample, energy_hessian(sample.element, sample.state),
+                                                       total_gradient(sample.element, sample.state));
+    EXPECT_GT(d.tangent, 1e-3);
+  }
+}
+
+/// Must fail: without the rows of the mean displacement a follower force turns nothing for the vertices.
+TEST_P(ElementLoad, FollowerForcesTurnInTheRowsOfTheVertices) {
+  ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 71});
+  sample.element.follower_force = Vec3<double>{{4.0, -3.0, 2.0}};
   const SampleBlock samples({sample}, true);
   evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
-  const CondensedDifference d = condensed_difference(samples, sample, energy_hessian(sample.element, sample.state),
-                                                     total_gradient(sample.element, sample.state));
-  EXPECT_GT(d.tangent, 1e-3);
+  double largest = 0.0;  // of the sum of both vertices, which is zero for any internal force
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 12; ++j)
+      largest =
+          std::max(largest, std::fabs(samples.equations.condensed_tangent(samples.element_row(0), 12 * i + j) +
+                                      samples.equations.condensed_tangent(samples.element_row(0), 12 * (6 + i) + j)));
+  EXPECT_GT(largest, 1e-2);
 }
 
 /// Largest entry of the residual of an element whose left vertex is clamped.
@@ -157,15 +181,19 @@ void newton_step(const SampleBlock& samples) {
   samples.set_vertex_rotation(right, normalized(turn * samples.state_of(0).vertex_rotation[1]));
 }
 
-/// An element clamped at its left vertex under a dead line force and couple: the tangent is exact in equilibrium, so
+/// An element clamped at its left vertex under all line loads and eigenstrains: the tangent is exact in equilibrium, so
 /// Newton's method squares the residual, with the triads updated as the kernels do it.
 TEST_P(ElementLoad, NewtonConvergesQuadratically) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const SampleRecipe recipe{GetParam(), ForceIntegration::both_reduced, seed};
     ElementSample sample = stress_free_sample(recipe);
     RandomNumbers random(seed);
-    sample.element.line_force = random.vector(3.0);
-    sample.element.line_couple = random.vector(3.0);
+    sample.element.line_force = {random.vector(2.0), random.vector(1.0)};
+    sample.element.line_couple = {random.vector(2.0), random.vector(1.0)};
+    sample.element.follower_force = {random.vector(2.0), random.vector(1.0)};
+    sample.element.follower_couple = {random.vector(2.0), random.vector(1.0)};
+    sample.element.eigenstrain = {random.vector(0.1), random.vector(0.1)};
+    sample.element.eigencurvature = {random.vector(0.3), random.vector(0.3)};
     const SampleBlock samples({sample}, true);
     newton_step(samples);
     double residual = clamped_residual(samples);

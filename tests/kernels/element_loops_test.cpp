@@ -16,14 +16,19 @@ constexpr int kElements = 37;  // no number of threads divides it
 /// Turning the given rows of u' to the element frame and the response back rounds once more than the own residual does.
 constexpr double kTurningTolerance = 1e-12;
 
+/// Elements with and without follower forces lie beside each other.
+ElementSample loaded_element(int order, ForceIntegration rule, std::uint64_t e) {
+  ElementSample sample = random_sample({order, rule, 100 + e});
+  RandomNumbers random(200 + e);
+  sample.element.line_force = random.vector(1.0);
+  sample.element.line_couple = random.vector(1.0);
+  if (e % 2 == 1) sample.element.follower_force = {random.vector(1.0), random.vector(1.0)};
+  return sample;
+}
+
 SampleBlock many_elements(int order, ForceIntegration rule) {
   std::vector<ElementSample> samples;
-  for (std::uint64_t e = 0; e < kElements; ++e) {
-    samples.push_back(random_sample({order, rule, 100 + e}));
-    RandomNumbers random(200 + e);
-    samples.back().element.line_force = random.vector(1.0);
-    samples.back().element.line_couple = random.vector(1.0);
-  }
+  for (std::uint64_t e = 0; e < kElements; ++e) samples.push_back(loaded_element(order, rule, e));
   return SampleBlock(samples, true);
 }
 
@@ -112,10 +117,7 @@ TEST_P(ElementLoops, EachElementIsAloneInItsRows) {
   const SampleBlock many = many_elements(GetParam(), ForceIntegration::both_reduced);
   evaluate_tangent(many.block, many.structure, many.state, many.equations);
   const int e = 17, rows = kResponseColumns * many.increments();
-  ElementSample sample = random_sample({GetParam(), ForceIntegration::both_reduced, 100 + e});
-  RandomNumbers random(200 + e);
-  sample.element.line_force = random.vector(1.0);
-  sample.element.line_couple = random.vector(1.0);
+  const ElementSample sample = loaded_element(GetParam(), ForceIntegration::both_reduced, e);
   const SampleBlock one({sample}, true);
   evaluate_tangent(one.block, one.structure, one.state, one.equations);
   const auto part = [](const double* begin, int size) { return std::vector<double>(begin, begin + size); };

@@ -67,7 +67,6 @@ inline EnergyElement random_element(const SampleRecipe& recipe, RandomNumbers& r
     element.force_compliance[i] = 1.0 / random.between(200.0, 1000.0);
     element.moment_compliance[i] = 1.0 / random.between(1.0, 10.0);
   }
-  element.line_force = element.line_couple = Vec3<double>{{0.0, 0.0, 0.0}};
   return element;
 }
 
@@ -183,7 +182,7 @@ class SampleBlock {
       fill_element(e, samples[e].element);
       fill_state(e, samples[e].state);
       fill_section(e, samples[e]);
-      if (with_loads) fill_load(e, samples[e].element);
+      if (with_loads) fill_fields(e, samples[e].element);
     }
   }
 
@@ -243,7 +242,10 @@ class SampleBlock {
     block.vertices = KernelView<int* [2]>("vertices", count);
     block.member = KernelView<int*>("member", count);
     structure.member_section = KernelView<SectionConstants*>("section", count);
-    if (with_loads) structure.member_load = KernelView<LineLoad*>("load", count);
+    if (with_loads) {
+      block.field_row = KernelView<int* [kLineFields]>("field_row", count);
+      block.field_value = KernelView<double* [3]>("field_value", count * kLineFields * kMostPoints);
+    }
     state.vertex_displacement = KernelView<double* [3]>("displacement", 2 * count);
     state.vertex_rotation = KernelView<double* [4]>("rotation", 2 * count);
     state.element_triad = KernelView<double* [4]>("triad", elements);
@@ -302,11 +304,32 @@ class SampleBlock {
     // only general sections read them
     section.force_stiffness_limit = section.moment_stiffness_limit = 0.0;
   }
-  void fill_load(int e, const EnergyElement& element) {
-    LineLoad& load = structure.member_load(block.member(e));
-    set(element.line_force, load.force);
-    set(element.line_couple, load.couple);
+  /// Fields that are zero have no row at all, as in a scene without them.
+  void fill_fields(int e, const EnergyElement& element) {
+    const int axial = axial_points(element.order, element.rule), shear = shear_points(element.order, element.rule);
+    const auto fill = [&](LineField kind, const LinearField& field) {
+      const int row = (e * kLineFields + static_cast<int>(kind)) * kMostPoints;
+      block.field_row(e, static_cast<int>(kind)) = field.is_zero() ? -1 : row;
+      if (kind == LineField::eigenstrain) {
+        fill_values(field, axial, row);
+        if (axial != shear) fill_values(field, shear, row + axial);
+      } else {
+        fill_values(field, element.order + 1, row);
+      }
+    };
+    fill(LineField::dead_force, element.line_force);
+    fill(LineField::dead_couple, element.line_couple);
+    fill(LineField::follower_force, element.follower_force);
+    fill(LineField::follower_couple, element.follower_couple);
+    fill(LineField::eigenstrain, element.eigenstrain);
+    fill(LineField::eigencurvature, element.eigencurvature);
   }
+  void fill_values(const LinearField& field, int points, int row) {
+    std::vector<double> xi(points), weight(points);
+    gauss_rule(points, xi.data(), weight.data());
+    for (int q = 0; q < points; ++q) set(field.at(xi[q]), &block.field_value(row + q, 0));
+  }
+  static constexpr int kMostPoints = 2 * kMaximumOrder + 1;
 };
 
 }  // namespace mixbeam::element_test

@@ -34,6 +34,7 @@ Scene turned(const Mat3<double>& rotation, Scene scene) {
       load.moment = turned(rotation, load.moment);
     }
   for (DistributedLoad& load : scene.distributed_loads) {
+    if (load.frame == LoadFrame::follower) continue;
     load.force = turned(rotation, load.force);
     load.couple = turned(rotation, load.couple);
   }
@@ -48,7 +49,11 @@ Scene frame_with_all_loads() {
   scene.members[1].second_axis = {0, 0, 1};
   scene.members[2].second_axis = {1, 0, 0};
   scene.point_loads = {dead_load("tip", {-2, 0, -3}, {1, 0.5, 0}), follower_load("second corner", "leg 2", {1, 0, 2})};
-  scene.distributed_loads = {{"leg 2", {0.5, 1.0, -1.5}, {0.3, 0, 0.2}, 1}};
+  scene.distributed_loads = {{"leg 2", {0.5, 1.0, -1.5}, {0.3, 0, 0.2}, 1},
+                             {"leg 3", {0, 1.0, -0.5}, {0.3, 0, 0.2}, 1, LoadFrame::follower}};
+  scene.distributed_loads[1].force_formula[0] = "sin(3 * x)";
+  scene.eigenstrains = {{"leg 1", {0.02, 0, 0}, {0.1, 0.2, -0.1}}};
+  scene.eigenstrains[0].curvature_formula[0] = "0.2 * x";
   scene.supports[0].prescribed_displacement = {0.1, 0, -0.05};
   scene.supports[0].prescribed_rotation = {0.2, 0.3, -0.1};
   return scene;
