@@ -15,31 +15,10 @@ constexpr double kLongLever = 1e-8;
 
 Mat3<double> some_rotation() { return exp_matrix(Vec3<double>{{0.7, -1.9, 1.3}}); }
 
-Vector3 turned(const Mat3<double>& rotation, const Vector3& v) {
-  const Vec3<double> t = rotation * Vec3<double>{{v[0], v[1], v[2]}};
-  return {t[0], t[1], t[2]};
-}
+using scene_change::turned;
 
-/// The scene, its supports' motion and its loads turned about the origin. Second axes must be given: the default
-/// depends on the global frame.
-Scene turned(const Mat3<double>& rotation, Scene scene) {
-  for (Point& point : scene.points) point.position = turned(rotation, point.position);
-  for (Member& member : scene.members)
-    for (Vector3* v : {&member.curve.center, &member.curve.axis, &member.second_axis}) *v = turned(rotation, *v);
-  for (Support& support : scene.supports)
-    for (Vector3* v : {&support.prescribed_displacement, &support.prescribed_rotation}) *v = turned(rotation, *v);
-  for (PointLoad& load : scene.point_loads)
-    if (load.frame == LoadFrame::dead) {
-      load.force = turned(rotation, load.force);
-      load.moment = turned(rotation, load.moment);
-    }
-  for (DistributedLoad& load : scene.distributed_loads) {
-    if (load.frame == LoadFrame::follower) continue;
-    load.force = turned(rotation, load.force);
-    load.couple = turned(rotation, load.couple);
-  }
-  return scene;
-}
+/// Turned about the origin, without a shift.
+Scene turned(const Mat3<double>& rotation, const Scene& scene) { return moved(rotation, {0, 0, 0}, scene); }
 
 /// A frame with a kink, unequal bending stiffnesses and every kind of load that turns with the scene.
 Scene frame_with_all_loads() {
@@ -62,10 +41,7 @@ Scene frame_with_all_loads() {
 TEST(Identities, TurningTheSceneTurnsTheAnswer) {
   const Mat3<double> rotation = some_rotation();
   for (const Scene& scene : {frame_with_all_loads(), arc_segment(100, 2, 8), fork(2, 3)}) {
-    Scene fixed_axes = scene;
-    for (Member& member : fixed_axes.members)
-      if (member.curve.shape == CurveShape::line && member.second_axis == Vector3{}) member.second_axis = {0, 1, 0};
-    const Simulation here = solved(fixed_axes), there = solved(turned(rotation, fixed_axes));
+    const Simulation here = solved(scene), there = solved(turned(rotation, scene));
     for (const Point& point : scene.points) {
       EXPECT_TRUE(agrees(there.displacement(point.name), turned(rotation, here.displacement(point.name)), kLongLever))
           << scene.name << ", " << point.name;

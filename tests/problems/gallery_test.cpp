@@ -1,0 +1,102 @@
+// Every scene of the gallery, whatever it uses: turned and shifted in space, and in other units, it gives the turned
+// and the scaled answer.
+#include "discretization/load_cases.hpp"
+#include "discretization/scene_parameters.hpp"
+#include "discretization/xml_reader.hpp"
+#include "kernels/rotation.hpp"
+#include "tests/problems/solve.hpp"
+#include "tests/scene_units.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+// Both sides are solved to a scaled residual of 1e-11; lengths relative to the size of the structure.
+constexpr double kSameAnswer = 1e-10;
+
+struct GalleryScene {
+  Scene scene;
+  SolverParameters solver;
+};
+
+std::vector<std::filesystem::path> gallery_files() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(MIXBEAM_SOURCE_DIR "/apps/gallery"))
+    if (entry.path().extension() == ".xml") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The first load case of a scene that has several.
+GalleryScene read_gallery_scene(const std::filesystem::path& file) {
+  const XmlParameters xml = read_xml(file.string());
+  Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
+  if (!scene.load_cases.empty()) scene = scene_of_case(scene, scene.load_cases.front());
+  return {scene, read_solver_parameters(xml.list->sublist("Solver"), xml.source)};
+}
+
+Mat3<double> vertex_turn(const Simulation& simulation, const std::string& point) {
+  const Vector3 theta = simulation.rotation(point);
+  return exp_matrix(Vec3<double>{{theta[0], theta[1], theta[2]}});
+}
+
+double largest_difference(const Mat3<double>& a, const Mat3<double>& b) {
+  double largest = 0.0;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) largest = std::max(largest, std::abs(a(i, j) - b(i, j)));
+  return largest;
+}
+
+/// Displacements of `there`, divided by `length`, and rotations are those of `here` turned by `rotation`.
+void expect_same_answer(const Simulation& here, const Simulation& there, const Mat3<double>& rotation, double length) {
+  const double size = characteristic_length(here.assembler().mesh());
+  for (const auto& [point, vertex] : here.assembler().mesh().vertex_of_point) {
+    Vector3 u = there.displacement(point);
+    for (double& x : u) x /= length;
+    EXPECT_TRUE(agrees(u, scene_change::turned(rotation, here.displacement(point)), kSameAnswer * size)) << point;
+    const Mat3<double> expected = rotation * vertex_turn(here, point) * transpose(rotation);
+    EXPECT_LE(largest_difference(vertex_turn(there, point), expected), kSameAnswer) << point;
+  }
+}
+
+class Gallery : public testing::TestWithParam<std::filesystem::path> {};
+
+TEST_P(Gallery, KnowsNoFrameAndNoUnits) {
+  const auto [scene, solver] = read_gallery_scene(GetParam());
+  const Simulation here = solved(scene, solver);
+  const double size = characteristic_length(here.assembler().mesh());
+  const Mat3<double> rotation = exp_matrix(Vec3<double>{{0.7, -1.9, 1.3}});
+  const Simulation turned = solved(moved(rotation, {0.3 * size, -1.2 * size, 0.8 * size}, scene), solver);
+  expect_same_answer(here, turned, rotation, 1.0);
+  for (const double factor : {1e-6, 1e6}) {
+    SCOPED_TRACE(factor);
+    const Simulation scaled = solved(in_other_units(scene, factor, factor * factor * factor), solver);
+    expect_same_answer(here, scaled, identity_matrix<double>(), factor);
+    EXPECT_EQ(scaled.result().newton_iterations, here.result().newton_iterations);
+  }
+}
+
+TEST(GalleryTwin, AnotherLoadGivesAnotherAnswer) {
+  const auto [scene, solver] = read_gallery_scene(gallery_files().front());
+  const Simulation here = solved(scene, solver);
+  Scene other = scene;
+  for (PointLoad& load : other.point_loads) scene_change::scale(load.force, 1.001);
+  const Simulation there = solved(other, solver);
+  double largest = 0.0;
+  for (const auto& [point, vertex] : here.assembler().mesh().vertex_of_point)
+    largest = std::max(largest, distance(here.displacement(point), there.displacement(point)));
+  EXPECT_GT(largest, kSameAnswer * characteristic_length(here.assembler().mesh()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Gallery, testing::ValuesIn(gallery_files()), [](const auto& scene) {
+  std::string name = scene.param.stem().string();
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+});
+
+}  // namespace
+}  // namespace mixbeam::test
