@@ -100,5 +100,47 @@ TEST(LineLoads, ForcesAreInEquilibriumAtGaussPoints) {
   }
 }
 
+// Beyond a place the load that a formula gives must be carried there, for large deformation, too: the last vertex
+// before the tip sees the rest of a load that grows with the square of s.
+TEST(LineLoads, FormulasOfPositionCarryTheirIntegral) {
+  Scene scene = line_loaded({0, 0, 0}, {}, 3);
+  scene.distributed_loads[0].force_formula = {"", "1.5 * s^2", "-2 * x"};
+  const Simulation beam = solved(scene);
+  const Vector3 reaction = beam.reactions()[0].force, total = {0, 1.5 * kLength * kLength * kLength / 3.0, -kLength};
+  EXPECT_TRUE(agrees(reaction, {0, -total[1], -total[2]}, kSolved));
+  EXPECT_LE(beam.balance().force_error, kSolved);
+  EXPECT_LE(beam.balance().moment_error, kSolved);
+}
+
+TEST(LineLoads, ConstantFormulaIsTheConstant) {
+  Scene formula = line_loaded({}, {}, 2);
+  formula.distributed_loads[0].force_formula = {"0.3", "sqrt(4)", "-1 + 0 * s"};
+  formula.distributed_loads[0].couple_formula = {"", "", "0.5"};
+  const Vector3 expected = solved(line_loaded({0.3, 2, -1}, {0, 0, 0.5}, 2)).position("tip");
+  EXPECT_TRUE(agrees(solved(formula).position("tip"), expected, kSolved));
+}
+
+// Euler and Bernoulli with Timoshenko's shear under q0 (1 - x): tip q0 L^4 / 30 EI + q0 L^2 / 6 GA (tables of beams).
+TEST(LineLoads, SmallTriangularForceFollowsTimoshenko) {
+  const double q = kSmallLoad, L = kLength;
+  Scene scene = line_loaded({}, {}, 4);
+  scene.distributed_loads[0].force_formula[1] = "1e-6 * (1 - x)";
+  const double deflection = q * L * L * L * L / (30.0 * kBending) + q * L * L / (6.0 * kShear);
+  EXPECT_NEAR(solved(scene).displacement("tip")[1], deflection, kLinear * deflection);
+}
+
+TEST(LineLoads, FormulaThatIsNotFiniteIsAnError) {
+  Scene scene = line_loaded({}, {}, 2);
+  scene.distributed_loads[0].force_formula[0] = "1 / (x - x)";
+  EXPECT_THROW(solved(scene), std::invalid_argument);
+}
+
+// An amplitude of one's own: at t = 1 a third of the load acts.
+TEST(LineLoads, AmplitudeScalesTheLoad) {
+  Scene scene = line_loaded({0.3, 0, 0}, {}, 2);
+  scene.distributed_loads[0].amplitude = "t^2 / 3";
+  EXPECT_TRUE(agrees(solved(scene).displacement("tip"), {0.1 * kLength * kLength / (2.0 * kAxial), 0, 0}, kSolved));
+}
+
 }  // namespace
 }  // namespace mixbeam::test

@@ -1,0 +1,129 @@
+// Loads per length that turn with the section.
+#include "kernels/gauss.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+// Solved to a scaled residual of 1e-11 at most.
+constexpr double kSolved = 1e-10;
+// One step of the whole load, from a straight or undeformed member; measured: see the numbers beside each test.
+constexpr double kRadius = 3.0;
+
+DistributedLoad follower(const std::string& member, const Vector3& force, const Vector3& couple = {}) {
+  DistributedLoad load;
+  load.member = member;
+  load.force = force;
+  load.couple = couple;
+  load.frame = LoadFrame::follower;
+  return load;
+}
+
+/// A closed circle of two half circles in the plane of e1 and e2 about the origin; g2 points to the centre.
+Scene ring(const Section& section, int order, int elements_per_half) {
+  Scene scene;
+  scene.name = "ring";
+  scene.sections = {section};
+  scene.points = {{"east", {kRadius, 0, 0}}, {"west", {-kRadius, 0, 0}}};
+  scene.members = {arc("north", "east", "west", {}, {0, 0, 1}, kPi, order, elements_per_half),
+                   arc("south", "west", "east", {}, {0, 0, 1}, kPi, order, elements_per_half)};
+  Support east;
+  east.point = "east";
+  east.displacement_fixed = {false, true, true};
+  east.rotation_fixed = kHeld;
+  Support west = east;
+  scene.supports = {east, west};
+  return scene;
+}
+
+/// N and M at the middle of every element.
+std::vector<PointSample> middles(const Simulation& simulation) {
+  std::vector<PointSample> samples;
+  const Assembler& assembler = simulation.assembler();
+  for (int e = 0; e < static_cast<int>(assembler.mesh().elements.size()); ++e)
+    samples.push_back(sample_element(assembler.structure(), assembler.mesh(), simulation.state(), e, 0.0));
+  return samples;
+}
+
+// An inextensible circle under pressure p from outside: N = -p R, no moment, the same circle.
+TEST(FollowerLineLoads, RingUnderPressure) {
+  const double bending = 2.0, critical = 3.0 * bending / (kRadius * kRadius * kRadius);
+  for (int order : {1, 2, 4})
+    for (double pressure : {0.5 * critical, -5.0 * critical}) {
+      Scene scene = ring(section(kRigid, kRigid, 3.0, bending), order, 8);
+      scene.distributed_loads = {follower("north", {0, pressure, 0}), follower("south", {0, pressure, 0})};
+      const Simulation simulation = solved(scene);
+      const double size = std::abs(pressure) * kRadius;
+      // the element of order k sees the circle as a polynomial: exact for its own equilibrium at Gauss points
+      for (const PointSample& p : middles(simulation))
+        EXPECT_NEAR(p.force[0], -pressure * kRadius, (order == 1 ? 2e-2 : order == 2 ? 1e-4 : 1e-8) * size) << order;
+      EXPECT_LE(largest_component(simulation.displacement("east")), (order == 1 ? 1e-1 : 1e-3) * kRadius) << order;
+      EXPECT_LE(simulation.balance().force_error, kSolved);
+      EXPECT_LE(simulation.balance().moment_error, kSolved);
+    }
+}
+
+// A cantilever under a couple per length about its own g3: the moment is c (L - s), as in the plane for a dead couple.
+TEST(FollowerLineLoads, CoupleInThePlaneIsThatOfADeadOne) {
+  Scene scene = cantilever(section(11.0, 7.0, 5.0, 3.0), 2.0, 3, 8);
+  scene.distributed_loads = {follower("beam", {}, {0, 0, 3.0})};
+  const Simulation turning = solved(scene);
+  scene.distributed_loads[0].frame = LoadFrame::dead;
+  const Simulation dead = solved(scene);
+  EXPECT_TRUE(agrees(turning.position("tip"), dead.position("tip"), kSolved));
+}
+
+// A torque per length about the own tangent of a member bent into a quarter circle by its reference: in space, a
+// follower couple c g1 and a force both enter global equilibrium with the triads of the solution itself.
+TEST(FollowerLineLoads, ReactionsBalanceInSpace) {
+  for (int order : {1, 2, 3, 4}) {
+    Scene scene = cantilever(section(1100.0, 700.0, 5.0, 3.0), 2.0, order, 6);
+    scene.distributed_loads = {follower("beam", {0.3, 1.0, -0.7}, {0.5, -0.2, 0.4})};
+    scene.distributed_loads[0].force_formula[1] = "1 + sin(3 * s)";
+    const Simulation beam = solved(scene);
+    EXPECT_LE(beam.balance().force_error, kSolved) << order;
+    EXPECT_LE(beam.balance().moment_error, kSolved) << order;
+    EXPECT_GT(largest_component(beam.displacement("tip")), 0.3) << order;  // far from linear
+  }
+}
+
+// A follower force and its own reference: a member that turns as a whole (clamp turned by 90 degrees) takes its load
+// along, a dead load does not.
+TEST(FollowerLineLoads, TurnsWithTheClamp) {
+  Scene scene = cantilever(section(1100.0, 700.0, 5.0, 3.0), 2.0, 3, 4);
+  scene.distributed_loads = {follower("beam", {0, 0.4, 0.3}, {0.1, 0, 0})};
+  const Vector3 tip = solved(scene).position("tip");
+  scene.supports[0].prescribed_rotation = {0, 0, 0.5 * kPi};
+  EXPECT_TRUE(agrees(solved(scene).position("tip"), {-tip[1], tip[0], tip[2]}, kSolved));
+  scene.distributed_loads[0].frame = LoadFrame::dead;
+  EXPECT_GT(distance(solved(scene).position("tip"), {-tip[1], tip[0], tip[2]}), 0.1);
+}
+
+// The inextensible cable (bending stiffness a millionth of its weight) between two points at one height: the catenary
+// y = a cosh(x / a) with the span 2 a asinh(L / 2a). Where the bending is clamped out of a hinge nothing but EI/(w a^3)
+// is left of it: relative 1e-6 here.
+TEST(LineLoads, CableHangsInACatenary) {
+  constexpr double kHalfSpan = 1.0, kScale = 0.8, kWeight = 1.0, kBending = 1e-6;
+  constexpr double kModel = 20.0 * kBending;
+  const double half_length = kScale * std::sinh(kHalfSpan / kScale);
+  Scene scene = cantilever(section(kRigid, kRigid, kBending, kBending), 2.0 * half_length, 3, 40);
+  scene.supports[0].rotation_fixed = {true, true, false};
+  scene.supports.push_back(scene.supports[0]);
+  scene.supports[1].point = "tip";
+  scene.supports[1].prescribed_displacement = {2.0 * kHalfSpan - 2.0 * half_length, 0, 0};
+  scene.distributed_loads = {{"beam", {0, -kWeight, 0}, {}, 1}};
+  // the straight cable has no stiffness against its weight: the ends come together under the full weight
+  scene.distributed_loads[0].amplitude = "1";
+  const Simulation cable = solved(scene);
+  const std::vector<Reaction> reactions = cable.reactions();
+  EXPECT_NEAR(reactions[0].force[1], kWeight * half_length, 1e-9);
+  EXPECT_NEAR(reactions[1].force[0], kWeight * kScale, kModel);
+  const PointSample middle =
+      sample_element(cable.assembler().structure(), cable.assembler().mesh(), cable.state(), 20, -1.0);
+  EXPECT_NEAR(middle.position[1], -kScale * (std::cosh(kHalfSpan / kScale) - 1.0), kModel);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
