@@ -62,8 +62,8 @@ TEST_F(Programs, PrintTheirParameters) {
     EXPECT_EQ(ended.exit_code, 0);
     expect_in(ended.out, {"[Scene] required",
                           "[Sections] required",
-                          "[Points] required",
-                          "[Members] required",
+                          "[Points]",
+                          "[Members]",
                           "[Curve]",
                           "[Supports] required",
                           "[Point Loads]",

@@ -76,7 +76,7 @@ TEST_F(Mixbeam, CheckMeasuresAndSolvesNothing) {
   expect_in(ended.out,
             {"members 3, elements 30, vertices 31", "equations to solve 186", "total length 4.14159265",
              "box (0, -1, 0) to (2, 1, 0)", "stage 1: force (0, 0, 200)", "stage 2: force (0, 0, 0)", "in order"});
-  EXPECT_FALSE(fs::exists("results/scene"));
+  EXPECT_FALSE(fs::exists(folder_ / "results"));
   const Ended wrong = run({"check", write_scene(changed(scene_of("fork"), "name=\"EA\"", "name=\"EB\""))});
   EXPECT_EQ(wrong.exit_code, kBadInput);
   expect_in(wrong.err, {"scene.xml:", "did you mean \"EA\"?"});

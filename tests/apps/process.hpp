@@ -82,7 +82,8 @@ inline std::vector<char*> pointers(std::vector<std::string>& texts) {
   return result;
 }
 
-/// Starts a program; what it prints goes to <folder>/stdout.txt and stderr.txt. Returns its number, 0 on failure.
+/// Starts a program in `folder`; what it prints goes to stdout.txt and stderr.txt there. Returns its number, 0 on
+/// failure.
 inline pid_t start_process(const fs::path& executable, const std::vector<std::string>& arguments,
                            const fs::path& folder) {
   const std::string out = (folder / "stdout.txt").string(), err = (folder / "stderr.txt").string();
@@ -91,6 +92,7 @@ inline pid_t start_process(const fs::path& executable, const std::vector<std::st
   std::vector<std::string> variables = environment_of_a_user();
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   pid_t process = 0;
