@@ -338,6 +338,24 @@ void connect(xmlParserCtxt& parser, ListBuilder& builder) {
   parser.userData = &builder;
 }
 
+void say_nothing(void* /*context*/, const char* /*message*/, ...) {}
+
+/// Errors of encodings do not come through the parser's own handler: libxml2 would print them to stderr. They are also
+/// seen as a document that is not well-formed.
+class SilentParsing {
+ public:
+  SilentParsing() : print_(xmlGenericError), context_(xmlGenericErrorContext) {
+    xmlSetGenericErrorFunc(nullptr, say_nothing);
+  }
+  ~SilentParsing() { xmlSetGenericErrorFunc(context_, print_); }
+  SilentParsing(const SilentParsing&) = delete;
+  SilentParsing& operator=(const SilentParsing&) = delete;
+
+ private:
+  xmlGenericErrorFunc print_;
+  void* context_;
+};
+
 std::string read_text(const std::string& file) {
   std::error_code unreadable;
   const auto status = std::filesystem::status(file, unreadable);
@@ -364,6 +382,7 @@ XmlParameters parse_xml(const std::string& text, const std::string& file) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
   if (text.size() > kMaximumBytes) throw InputError(file + ": too large");
   XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList), ParameterSource(file), text};
+  const SilentParsing silence;
   const std::unique_ptr<xmlParserCtxt, FreeParser> parser(
       xmlCreateMemoryParserCtxt(text.data(), static_cast<int>(text.size())));
   if (!parser) throw InputError(file + ":1: cannot be read as XML");

@@ -87,6 +87,17 @@ TEST(XmlReader, KeepsCommasInParenthesesInTheEntry) {
   EXPECT_EQ(words_in("{(a, b}"), (std::vector<std::string>{"(a", "b"}));
 }
 
+TEST(XmlReader, RefusesOtherBytesThanTheEncodingAllowsInSilence) {
+  const std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-16\"?>\n" + in_list(parameter("a", "int", "1\xC3\x28"));
+  testing::internal::CaptureStderr();
+  const std::string utf16 = message_of([&] { parse_xml(text, "file.xml"); });
+  const std::string utf7 = message_of([&] { parse_xml(replaced(text, "UTF-16", "UTF-7"), "file.xml"); });
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  expect_parts(utf16, {"file.xml:"});
+  expect_parts(utf7, {"file.xml:"});
+}
+
 TEST(XmlReader, RefusesBadArraysAndSwitches) {
   expect_parts(error_in(parameter("a", "Array(double)", "1, 2, 3")), {"not an array", "{1, 2, 3}"});
   expect_parts(error_in(parameter("a", "Array(double)", "{1, abc}")), {"in an array", "\"abc\" is not a number"});
