@@ -122,7 +122,32 @@ inline const std::string kRichScene = R"xml(<?xml version="1.0" encoding="UTF-8"
         <Parameter name="Elements" type="int" value="2"/>
       </ParameterList>
     </ParameterList>
+    <ParameterList name="Patterns">
+      <ParameterList name="storeys">
+        <Parameter name="Members" type="Array(string)" value="{bow}"/>
+        <Parameter name="Kind" type="string" value="repeat"/>
+        <Parameter name="Vector" type="Array(double)" value="{0, 0, 3}"/>
+        <Parameter name="Count" type="int" value="3"/>
+      </ParameterList>
+      <ParameterList name="star">
+        <Parameter name="Members" type="Array(string)" value="{bow}"/>
+        <Parameter name="Kind" type="string" value="rotate"/>
+        <Parameter name="Center" type="Array(double)" value="{0, 8, 0}"/>
+        <Parameter name="Axis" type="Array(double)" value="{0, 0, 1}"/>
+        <Parameter name="Angle" type="double" value="0.5"/>
+        <Parameter name="Count" type="int" value="2"/>
+      </ParameterList>
+      <ParameterList name="image">
+        <Parameter name="Members" type="Array(string)" value="{bow}"/>
+        <Parameter name="Kind" type="string" value="mirror"/>
+        <Parameter name="Point" type="Array(double)" value="{0, 9, 0}"/>
+        <Parameter name="Normal" type="Array(double)" value="{0, 1, 0}"/>
+      </ParameterList>
+    </ParameterList>
     <ParameterList name="Supports">
+      <ParameterList name="copies">
+        <Parameter name="Point" type="string" value="left (*"/>
+      </ParameterList>
       <ParameterList name="clamp">
         <Parameter name="Point" type="string" value="foot"/>
       </ParameterList>
