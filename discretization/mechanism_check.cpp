@@ -1,8 +1,8 @@
 #include "discretization/mechanism_check.hpp"
 
-#include "discretization/curve_end.hpp"
 #include "discretization/message_text.hpp"
 #include "discretization/parameter_spec.hpp"
+#include "discretization/rigid_parts.hpp"
 #include "discretization/vector_algebra.hpp"
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstdio>
 #include <numeric>
-#include <unordered_map>
 
 namespace mixbeam {
 namespace {
@@ -21,6 +20,8 @@ using namespace vector_algebra;
 // squared in the matrix below, which carries rounding errors of 1e-16.
 constexpr double kBlockedShare = 1e-12;
 constexpr double kPrintedZero = 1e-9;  // components of a motion below this share are rounding
+// The elimination is dense: this many parts take a second or two.
+constexpr std::size_t kMostParts = 150;
 
 /// Rigid motion about a reference point: displacement = translation + rotation x (position - reference) / size.
 struct RigidMotion {
@@ -28,99 +29,91 @@ struct RigidMotion {
   Vector3 rotation{};
 };
 
-using Row = std::array<double, 6>;  // translation x, y, z, rotation x, y, z
+using Row = std::vector<double>;  // of each part: translation x, y, z, rotation x, y, z
 using Rows = std::vector<Row>;
 
-/// Members, points and supports that hang together.
-struct Part {
-  std::vector<std::size_t> members, points, supports;
-  Vector3 center{};
-  double size = 0.0;
-};
-
-/// Sets that grow together (union-find with path halving).
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-  std::size_t group_of(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::size_t i, std::size_t j) { parent_[group_of(i)] = group_of(j); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-using PointIndex = std::unordered_map<std::string, std::size_t>;
-
-PointIndex index_points(const Scene& scene) {
-  PointIndex index;
-  for (std::size_t i = 0; i < scene.points.size(); ++i) index.emplace(scene.points[i].name, i);
-  return index;
-}
-
-void measure(Part& part, const Scene& scene, const PointIndex& index) {
-  for (const std::size_t point : part.points) part.center = sum(part.center, scene.points[point].position);
-  part.center = scaled(1.0 / static_cast<double>(part.points.size()), part.center);
-  for (const std::size_t point : part.points) {
-    part.size = std::max(part.size, norm(difference(scene.points[point].position, part.center)));
-  }
-  for (const std::size_t i : part.members) {  // a closed ring has one point only
-    const Member& member = scene.members[i];
-    const Vector3& start = scene.points[index.at(member.start_point)].position;
-    const Vector3& end = scene.points[index.at(member.end_point)].position;
-    if (member.start_point == member.end_point) part.size = std::max(part.size, curve_length(member.curve, start, end));
+/// Adds factor * (displacement of a point of a part . e) to a row.
+void add_displacement(Row& row, double factor, const RigidPart& part, std::size_t index, const Vector3& position,
+                      const Vector3& e) {
+  const Vector3 lever = cross(scaled(1.0 / part.size, difference(position, part.center)), e);
+  for (std::size_t i = 0; i < 3; ++i) {
+    row[6 * index + i] += factor * e[i];
+    row[6 * index + 3 + i] += factor * lever[i];  // (rotation x arm) . e = rotation . (arm x e)
   }
 }
 
-std::vector<Part> connected_parts(const Scene& scene) {
-  const PointIndex index = index_points(scene);
-  Groups groups(scene.points.size());
-  for (const Member& member : scene.members) {
-    groups.join(index.at(member.start_point), index.at(member.end_point));
-    for (const InnerPoint& inner : member.inner_points)
-      groups.join(index.at(member.start_point), index.at(inner.point));
+void add_rotation(Row& row, double factor, std::size_t index, const Vector3& e) {
+  for (std::size_t i = 0; i < 3; ++i) row[6 * index + 3 + i] += factor * e[i];
+}
+
+/// What each fixed or elastic component of the supports sees of the motions.
+void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
+  const std::size_t n = 6 * assembly.parts.size();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const RigidPart& part = assembly.parts[p];
+    for (const std::size_t s : part.supports) {
+      const Support& support = scene.supports[s];
+      const auto place = std::find(part.points.begin(), part.points.end(), support.point);
+      const Vector3& position = part.positions[static_cast<std::size_t>(place - part.points.begin())];
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (support.displacement_fixed[i] || support.displacement_stiffness[i] > 0.0)
+          add_displacement(rows.emplace_back(n, 0.0), 1.0, part, p, position, support.axes[i]);
+        if (support.rotation_fixed[i] || support.rotation_stiffness[i] > 0.0)
+          add_rotation(rows.emplace_back(n, 0.0), 1.0, p, support.axes[i]);
+      }
+    }
   }
-  std::unordered_map<std::size_t, std::size_t> part_of_group;
-  std::vector<Part> parts;
-  const auto part_of = [&](const std::string& point) -> Part& {
-    const auto [found, is_new] = part_of_group.emplace(groups.group_of(index.at(point)), parts.size());
-    if (is_new) parts.emplace_back();
-    return parts[found->second];
-  };
-  for (std::size_t i = 0; i < scene.members.size(); ++i) part_of(scene.members[i].start_point).members.push_back(i);
-  for (std::size_t i = 0; i < scene.points.size(); ++i) part_of(scene.points[i].name).points.push_back(i);
-  for (std::size_t i = 0; i < scene.supports.size(); ++i) part_of(scene.supports[i].point).supports.push_back(i);
-  for (Part& part : parts) measure(part, scene, index);
-  return parts;
 }
 
-Vector3 unit(std::size_t i) {
-  Vector3 e{};
-  e[i] = 1.0;
-  return e;
+/// Three orthonormal directions, the last one along an axis.
+Axes frame_along(const Vector3& axis) {
+  const Vector3 a = scaled(1.0 / norm(axis), axis);
+  Vector3 across{};
+  across[std::abs(a[0]) <= std::min(std::abs(a[1]), std::abs(a[2])) ? 0
+         : std::abs(a[1]) <= std::abs(a[2])                         ? 1
+                                                                    : 2] = 1.0;
+  const Vector3 normal = cross(a, across), b = scaled(1.0 / norm(normal), normal);
+  return {b, cross(a, b), a};
 }
 
-/// What each fixed component sees of each of the six motions, as the matrix R^T R of those rows R.
-Rows blocking_matrix(const Part& part, const Scene& scene, const PointIndex& index) {
+/// What each joint sees of the relative motion of its two parts.
+void add_joint_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
+  const std::size_t n = 6 * assembly.parts.size();
+  for (const RigidLink& link : assembly.links) {
+    const Joint& joint = scene.joints[link.joint];
+    const RigidPart &master = assembly.parts[link.master], &slave = assembly.parts[link.slave];
+    const double size = std::min(master.size, slave.size);  // rotations are stored times the size of their part
+    const Axes frame = frame_along(joint.kind == JointKind::ball ? Vector3{0, 0, 1} : joint.axis);
+    const bool is_slider = joint.kind == JointKind::slider, has_spring = joint.stiffness > 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!is_slider || i < 2 || has_spring) {
+        Row& row = rows.emplace_back(n, 0.0);
+        add_displacement(row, 1.0, slave, link.slave, link.position, frame[i]);
+        add_displacement(row, -1.0, master, link.master, link.position, frame[i]);
+      }
+      if (is_slider || (joint.kind == JointKind::hinge && (i < 2 || has_spring))) {
+        Row& row = rows.emplace_back(n, 0.0);
+        add_rotation(row, size / slave.size, link.slave, frame[i]);
+        add_rotation(row, -size / master.size, link.master, frame[i]);
+      }
+    }
+  }
+}
+
+/// R^T R of all rows R: a motion that it maps to zero is held by nothing.
+Rows blocking_matrix(const RigidAssembly& assembly, const Scene& scene) {
   Rows rows;
-  for (const std::size_t i : part.supports) {
-    const Support& support = scene.supports[i];
-    const Vector3& position = scene.points[index.at(support.point)].position;
-    const Vector3 arm = scaled(1.0 / part.size, difference(position, part.center));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Vector3 e = unit(axis);
-      const Vector3 lever = cross(arm, e);  // (rotation x arm) . e = rotation . (arm x e)
-      if (support.displacement_fixed[axis]) rows.push_back({e[0], e[1], e[2], lever[0], lever[1], lever[2]});
-      if (support.rotation_fixed[axis]) rows.push_back({0.0, 0.0, 0.0, e[0], e[1], e[2]});
-    }
-  }
-  Rows matrix(6, Row{});
+  add_support_rows(assembly, scene, rows);
+  add_joint_rows(assembly, scene, rows);
+  const std::size_t n = 6 * assembly.parts.size();
+  Rows matrix(n, Row(n, 0.0));
+  std::vector<std::size_t> entries;
   for (const Row& row : rows) {
-    for (std::size_t i = 0; i < 6; ++i) {
-      for (std::size_t j = 0; j < 6; ++j) matrix[i][j] += row[i] * row[j];
-    }
+    entries.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (row[i] != 0.0) entries.push_back(i);
+    for (const std::size_t i : entries)
+      for (const std::size_t j : entries) matrix[i][j] += row[i] * row[j];
   }
   return matrix;
 }
@@ -144,7 +137,8 @@ std::vector<std::size_t> reduce(Rows& rows, const std::vector<std::size_t>& colu
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const double factor = rows[row][best_column];
       if (row == done) continue;
-      for (std::size_t i = 0; i < 6; ++i) rows[row][i] -= factor * rows[done][i];
+      if (factor == 0.0) continue;
+      for (std::size_t i = 0; i < rows[row].size(); ++i) rows[row][i] -= factor * rows[done][i];
     }
     pivots.push_back(best_column);
   }
@@ -161,12 +155,15 @@ double largest_entry(const Rows& rows) {
 
 /// Motions that the matrix maps to zero.
 Rows null_space(Rows matrix) {
-  const std::vector<std::size_t> all = {0, 1, 2, 3, 4, 5};
+  std::vector<std::size_t> all(matrix.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
   const std::vector<std::size_t> pivots = reduce(matrix, all, kBlockedShare * largest_entry(matrix));
+  std::vector<bool> is_pivot(all.size(), false);
+  for (const std::size_t pivot : pivots) is_pivot[pivot] = true;
   Rows motions;
   for (const std::size_t free : all) {
-    if (std::find(pivots.begin(), pivots.end(), free) != pivots.end()) continue;
-    Row motion{};
+    if (is_pivot[free]) continue;
+    Row motion(all.size(), 0.0);
     motion[free] = 1.0;
     for (std::size_t row = 0; row < pivots.size(); ++row) motion[pivots[row]] = -matrix[row][free];
     motions.push_back(motion);
@@ -175,19 +172,28 @@ Rows null_space(Rows matrix) {
 }
 
 /// The same space in plain words: rotations about as few axes as possible, and translations without any rotation.
-std::vector<RigidMotion> plain_motions(Rows motions) {
+Rows plain_motions(Rows motions) {
+  if (motions.empty()) return motions;
   const double threshold = kPrintedZero * largest_entry(motions);
-  const std::size_t rotations = reduce(motions, {3, 4, 5}, threshold).size();
-  reduce(motions, {0, 1, 2}, threshold, rotations);
-  std::vector<RigidMotion> plain;
+  std::vector<std::size_t> translations, rotations;
+  for (std::size_t i = 0; i < motions.front().size(); ++i) (i % 6 < 3 ? translations : rotations).push_back(i);
+  const std::size_t turning = reduce(motions, rotations, threshold).size();
+  reduce(motions, translations, threshold, turning);
   for (Row& row : motions) {
-    for (double& entry : row) entry = std::abs(entry) < kPrintedZero ? 0.0 : entry;
-    plain.push_back(RigidMotion{{row[0], row[1], row[2]}, {row[3], row[4], row[5]}});
+    const double largest = largest_entry({row});
+    for (double& entry : row) entry = std::abs(entry) < kPrintedZero * largest ? 0.0 : entry;
   }
-  return plain;
+  return motions;
 }
 
-Vector3 displacement(const RigidMotion& motion, const Part& part, const Vector3& position) {
+RigidMotion motion_of_part(const Row& row, std::size_t part) {
+  const double* m = &row[6 * part];
+  return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}};
+}
+
+bool moves(const RigidMotion& motion) { return !is_zero(motion.translation) || !is_zero(motion.rotation); }
+
+Vector3 displacement(const RigidMotion& motion, const RigidPart& part, const Vector3& position) {
   const Vector3 arm = scaled(1.0 / part.size, difference(position, part.center));
   return sum(motion.translation, cross(motion.rotation, arm));
 }
@@ -205,7 +211,7 @@ std::string rounded_text(const Vector3& v, double size) {
   return text + ")";
 }
 
-std::string described(const RigidMotion& motion, const Part& part) {
+std::string described(const RigidMotion& motion, const RigidPart& part) {
   const double turn = norm(motion.rotation);
   if (turn == 0.0) {
     return "translation along " + rounded_text(scaled(1.0 / norm(motion.translation), motion.translation), 1.0);
@@ -219,41 +225,101 @@ std::string described(const RigidMotion& motion, const Part& part) {
   return text;
 }
 
-std::string point_moved_most(const RigidMotion& motion, const Part& part, const Scene& scene) {
+std::string point_moved_most(const RigidMotion& motion, const RigidPart& part) {
   double largest = kPrintedZero;
-  const Point* moved = nullptr;
-  for (const std::size_t i : part.points) {
-    const double distance = norm(displacement(motion, part, scene.points[i].position));
+  const std::string* moved = nullptr;
+  for (std::size_t i = 0; i < part.points.size(); ++i) {
+    const double distance = norm(displacement(motion, part, part.positions[i]));
     // The first one of equals, whatever the rounding.
-    if (distance > largest * (1.0 + kPrintedZero)) largest = distance, moved = &scene.points[i];
+    if (distance > largest * (1.0 + kPrintedZero)) largest = distance, moved = &part.points[i];
   }
   if (moved == nullptr) return "all its points lie on this axis and only turn";
-  return "point \"" + excerpt(moved->name) + "\" moves most";
+  return "point \"" + excerpt(*moved) + "\" moves most";
 }
 
-std::string member_names(const Part& part, const Scene& scene) {
+std::vector<std::string> names_of(const std::vector<std::size_t>& members, const Scene& scene) {
   std::vector<std::string> names;
-  for (const std::size_t i : part.members) names.push_back(scene.members[i].name);
-  return (names.size() == 1 ? "member " : "connected members ") + quoted_list(names);
+  for (const std::size_t i : members) names.push_back(scene.members[i].name);
+  return names;
+}
+
+std::string member_names(const std::vector<std::size_t>& members, const Scene& scene, const std::string& several) {
+  return (members.size() == 1 ? "member " : several) + quoted_list(names_of(members, scene));
+}
+
+/// The part that moves most, told by itself: of a joined structure, which members move, and how.
+std::string described(const Row& row, const RigidAssembly& assembly, const Scene& scene) {
+  std::size_t most = 0, moving = 0;
+  double largest = 0.0;
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const RigidMotion motion = motion_of_part(row, p);
+    moving += moves(motion) ? 1 : 0;
+    const double size = std::hypot(norm(motion.translation), norm(motion.rotation));
+    if (size > largest * (1.0 + kPrintedZero)) largest = size, most = p;
+  }
+  const RigidPart& part = assembly.parts[most];
+  const RigidMotion motion = motion_of_part(row, most);
+  const std::string words = described(motion, part) + " (" + point_moved_most(motion, part) + ")";
+  if (assembly.parts.size() == 1) return words;
+  return member_names(part.members, scene, "members ") + " by " + words +
+         (moving > 1 ? ", others with it through the joints" : "");
+}
+
+std::vector<std::size_t> all_members(const RigidAssembly& assembly) {
+  std::vector<std::size_t> members;
+  for (const RigidPart& part : assembly.parts) members.insert(members.end(), part.members.begin(), part.members.end());
+  std::sort(members.begin(), members.end());
+  return members;
+}
+
+/// Necessary at least: with every joint locked the structure must be held.
+RigidAssembly locked(const RigidAssembly& assembly) {
+  RigidAssembly single;
+  RigidPart& whole = single.parts.emplace_back();
+  for (const RigidPart& part : assembly.parts) {
+    whole.members.insert(whole.members.end(), part.members.begin(), part.members.end());
+    whole.supports.insert(whole.supports.end(), part.supports.begin(), part.supports.end());
+    whole.points.insert(whole.points.end(), part.points.begin(), part.points.end());
+    whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
+  }
+  for (const Vector3& position : whole.positions)
+    whole.center = sum(whole.center, scaled(1.0 / static_cast<double>(whole.positions.size()), position));
+  for (const Vector3& position : whole.positions)
+    whole.size = std::max(whole.size, norm(difference(position, whole.center)));
+  return single;
+}
+
+void check_assembly(const RigidAssembly& assembly, const Scene& scene, const ParameterSource& source,
+                    const ParameterPath& path) {
+  const Rows free = plain_motions(null_space(blocking_matrix(assembly, scene)));
+  if (free.empty()) return;
+  constexpr std::size_t kMostMotions = 6;
+  std::string motions;
+  for (std::size_t i = 0; i < std::min(free.size(), kMostMotions); ++i)
+    motions += (motions.empty() ? "" : "; ") + described(free[i], assembly, scene);
+  if (free.size() > kMostMotions) motions += "; and " + std::to_string(free.size() - kMostMotions) + " more";
+  const bool joined = assembly.parts.size() > 1;
+  throw source.error(child(path, "Supports"),
+                     member_names(all_members(assembly), scene, "connected members ") + " can move without strain in " +
+                         std::to_string(free.size()) + (free.size() == 1 ? " way: " : " ways: ") + motions +
+                         "; allowed: " +
+                         (joined ? "supports, springs and joints that leave no motion without strain"
+                                 : "supports that block all six rigid motions of every connected part"));
 }
 
 }  // namespace
 
-void check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
-  const PointIndex index = index_points(scene);
-  for (const Part& part : connected_parts(scene)) {
-    const std::vector<RigidMotion> free = plain_motions(null_space(blocking_matrix(part, scene, index)));
-    if (free.empty()) continue;
-    std::string motions;
-    for (const RigidMotion& motion : free) {
-      motions +=
-          (motions.empty() ? "" : "; ") + described(motion, part) + " (" + point_moved_most(motion, part, scene) + ")";
-    }
-    throw source.error(child(path, "Supports"),
-                       member_names(part, scene) + " can move without strain in " + std::to_string(free.size()) +
-                           (free.size() == 1 ? " way: " : " ways: ") + motions +
-                           "; allowed: supports that block all six rigid motions of every connected part");
+std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
+  std::string skipped;
+  for (const RigidAssembly& assembly : rigid_assemblies(scene)) {
+    const bool is_small = assembly.parts.size() <= kMostParts;
+    check_assembly(is_small ? assembly : locked(assembly), scene, source, path);
+    if (!is_small)
+      skipped = "whether joints let a part of the structure move without strain was not checked: " +
+                std::to_string(assembly.parts.size()) + " parts are joined, and the check takes " +
+                std::to_string(kMostParts) + " at most";
   }
+  return skipped;
 }
 
 }  // namespace mixbeam

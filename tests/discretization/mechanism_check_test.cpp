@@ -42,6 +42,8 @@ std::string refusal(const Scene& scene) {
   return message_of([&] { check_supports(scene, ParameterSource("scene.xml")); });
 }
 
+void expect_held(const Scene& scene) { EXPECT_EQ(check_supports(scene, ParameterSource("scene.xml")), ""); }
+
 TEST(MechanismCheck, AcceptsWhatIsHeld) {
   const ParameterSource source("scene.xml");
   EXPECT_NO_THROW(check_supports(beam({support("a", kAll, kAll)}), source));
@@ -125,6 +127,80 @@ TEST(MechanismCheck, ChecksAClosedRingOfOnePoint) {
   EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
   scene.supports = {support("a", kAll, kNone)};
   expect_parts(refusal(scene), {"3 ways"});
+}
+
+Joint joint(JointKind kind, const std::string& at, const std::string& member, const Vector3& axis = {0, 0, 1}) {
+  Joint result;
+  result.name = "joint at " + at;
+  result.point = at;
+  result.members = {member};
+  result.kind = kind;
+  result.axis = axis;
+  return result;
+}
+
+/// Two posts a-b and d-c clamped at a and d, and a bar b-c between them.
+Scene portal(const std::vector<Joint>& joints) {
+  Scene scene;
+  scene.points = {point("a", {0, 0, 0}), point("b", {0, 3, 0}), point("c", {4, 3, 0}), point("d", {4, 0, 0})};
+  scene.members = {line("a", "b"), line("b", "c"), line("d", "c")};
+  scene.supports = {support("a", kAll, kAll), support("d", kAll, kAll)};
+  scene.joints = joints;
+  return scene;
+}
+
+TEST(MechanismCheck, ABarBetweenBallJointsSpins) {
+  expect_held(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::hinge, "c", "b-c")}));
+  expect_parts(refusal(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::ball, "c", "b-c")})),
+               {"connected members \"a-b\", \"b-c\", \"d-c\"", "1 way", "member \"b-c\" by rotation about (1, 0, 0)",
+                "all its points lie on this axis and only turn", "springs and joints"});
+}
+
+TEST(MechanismCheck, FourBarsAreAMechanism) {
+  Scene scene = portal({joint(JointKind::hinge, "b", "b-c"), joint(JointKind::hinge, "c", "b-c")});
+  expect_held(scene);
+  scene.supports = {support("a", kAll, {true, true, false}), support("d", kAll, {true, true, false})};
+  expect_parts(refusal(scene), {"1 way", "others with it through the joints"});
+  scene.joints[0].stiffness = 1.0;
+  expect_held(scene);
+  scene.joints[0].stiffness = 0.0;
+  scene.supports[0].rotation_stiffness = {0, 0, 1};
+  expect_held(scene);
+}
+
+TEST(MechanismCheck, SlidersSlideAlongTheirAxis) {
+  Scene scene = portal({joint(JointKind::slider, "b", "b-c", {1, 0, 0})});
+  expect_held(scene);
+  scene.supports.pop_back();
+  expect_parts(refusal(scene), {"members \"b-c\", \"d-c\" by translation along (1, 0, 0)"});
+}
+
+TEST(MechanismCheck, SupportsHoldAlongTheirAxes) {
+  Scene scene = beam({support("a", {true, true, false}, kAll)});
+  scene.supports[0].axes = {{{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}}};
+  expect_parts(refusal(scene), {"1 way", "translation along (0, 0.8, -0.6)"});
+  scene.supports[0].displacement_stiffness = {0, 0, 1};
+  expect_held(scene);
+}
+
+TEST(MechanismCheck, InnerPointsBelongToTheirMember) {
+  Scene scene = beam({support("middle", kAll, kAll)});
+  scene.members[0].inner_points = {{"middle", 0.5}};
+  expect_held(scene);
+}
+
+TEST(MechanismCheck, TellsWhenThereAreTooManyJoinedParts) {
+  constexpr int kBars = 400;
+  Scene scene;
+  scene.points = {point("p0", {0, 0, 0})};
+  for (int i = 1; i <= kBars; ++i) {
+    scene.points.push_back(point("p" + std::to_string(i), {static_cast<double>(i), 0, 0}));
+    scene.members.push_back(line(scene.points[i - 1].name, scene.points[i].name));
+    if (i > 1) scene.joints.push_back(joint(JointKind::hinge, scene.points[i - 1].name, scene.members.back().name));
+  }
+  EXPECT_THROW(check_supports(scene, ParameterSource("scene.xml")), InputError);
+  scene.supports = {support("p0", kAll, kAll)};
+  expect_parts(check_supports(scene, ParameterSource("scene.xml")), {"was not checked", "400 parts"});
 }
 
 TEST(MechanismCheck, TakesAHundredThousandMembers) {
