@@ -5,6 +5,7 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/load_cases.hpp"
+#include "discretization/mechanism_check.hpp"
 #include "discretization/scene_warnings.hpp"
 
 #include <algorithm>
@@ -114,6 +115,8 @@ int check_command(const Arguments& arguments) {
     if (cases.empty()) cases = {""};
     for (const std::string& load_case : cases) print_check(app, load_case);
     for (const std::string& text : warnings(app.scene)) app.out() << "warning: " << text << "\n";
+    const std::string skipped = check_supports(app.scene, app.xml.source);
+    if (!skipped.empty()) app.out() << "warning: " << skipped << "\n";
     app.out() << *line.scene_file << ": in order\n";
     return 0;
   });
