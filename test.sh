@@ -9,7 +9,8 @@ usage() {
   cat <<'END'
 usage: ./test.sh [--no-install] [--headers] [--] [option of ctest]...
 
-Installs missing Debian packages, configures and builds the preset "release", and runs the tests.
+Installs missing Debian packages, configures and builds the preset "release", and runs the tests. ParaView's Python is
+installed for one test where that removes nothing; without it the test is skipped.
 
   --no-install   stop with the list of missing packages instead of installing them
   --headers      also compile each header alone (a few seconds for each one that includes Trilinos)
@@ -34,6 +35,7 @@ while [[ $# -gt 0 ]]; do
 done
 
 prepare "$install"
+ensure_vtk "$install"
 if [[ $headers == yes ]]; then
   say "Compile each header alone"
   cmake --build "$build_directory" --parallel "$(nproc)" --target verify_headers || fail 1 "A header is not complete."

@@ -17,7 +17,7 @@ TOLERANCE = 1e-13
 
 
 def find_readers():
-    """VTK's XDMF readers; Debian's VTK is built without them, ParaView's and most others have them."""
+    """VTK's XDMF readers; Debian's python3-vtk9 is built without them, ParaView's VTK and most others have them."""
     readers = []
     for module, name in (("vtkIOXdmf2", "vtkXdmfReader"), ("vtkIOXdmf3", "vtkXdmf3Reader")):
         try:

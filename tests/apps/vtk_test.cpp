@@ -56,7 +56,7 @@ std::string solved_values(const std::string& file) {
   return text;
 }
 
-/// MIXBEAM_VTK_PYTHON: a Python whose VTK has XDMF readers, where that of Debian has none.
+/// A Python whose VTK has XDMF readers: Debian's with python3-paraview, or the one that MIXBEAM_VTK_PYTHON names.
 std::string python() {
   const char* given = std::getenv("MIXBEAM_VTK_PYTHON");
   return given == nullptr ? "/usr/bin/python3" : given;
@@ -81,7 +81,7 @@ TEST_F(Vtk, ReadsTheTimeSeriesAsTheSolverHasIt) {
   const std::string values = solved_values(scene);
   const Ended ended = compare(values);
   if (ended.exit_code == kNoReader || ended.err.find("No module named 'vtkmodules'") != std::string::npos)
-    GTEST_SKIP() << "VTK is not installed with an XDMF reader: " << ended.out;
+    GTEST_SKIP() << "VTK is not installed with an XDMF reader (Debian: python3-paraview): " << ended.out;
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   expect_in(ended.out, {"3 steps, largest difference"});
   std::cout << ended.out;
