@@ -67,7 +67,9 @@ StateMagnitude Assembler::magnitude(const State& state) const {
   }
   const LineFieldMagnitude& fields = line_fields_.magnitude();
   m.load_force = std::max(m.load_force, fields.force);
-  m.load_moment = std::max(m.load_moment, fields.couple);
+  // what would bend the structure as the eigencurvature does: else a free member, in equilibrium without any force,
+  // would be measured against its own rounding errors
+  m.load_moment = std::max({m.load_moment, fields.couple, structure_.bending_reference * fields.curvature});
   m.eigenstrain = std::max(fields.strain, fields.turn);
   if (!import_.is_null()) {
     double mine[7] = {m.force, m.moment, m.displacement, m.rotation, m.load_force, m.load_moment, m.eigenstrain};

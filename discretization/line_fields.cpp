@@ -212,6 +212,7 @@ void LineFields::note_magnitude(const Field& field, double factor) {
     case LineField::eigenstrain:
       return raise(magnitude_.strain, size);
     case LineField::eigencurvature:
+      raise(magnitude_.curvature, size);
       return raise(magnitude_.turn, size * field.length);
   }
 }

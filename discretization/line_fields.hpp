@@ -10,10 +10,11 @@ namespace mixbeam {
 
 /// Sizes at the present load factor, of what is on this rank.
 struct LineFieldMagnitude {
-  double force = 0.0;   ///< largest component of a load per length times the length of its member
-  double couple = 0.0;  ///< likewise
-  double strain = 0.0;  ///< largest eigenstrain
-  double turn = 0.0;    ///< largest eigencurvature times the length of its member: a rotation
+  double force = 0.0;      ///< largest component of a load per length times the length of its member
+  double couple = 0.0;     ///< likewise
+  double strain = 0.0;     ///< largest eigenstrain
+  double curvature = 0.0;  ///< largest eigencurvature
+  double turn = 0.0;       ///< the same times the length of its member: a rotation
 };
 
 /// Formulas are evaluated once, at construction; a change of the load factor scales and adds the values.
