@@ -47,7 +47,11 @@ TEST(Threads, LineLoadsOnMembersOfSeveralOrders) {
   Scene scene = slope_discontinuity(2, 7);
   scene.members[1].order = 5;
   scene.members[2].force_integration = ForceIntegration::axial_reduced;
-  scene.distributed_loads = {{"leg 2", {1, 2, -3}, {0.5, 0, 1}, 1}, {"leg 3", {0, 1, 0}, {}, 1}};
+  scene.distributed_loads = {{"leg 2", {1, 2, -3}, {0.5, 0, 1}, 1},
+                             {"leg 3", {0, 1, 0}, {}, 1},
+                             {"leg 1", {0, 1, 2}, {0.5, 0, 0}, 1, LoadFrame::follower}};
+  scene.distributed_loads[1].force_formula[2] = "sin(5 * s)";
+  scene.eigenstrains = {{"leg 2", {0.01, 0, 0}, {0.1, 0.2, 0}}};
   expect_same_with_any_number_of_threads(scene);
 }
 
