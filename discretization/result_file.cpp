@@ -1,6 +1,7 @@
 #include "discretization/result_file.hpp"
 
 #include "discretization/hdf5_writer.hpp"
+#include "discretization/result_names.hpp"
 #include "discretization/xdmf_text.hpp"
 
 #include <algorithm>
@@ -273,9 +274,7 @@ void check_place(const fs::path& path) {
   if (!fs::is_directory(folder, ignored)) throw ResultFileError(prefix + folder.string() + " is not a folder");
 }
 
-bool is_link_name(const std::string& name) {
-  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
-}
+bool is_link_name(const std::string& name) { return result_name_problem(name).empty(); }
 
 std::map<std::string, std::size_t> sizes_of(const std::vector<MonitoredQuantity>& monitored) {
   std::map<std::string, std::size_t> sizes;

@@ -4,6 +4,7 @@
 #include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/parameter_access.hpp"
+#include "discretization/result_names.hpp"
 #include "discretization/scene_limits.hpp"
 #include "discretization/scene_parameters.hpp"
 
@@ -40,6 +41,8 @@ std::string imported_name(const ImportTable& table, const CsvRecord& record, con
   if (name.empty()) throw table.error(record, column, "missing " + column + "; allowed: a name");
   const bool has_control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; });
   if (has_control) throw table.error(record, column, "value \"" + excerpt(name) + "\" has control characters");
+  const Problem problem = result_name_problem(name);
+  if (!problem.empty()) throw table.error(record, column, problem);
   return name;
 }
 

@@ -4,6 +4,7 @@
 #include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/parameter_access.hpp"
+#include "discretization/result_names.hpp"
 #include "discretization/scene_parameters.hpp"
 #include "discretization/scene_patterns.hpp"
 #include "discretization/scene_reader_conditions.hpp"
@@ -48,7 +49,16 @@ void SceneReader::read_sections() {
 
 void SceneReader::read_points() {
   const List& points = list_.sublist("Points");
-  for (const std::string& name : names_of(points)) add_point(name, get_vector(points, name));
+  for (const std::string& name : names_of(points)) {
+    check_name(name, child(path_, "Points"));
+    add_point(name, get_vector(points, name));
+  }
+}
+
+/// Of an entry of the list at `path`.
+void SceneReader::check_name(const std::string& name, const ParameterPath& path) const {
+  const Problem problem = result_name_problem(name);
+  if (!problem.empty()) throw source_.error(child(path, name), "name " + problem);
 }
 
 bool SceneReader::add_point(const std::string& name, const Vector3& position) {
@@ -70,13 +80,25 @@ void SceneReader::import_points() {
 }
 
 /// A table may hold more points than members use; a point that somebody wrote here without use is a slip.
-void SceneReader::check_points_are_used() const {
+void SceneReader::check_points_are_used() {
+  for (std::size_t i = origins_.size(); i < scene_.members.size(); ++i) {  // copies of patterns
+    const Member& copy = scene_.members[i];
+    touch_point(copy.start_point);
+    touch_point(copy.end_point);
+    for (const InnerPoint& inner : copy.inner_points) touch_point(inner.point);
+  }
   for (std::size_t i = 0; i < declared_points_; ++i) {
     if (point_touched_[i]) continue;
     const std::string& name = scene_.points[i].name;
-    throw source_.error(child(child(path_, "Points"), name),
-                        "unused: no member starts or ends here; allowed: points of members");
+    throw source_.error(
+        child(child(path_, "Points"), name),
+        "unused: no member, imported or copied ones included, starts or ends here; allowed: points of members");
   }
+}
+
+void SceneReader::touch_point(const std::string& point) {
+  const auto found = point_index_.find(point);  // patterns make points of their own, too
+  if (found != point_index_.end()) point_touched_[found->second] = true;
 }
 
 InputError SceneReader::unknown(std::size_t member, const std::string& parameter, const std::string& what,

@@ -42,7 +42,9 @@ class SceneReader {
   void read_sections();
   void read_points();
   void import_points();
-  void check_points_are_used() const;
+  void check_points_are_used();
+  void touch_point(const std::string& point);
+  void check_name(const std::string& name, const ParameterPath& path) const;
   /// False if there is a point of this name.
   bool add_point(const std::string& name, const Vector3& position);
   /// A name in a member that nothing bears.

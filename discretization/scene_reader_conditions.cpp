@@ -7,6 +7,7 @@
 #include "discretization/name_pattern.hpp"
 #include "discretization/nearest_name.hpp"
 #include "discretization/parameter_access.hpp"
+#include "discretization/result_names.hpp"
 
 #include <algorithm>
 
@@ -46,6 +47,8 @@ void ConditionReader::read_load_cases() {
   std::set<std::string> seen;
   for (const std::string& name : names) {
     if (!seen.insert(name).second) throw source_.error(path, "names \"" + excerpt(name) + "\" twice; allowed: once");
+    const Problem problem = file_name_problem(name);
+    if (!problem.empty()) throw source_.error(path, "value " + problem);
     scene_.load_cases.push_back(name);
   }
 }

@@ -5,6 +5,7 @@
 #include "discretization/message_text.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/reference_curve.hpp"
+#include "discretization/result_names.hpp"
 #include "discretization/scene_reader.hpp"
 #include "discretization/vector_algebra.hpp"
 
@@ -152,6 +153,8 @@ void SceneReader::place_inner_points(std::size_t index) {
 /// Adds the point, or checks that it is there. `length`: of the member.
 void SceneReader::place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
                               const ParameterPath& parameter) {
+  const Problem problem = result_name_problem(point);
+  if (!problem.empty()) throw member_error(member, parameter, "name " + problem);
   if (add_point(point, position)) return;
   const Vector3& declared = position_of(point);
   if (norm(difference(declared, position)) <= kEndTolerance * length) return;

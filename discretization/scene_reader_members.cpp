@@ -34,6 +34,7 @@ void SceneReader::read_members() {
     const std::string& name = list_names_[i];
     const List& list = members.sublist(name);
     const ParameterPath path = child(child(path_, "Members"), name);
+    check_name(name, child(path_, "Members"));
     Member member = read_member(name, list, path);
     CurveDraft draft;
     if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), source_, child(path, "Curve"));

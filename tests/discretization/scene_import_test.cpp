@@ -61,6 +61,13 @@ TEST_F(SceneImport, JoinsWhatTheSceneHas) {
   EXPECT_EQ(member_in(scene, "o")->end_point, "C");
 }
 
+TEST_F(SceneImport, PointsThatOnlyImportedMembersTouchAreUsed) {
+  write("points.csv", kPoints);
+  write("members.csv", kMembers + "o,C,D,flat\n");
+  EXPECT_EQ(read("", numbers("D", "{0, 5, 0}")).members.size(), 3U);
+  EXPECT_THROW(read("", numbers("D", "{0, 5, 0}") + numbers("E", "{0, 6, 0}")), InputError);
+}
+
 TEST_F(SceneImport, UnderstandsWhatProgramsWrite) {
   write("points.csv",
         "\xEF\xBB\xBF# exported\r\n\r\n  \"Name\" ;z; Y;x\r\n\"A\";0;0;0\r\n\"the \"\"B\"\"; here\" ; 3 ;2;+1\r\n");
@@ -86,6 +93,7 @@ TEST_F(SceneImport, ErrorsNameLineAndColumn) {
   refused("A,0,0,nan\n", {"points.csv:1:7: ", "z: value nan"});
   refused("A,0,0,1e101\n", {"points.csv:1:7: ", "up to 1e+100"});
   refused("A,0,0,0\nA,1,0,0\n", {"points.csv:2:1: ", "\"A\" is the name of another point"});
+  refused("A,0,0,0\n..,1,0,0\n", {"points.csv:2:1: ", "\"..\"", "result file"});
   refused("\"A,0,0,0\n", {"points.csv:1:1: ", "not closed"});
   refused("\"A\"x,0,0,0\n", {"points.csv:1:4: ", "after a closing quote"});
   refused("name,x,y,zz\nA,0,0,0\n", {"points.csv:1:10: ", "\"zz\" is not a column", "did you mean \"z\"?"});
@@ -107,6 +115,7 @@ TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
   refused("m,A,B\n", {"members.csv:1:1: ", "missing section"});
   refused("m,A,B,flat,9\n", {"members.csv:1:12: ", "order: value 9", "1 to 8"});
   refused("m,A,B,flat,2,0\n", {"members.csv:1:14: ", "elements: value 0"});
+  refused("m,A,B,flat\nn/1,B,C,flat\n", {"members.csv:2:1: ", "\"n/1\"", "without \"/\""});
   refused("m,A,B,flat\nn,B,B,flat\n", {"members.csv:2:1: ", "no length"});
   refused("m,A,B,flat\nm,B,C,flat\n", {"members.csv:2:1: ", "\"m\" is the name of another member"});
   refused("m,A,B,flat,1,9000000\nn,B,C,flat,1,9000000\n", {"members.csv:2:14: ", "18000000 elements"});

@@ -50,6 +50,17 @@ TEST(ScenePatterns, RepeatedCellsConnect) {
   expect_at(scene, "B (2)", {3, 0, 0}, 0.0);
 }
 
+/// Only a copy ends at "D": that counts as its use, and the copy bears the declared name.
+TEST(ScenePatterns, PointsThatOnlyCopiesTouchAreUsed) {
+  const std::string far = numbers("D", "{3, 0, 0}"), spare = numbers("E", "{3, 0, 0.5}");
+  const std::string three = patterns({repeat("{1, 0, 0}", 3)});
+  const Scene scene = scene_from(scene_text(kCell + far, kCellMembers, three));
+  EXPECT_EQ(member_in(scene, "along (2)")->end_point, "D");
+  EXPECT_EQ(position_in(scene, "B (2)"), nullptr);
+  expect_text_refused(scene_text(kCell + far, kCellMembers), {"\"Scene / Points / D\"", "unused"});
+  expect_text_refused(scene_text(kCell + far + spare, kCellMembers, three), {"\"Scene / Points / E\"", "unused"});
+}
+
 TEST(ScenePatterns, TwoRepeatsMakeAGrid) {
   const int nx = 4, ny = 3;
   const Scene scene =
