@@ -1,46 +1,76 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds mixbeam, and computes the benchmarks with their tables and pictures.
+# Installs what is missing, builds mixbeam, and computes the benchmarks and the scenes of apps/verification and
+# apps/gallery with their tables and pictures.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh
 source .ci/setup.sh
 
 readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork)
+readonly all_scene_groups=(verification gallery)
+readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results
 # Debian's Python has the packages installed above; another one earlier in PATH need not.
 readonly python=/usr/bin/python3
 
 usage() {
   cat <<END
-usage: ./run.sh [--no-install] [benchmark]...
+usage: ./run.sh [--no-install] [name]...
 
-Installs missing Debian packages, configures and builds the preset "release", and runs the benchmarks:
+Installs missing Debian packages, configures and builds the preset "release", and runs the benchmarks
   ${all_benchmarks[*]}
-or those that are named. Tables, result files and pictures go to $results/<benchmark>.
+and the scenes of
+  ${all_scene_groups[*]}
+or those that are named. Tables, result files and pictures go to $results/<name>.
 
   --no-install   stop with the list of missing packages instead of installing them
   --help         print this text
 
-Exit code: 0 every checked value agrees; 1 the build or a benchmark failed; 2 wrong usage or missing packages.
+Exit code: 0 every checked value agrees; 1 the build or a run failed; 2 wrong usage or missing packages.
 END
 }
 
+# Every scene of apps/<group>: a line for each, the report of the program where it failed.
+run_scenes() { # run_scenes <group>
+  local scene name folder
+  for scene in apps/"$1"/*.xml; do
+    name=$(basename "$scene" .xml)
+    folder=$results/$1/$name
+    mkdir -p "$folder"
+    rm -f "$folder/summary.json" # of an earlier run: a run that fails at once writes none
+    if "$program_mixbeam" run "$scene" --quiet --output "$folder" --summary "$folder/summary.json" \
+      >"$folder/report.txt" 2>&1; then
+      printf '%-24s %s\n' "$name" "$(grep 'checks passed' "$folder/report.txt")"
+    else
+      cat "$folder/report.txt" >&2
+      failed+=("$1/$name")
+    fi
+  done
+}
+
+draw_scenes() { # draw_scenes <group>
+  find "$results/$1" -name '*.h5' -print0 |
+    MPLBACKEND=Agg xargs -0 -r -n 1 -P "$(nproc)" "$python" "$build_directory/bin/plots/plot_result.py" \
+      --picture shape --format png >"$results/$1/pictures.txt" || failed+=("pictures of $1")
+}
+
 install=yes
-benchmarks=()
+names=()
 while [[ $# -gt 0 ]]; do
   case $1 in
     --no-install) install=no ;;
     --help | -h) usage && exit 0 ;;
     -*) fail 2 "run.sh: unknown option $1; see ./run.sh --help" ;;
     *)
-      [[ " ${all_benchmarks[*]} " == *" $1 "* ]] ||
-        fail 2 "run.sh: unknown benchmark $1; there are: ${all_benchmarks[*]}"
-      benchmarks+=("$1")
+      [[ " ${all_names[*]} " == *" $1 "* ]] ||
+        fail 2 "run.sh: unknown benchmark $1; there are: ${all_names[*]}"
+      names+=("$1")
       ;;
   esac
   shift
 done
-[[ ${#benchmarks[@]} -gt 0 ]] || benchmarks=("${all_benchmarks[@]}")
+[[ ${#names[@]} -gt 0 ]] || names=("${all_names[@]}")
+readonly program_mixbeam=$build_directory/bin/mixbeam
 
 prepare "$install"
 
@@ -49,8 +79,12 @@ prepare "$install"
 export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 
 failed=()
-for benchmark in "${benchmarks[@]}"; do
+for benchmark in "${names[@]}"; do
   say "Run $benchmark"
+  if [[ " ${all_scene_groups[*]} " == *" $benchmark "* ]]; then
+    run_scenes "$benchmark"
+    continue
+  fi
   program=$build_directory/bin/$benchmark
   if [[ ! -x $program ]]; then
     printf 'There is no program %s\n' "$program" >&2
@@ -65,7 +99,15 @@ done
 plot_script=$build_directory/bin/plots/plot_all.py
 if [[ -f $plot_script ]]; then
   say "Draw the figures"
-  MPLBACKEND=Agg "$python" "$plot_script" "$results" || failed+=("figures")
+  drawn=()
+  for benchmark in "${all_benchmarks[@]}"; do
+    [[ " ${names[*]} " == *" $benchmark "* ]] && drawn+=("$benchmark")
+  done
+  [[ ${#drawn[@]} -eq 0 ]] ||
+    MPLBACKEND=Agg "$python" "$plot_script" "$results" --only "${drawn[@]}" || failed+=("figures")
+  for group in "${all_scene_groups[@]}"; do
+    [[ " ${names[*]} " != *" $group "* ]] || draw_scenes "$group"
+  done
 fi
 
 table_script=$build_directory/bin/plots/verification_table.py
@@ -75,7 +117,7 @@ if [[ -f $table_script ]]; then
 fi
 
 say "Results"
-for benchmark in "${benchmarks[@]}"; do
+for benchmark in "${names[@]}"; do
   [[ -d $results/$benchmark ]] || continue
   for kind in csv png json; do
     files=$(find "$results/$benchmark" -name "*.$kind" | wc -l)
@@ -85,4 +127,4 @@ done
 if [[ ${#failed[@]} -gt 0 ]]; then
   fail 1 "Failed: ${failed[*]}"
 fi
-say "All ${#benchmarks[@]} benchmarks agree with their references"
+say "All values agree with their references: ${names[*]}"

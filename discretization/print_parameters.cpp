@@ -1,5 +1,7 @@
 #include "discretization/print_parameters.hpp"
 
+#include <cctype>
+#include <limits>
 #include <sstream>
 
 namespace mixbeam {
@@ -35,8 +37,23 @@ std::string presence_text(Presence presence) {
   return "";
 }
 
+/// Bounds that no scene reaches would only hide those that matter; messages of errors name them.
+constexpr double kBeyondAnyScene = 1e99;
+
+std::string described_values(ParameterSpec spec) {
+  Range& range = spec.range;
+  if (range.minimum <= -kBeyondAnyScene) range.minimum = -std::numeric_limits<double>::infinity();
+  if (range.maximum >= kBeyondAnyScene) range.maximum = std::numeric_limits<double>::infinity();
+  return allowed_values(spec);
+}
+
+/// Of a list: whether its parameters have defaults makes no difference to who leaves it out.
+std::string presence_text_of_list(Presence presence) {
+  return presence == Presence::required ? "required" : "optional";
+}
+
 void print_parameter(std::ostream& out, const ParameterSpec& spec, const std::string& name, int indent) {
-  std::string head = name + ": " + allowed_values(spec);
+  std::string head = name + ": " + described_values(spec);
   head += spec.presence == Presence::defaulted ? "; default " + to_text(spec.default_value)
                                                : "; " + presence_text(spec.presence);
   print_wrapped(out, head, indent);
@@ -49,8 +66,7 @@ void print_list(std::ostream& out, const ListSpec& spec, const std::string& head
   const int inside = head.empty() ? indent : indent + kIndent;
   for (const ParameterSpec& parameter : spec.parameters) print_parameter(out, parameter, parameter.name, inside);
   for (const SublistSpec& sublist : spec.sublists) {
-    const std::string presence = presence_text(sublist.presence);
-    print_list(out, *sublist.list, "[" + sublist.name + "]" + (presence.empty() ? "" : " " + presence), inside);
+    print_list(out, *sublist.list, "[" + sublist.name + "] " + presence_text_of_list(sublist.presence), inside);
   }
   const std::string placeholder = "<" + spec.placeholder + ">";
   const std::string many = spec.minimum_named > 0 ? " one or more" : " any number";
@@ -67,39 +83,56 @@ void print_parameters(std::ostream& out, const ListSpec& spec, const std::string
 
 namespace {
 
-/// Text for a cell of a table.
-std::string cell(const std::string& text) {
+/// Text that Markdown shows as it is: no borders of cells, no tags.
+std::string shown(const std::string& text) {
   std::string result;
-  for (const char c : text) result += c == '|' ? "\\|" : c == '<' ? "&lt;" : c == '\n' ? " " : std::string(1, c);
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool tag =
+        text[i] == '<' && i + 1 < text.size() && std::isalpha(static_cast<unsigned char>(text[i + 1])) != 0;
+    if (text[i] == '|' || text[i] == '*' || tag) result += '\\';
+    result += text[i] == '\n' ? ' ' : text[i];
+  }
   return result;
 }
 
-std::string presence_or_default(const ParameterSpec& spec) {
-  return spec.presence == Presence::defaulted ? to_text(spec.default_value) : presence_text(spec.presence);
+/// Where GitHub puts the heading `text`.
+std::string anchor(const std::string& text) {
+  std::string result = "#";
+  for (const char c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) result += static_cast<char>(std::tolower(c));
+    if (c == ' ') result += '-';
+  }
+  return result;
 }
 
 void print_row(std::ostream& out, const std::string& name, const ParameterSpec& spec) {
-  out << "| " << cell(name) << " | " << cell(allowed_values(spec)) << " | " << cell(presence_or_default(spec)) << " | "
-      << cell(spec.meaning) << " |\n";
+  const bool defaulted = spec.presence == Presence::defaulted;
+  out << "| " << shown(name) << " | " << shown(described_values(spec)) << " | "
+      << shown(defaulted ? to_text(spec.default_value) : presence_text(spec.presence)) << " | " << shown(spec.meaning)
+      << " |\n";
 }
 
-void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path);
+std::string sentence(std::string words) {
+  words[0] = static_cast<char>(std::toupper(words[0]));
+  return words + ". ";
+}
 
+void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path, const std::string& presence);
+
+/// Lists inside `spec`, each with its heading; `path` are the lists around them.
 void print_markdown_sublists(std::ostream& out, const ListSpec& spec, const std::string& path) {
   const std::string before = path.empty() ? "" : path + " / ";
-  for (const SublistSpec& sublist : spec.sublists) {
-    const std::string presence = presence_text(sublist.presence);
-    out << "\n## " << cell(before + sublist.name) << (presence.empty() ? "" : " (" + presence + ")") << "\n\n";
-    print_markdown_list(out, *sublist.list, before + sublist.name);
-  }
-  if (!spec.named_list) return;
-  const std::string many = spec.minimum_named > 0 ? " (one or more)" : " (any number)";
-  out << "\n## " << cell(before + "<" + spec.placeholder + ">") << many << "\n\n";
-  print_markdown_list(out, *spec.named_list, before + "<" + spec.placeholder + ">");
+  for (const SublistSpec& sublist : spec.sublists)
+    print_markdown_list(out, *sublist.list, before + sublist.name, presence_text_of_list(sublist.presence));
+  if (spec.named_list)
+    print_markdown_list(out, *spec.named_list, before + "<" + spec.placeholder + ">",
+                        spec.minimum_named > 0 ? "one or more" : "any number");
 }
 
-void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path) {
-  out << cell(spec.meaning) << "\n";
+void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::string& path,
+                         const std::string& presence) {
+  out << (path.find(" / ") == std::string::npos ? "\n## " : "\n### ") << shown(path) << "\n\n"
+      << sentence(presence) << shown(spec.meaning) << "\n";
   if (!spec.parameters.empty() || spec.named_parameter) {
     out << "\n| parameter | type and range | default | meaning |\n| --- | --- | --- | --- |\n";
     for (const ParameterSpec& parameter : spec.parameters) print_row(out, parameter.name, parameter);
@@ -110,11 +143,26 @@ void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::str
   print_markdown_sublists(out, spec, path);
 }
 
+/// One line for each list: links to it and to the lists in it.
+void print_markdown_contents(std::ostream& out, const ListSpec& spec) {
+  for (const SublistSpec& sublist : spec.sublists) {
+    out << "- [" << sublist.name << "](" << anchor(sublist.name) << ")";
+    const char* separator = ": ";
+    for (const SublistSpec& inner : sublist.list->sublists) {
+      out << separator << "[" << inner.name << "](" << anchor(sublist.name + " / " + inner.name) << ")";
+      separator = ", ";
+    }
+    out << "\n";
+  }
+}
+
 }  // namespace
 
-void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title) {
-  out << "# " << title << "\n\n";
-  print_markdown_list(out, spec, "");
+void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title,
+                               const std::string& introduction) {
+  out << "# " << title << "\n\n" << introduction << "\n\n";
+  print_markdown_contents(out, spec);
+  print_markdown_sublists(out, spec, "");
 }
 
 }  // namespace mixbeam

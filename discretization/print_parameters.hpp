@@ -11,7 +11,9 @@ namespace mixbeam {
 /// The complete tree below a list called `name`: every parameter with its type, default, range and meaning.
 void print_parameters(std::ostream& out, const ListSpec& spec, const std::string& name = "");
 
-/// The same as a page of Markdown: a heading for each list, a table of its parameters.
-void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title);
+/// The same as a page of Markdown: title and introduction (itself Markdown), links to the outer lists, then a heading
+/// for each list and a table of its parameters. The root has no parameters of its own.
+void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title,
+                               const std::string& introduction);
 
 }  // namespace mixbeam

@@ -12,11 +12,12 @@
 namespace mixbeam {
 
 ListSpec root_spec(const ApplicationDefinition& definition) {
-  ListSpec root("Scene file of " + definition.name + ".");
+  ListSpec root("Scene file of " + definition.name +
+                ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
   root.add_list("Scene", scene_spec(), Presence::required);
+  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
   root.add_list("Study", definition.study, Presence::defaulted);
-  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   return root;
 }
 

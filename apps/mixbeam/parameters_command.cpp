@@ -21,6 +21,17 @@ const ApplicationDefinition& mixbeam_definition() {
   return definition;
 }
 
+namespace {
+
+constexpr const char* kIntroduction =
+    "Output of `mixbeam parameters --markdown > parameters.md`. How to write a scene: [scenes.md](scenes.md).\n\n"
+    "A name in angle brackets stands for names of your own. The column \"default\" has the value of an absent\n"
+    "parameter, or says that there is none: *required*, or *optional* where the meaning tells when it is needed. "
+    "Numbers\n"
+    "are finite unless inf is mentioned. Square brackets hold the unit; [1] is none.";
+
+}  // namespace
+
 int parameters_command(const Arguments& arguments) {
   const CommandLine line =
       read_command_line(arguments.count(), arguments.values.data(), {"--help", "--markdown"}, "(no file)");
@@ -28,7 +39,7 @@ int parameters_command(const Arguments& arguments) {
     throw InputError("\"" + excerpt(*line.scene_file) + "\" given to \"parameters\"; allowed: \"--markdown\"");
   const ListSpec root = root_spec(mixbeam_definition());
   if (line.markdown)
-    print_parameters_markdown(std::cout, root, "Parameters of a scene file");
+    print_parameters_markdown(std::cout, root, "Parameters of a scene file", kIntroduction);
   else
     print_parameters(std::cout, root, "mixbeam");
   return 0;

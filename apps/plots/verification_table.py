@@ -1,6 +1,7 @@
 #!/usr/bin/python3
-"""The verification table: what the benchmarks checked, against what, and how well it agrees. Read from the summaries
-RESULTS/<benchmark>/summary.json; printed as text or as Markdown, or written between the two marker lines of a file."""
+"""The verification table: what benchmarks and scenes checked, against what, and how well it agrees. Read from the
+summaries RESULTS/<benchmark>/summary.json, RESULTS/verification/<scene>/summary.json and the same for the gallery;
+printed as text or as Markdown, or written between the two marker lines of a file."""
 
 import argparse
 import json
@@ -13,6 +14,7 @@ from pathlib import Path
 from plot_all import BENCHMARKS
 
 NOT_VERIFICATION = ("thread_scaling",)  # times, not values
+SCENE_GROUPS = ("verification", "gallery")  # folders of scenes, run by mixbeam
 BEGIN, END = "<!-- verification:begin -->", "<!-- verification:end -->"
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
 HEADINGS = ("benchmark", "quantity", "values", "worst", "allowed", "pass", "source")
@@ -26,14 +28,14 @@ class InputError(Exception):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark")
+    parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark and group of scenes")
     parser.add_argument("--markdown", action="store_true", help="print Markdown, with sources, instead of plain text")
     parser.add_argument("--update", type=Path, metavar="FILE",
-                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs all benchmarks")
+                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs all of them")
     options = parser.parse_args()
     try:
         summaries = read_summaries(options.results)
-        rows = [row for summary in summaries for row in rows_of(summary)]
+        rows = all_rows(summaries)
         if options.update:
             update(options.update, summaries, rows)
         elif options.markdown:
@@ -46,14 +48,17 @@ def main():
 
 
 def read_summaries(results):
-    """The summaries in the order of the paper, without benchmarks that have none."""
+    """The summaries in the order of the paper, then those of scenes, without benchmarks that have none."""
     if not results.is_dir():
         raise InputError(f"{results}: no such folder")
     benchmarks = [name for name in BENCHMARKS if name not in NOT_VERIFICATION]
     files = [results / name / "summary.json" for name in benchmarks]
     summaries = [read_summary(file) for file in files if file.is_file()]
+    for group in SCENE_GROUPS:
+        for file in sorted((results / group).glob("*/summary.json")):
+            summaries.append({**read_summary(file), "program": f"{group}/{file.parent.name}", "group": group})
     if not summaries:
-        raise InputError(f"{results}: no <benchmark>/summary.json found; the benchmarks write one with --summary")
+        raise InputError(f"{results}: no <benchmark>/summary.json found; the programs write one with --summary")
     return summaries
 
 
@@ -67,6 +72,38 @@ def read_summary(file):
         raise InputError(f"{file}: not a summary of a benchmark ({type(error).__name__}: {error})") from None
 
 
+def all_rows(summaries):
+    rows = [row for summary in summaries if "group" not in summary for row in rows_of(summary)]
+    for group in SCENE_GROUPS:
+        rows += rows_of_scenes(group, [summary for summary in summaries if summary.get("group") == group])
+    return rows
+
+
+def rows_of_scenes(group, summaries):
+    """One row for each scene, source and allowance, and one for the balance of forces that every run checks."""
+    groups, rows = {}, []
+    for summary in summaries:
+        for check in summary["checks"]:
+            if check["comparison"] == "upper bound":
+                key = group, check["source"], check["printed_reference"]
+            else:
+                key = summary["program"], check["source"], check["comparison"], check["tolerance"]
+            groups.setdefault(key, []).append(check)
+        if "failure" in summary:
+            rows.append(row_of_failure(summary))
+    last = [key for key in groups if key[0] == group]
+    for key in [key for key in groups if key not in last] + last:
+        name = ", ".join(dict.fromkeys(short_name(check["name"]) for check in groups[key]))
+        rows.append((key[0], name, *row_of("", groups[key])[2:]))
+    return rows
+
+
+def short_name(name):
+    """"elastica: loads and reactions, sum of forces" and "u_x, force 600" without what names the case."""
+    quantity = quantity_of(name)
+    return quantity if quantity != name else name.partition(", ")[0]
+
+
 def rows_of(summary):
     """One row for each group of checks that have source, allowance and kind of quantity in common."""
     groups = {}
@@ -74,8 +111,12 @@ def rows_of(summary):
         groups.setdefault(group_of(check), []).append(check)
     rows = [row_of(summary["program"], checks) for checks in groups.values()]
     if "failure" in summary:
-        rows.append((summary["program"], "the run ended early", "", "", "", "**NO**", summary["failure"]))
+        rows.append(row_of_failure(summary))
     return rows
+
+
+def row_of_failure(summary):
+    return summary["program"], "the run ended early", "", "", "", "**NO**", summary["failure"]
 
 
 def group_of(check):
@@ -179,8 +220,8 @@ def shortened(text):
 
 
 def update(file, summaries, rows):
-    there = {summary["program"] for summary in summaries}
-    missing = [name for name in BENCHMARKS if name not in there and name not in NOT_VERIFICATION]
+    there = {summary.get("group", summary["program"]) for summary in summaries}
+    missing = [name for name in BENCHMARKS + SCENE_GROUPS if name not in there and name not in NOT_VERIFICATION]
     if missing:
         raise InputError(f"{file} is left as it is: no results of {', '.join(missing)}")
     try:

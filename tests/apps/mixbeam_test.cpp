@@ -87,8 +87,15 @@ TEST_F(Mixbeam, ParametersAsTextAndMarkdown) {
   EXPECT_EQ(text.exit_code, kOk);
   EXPECT_EQ(markdown.exit_code, kOk);
   expect_in(text.out, {"[Scene] required", "Maximum Iterations: int", "[Expected]"});
-  expect_in(markdown.out, {"# Parameters of a scene file", "## Scene (required)", "## Scene / Members",
-                           "| Maximum Iterations | int", "| --- |"});
+  expect_in(markdown.out, {"# Parameters of a scene file", "- [Scene](#scene): [Sections](#scene--sections), ",
+                           "\n## Scene\n\nRequired. ", "\n### Scene / Members\n\nOptional. ",
+                           "| Maximum Iterations | int", "| --- |", "\\<member>"});
+}
+
+TEST_F(Mixbeam, ThePageOfParametersIsWhatTheProgramPrints) {
+  const fs::path page = fs::path(MIXBEAM_SOURCE_DIR) / "apps" / "docs" / "parameters.md";
+  EXPECT_EQ(text_of(page), run({"parameters", "--markdown"}).out)
+      << "to bring it up to date: mixbeam parameters --markdown > apps/docs/parameters.md";
 }
 
 TEST_F(Mixbeam, CommandLine) {

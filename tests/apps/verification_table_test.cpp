@@ -28,6 +28,19 @@ class VerificationTable : public ::testing::Test {
     for (const char* benchmark :
          {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork"})
       write_summary(benchmark, 0.501);
+    for (const char* group : {"verification", "gallery"}) write_scene_summary(group, "a scene", 2.0);
+  }
+
+  /// A summary as `mixbeam run` writes it: one value in two load cases, expected 2 +-1e-8, and a balance.
+  void write_scene_summary(const std::string& group, const std::string& scene, double value) {
+    Summary summary;
+    summary.program = "mixbeam";
+    summary.version = "1.2";
+    summary.check_relative("tip, wind", 2.0, 2.0, 1e-8, "a formula");
+    summary.check_relative("tip, snow", value, 2.0, 1e-8, "a formula");
+    summary.check_upper_bound(scene + "-snow: sum of forces", 3e-16, 1e-10, "equilibrium");
+    fs::create_directories(folder_ / "results" / group / scene);
+    summary.write_json(folder_ / "results" / group / scene / "summary.json");
   }
 
   Ended table(const std::vector<std::string>& options = {}) {
@@ -59,6 +72,15 @@ TEST_F(VerificationTable, ShowsWhatFailed) {
   expect_in(table().out, {"NO", "not a number", "4 of 6 values agree"});
 }
 
+TEST_F(VerificationTable, HasScenesOfTheProgram) {
+  write_scene_summary("verification", "arch", 2.0);
+  write_scene_summary("verification", "column", 2.0 + 2e-7);
+  expect_in(table({"--markdown"}).out, {"| verification/arch | tip | 2 | 0 | 1e-08 of the value | yes | a formula |",
+                                        "| verification/column | tip | 2 | 1e-07 | 1e-08 of the value | **NO** |",
+                                        "| verification | sum of forces | 2 | 3e-16 | at most 1e-10 | yes | equilibrium",
+                                        "5 of 6 values agree"});
+}
+
 TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
   const fs::path readme = folder_ / "README.md";
   const std::string before = "text\n<!-- verification:begin -->", after = "<!-- verification:end -->\nmore\n";
@@ -66,14 +88,14 @@ TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
   write_summary("rollup", 0.501);
   const Ended incomplete = table({"--update", readme.string()});
   EXPECT_EQ(incomplete.exit_code, 1);
-  expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment"});
+  expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment", "fork, verification, gallery"});
   EXPECT_EQ(text_of(readme), before + "\nold\n" + after);
 
   write_all_summaries();
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   const std::string updated = text_of(readme);
   EXPECT_EQ(updated.rfind(before + "\n| benchmark | quantity |", 0), 0U) << updated;
-  expect_in(updated, {"21 of 21 values agree", "\n" + after});
+  expect_in(updated, {"27 of 27 values agree", "\n" + after});
   EXPECT_EQ(updated.find("old"), std::string::npos);
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   EXPECT_EQ(text_of(readme), updated);  // a second time changes nothing
