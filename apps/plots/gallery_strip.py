@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+"""The README's strip of the gallery: scenes of apps/gallery, deformed (blue) and undeformed (grey), without axes.
+
+    gallery_strip.py RESULTS OUTPUT.png     reads RESULTS/gallery/<scene>/<scene>.h5, as run.sh leaves them
+"""
+
+import argparse
+import pathlib
+import sys
+
+import h5py
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the back end is chosen)
+import numpy as np  # noqa: E402
+
+# scene: the directions that point to the right and up in the picture, and the share of the load factor that is shown
+OBLIQUE = ((0.8, 0.6, 0.0), (-0.25, 0.33, 0.91))
+SCENES = {
+    "tree": (OBLIQUE, 1.0),
+    "gripper": (OBLIQUE, 1.0),
+    "deployable_ring": (((1, 0, 0), (0, 1, 0)), 0.625),
+    "honeycomb": (((1, 0, 0), (0, 1, 0)), 1.0),
+    "coil_spring": (OBLIQUE, 1.0),
+    "star_dome": (OBLIQUE, 1.0),
+    "lees_frame": (((1, 0, 0), (0, 1, 0)), 1.0),
+}
+
+
+def lines_of(file, share, plane):
+    """For each member its undeformed and its deformed points in the plane, (samples, 2)."""
+    steps = list(file["steps"].values())
+    last = steps[-1].attrs["load_factor"]
+    step = min(steps, key=lambda one: abs(one.attrs["load_factor"] - share * last))
+    axes = np.array(plane).T
+    for member in file["members"].values():
+        first, count = member.attrs["first_sample"], member.attrs["samples"]
+        yield member["reference_position"][:] @ axes, step["position"][first:first + count] @ axes
+
+
+def draw(panel, path, plane, share):
+    with h5py.File(path) as file:
+        for undeformed, deformed in lines_of(file, share, plane):
+            panel.plot(*undeformed.T, color="0.8", linewidth=0.7, zorder=1)
+            panel.plot(*deformed.T, color="tab:blue", linewidth=1.3, zorder=2)
+    panel.set_aspect("equal")
+    panel.axis("off")
+    panel.set_title(path.stem.replace("_", " "), fontsize=9, color="0.3")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("results", type=pathlib.Path)
+    parser.add_argument("output", type=pathlib.Path)
+    arguments = parser.parse_args()
+    canvas, panels = plt.subplots(1, len(SCENES), figsize=(13, 2.4))
+    for panel, (name, (plane, share)) in zip(panels, SCENES.items()):
+        try:
+            draw(panel, arguments.results / "gallery" / name / f"{name}.h5", plane, share)
+        except (OSError, KeyError) as error:
+            sys.exit(f"gallery_strip.py: {name}: {error}")
+    canvas.tight_layout()
+    canvas.savefig(arguments.output, dpi=90)
+
+
+if __name__ == "__main__":
+    main()
