@@ -15,6 +15,11 @@ namespace mixbeam {
 
 namespace {
 
+/// "1 step", "2 steps".
+std::string counted(int number, const std::string& noun) {
+  return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
 void check_expected(Application& app, const Simulation& simulation, double load_factor) {
   app.check_expected(simulation, load_factor, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
 }
@@ -54,7 +59,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
     check_expected(app, simulation, step.load_factor);
   };
   const Simulation simulation = app.record(scene, app.solver, recording);
-  app.out() << file.stem().string() << ": " << simulation.result().steps << " steps to load factor "
+  app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << ", " << file.string() << "\n";
   report.print(app.out());
   report.check_balance(app, file.stem().string());
@@ -81,8 +86,9 @@ int finish_runs(Application& app, const CommandLine& line, const std::function<R
   app.summary.print_checks(app.out(), false);
   char seconds[32];
   std::snprintf(seconds, sizeof seconds, "%.3f s", app.summary.seconds["total"]);
-  app.out() << "mixbeam: " << app.summary.load_steps << " load steps, " << app.summary.newton_iterations
-            << " Newton iterations, " << seconds << ", results in " << app.output.string() << "\n";
+  app.out() << "mixbeam: " << counted(app.summary.load_steps, "load step") << ", "
+            << counted(app.summary.newton_iterations, "Newton iteration") << ", " << seconds << ", results in "
+            << app.output.string() << "\n";
   if (!app.summary.all_passed()) return kFailedExitCode;
   return end == RunEnd::arrived ? 0 : kInterruptedExitCode;
 }
