@@ -27,6 +27,11 @@ bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
 }
 
+/// Points that are held would only hide those that move.
+bool stays(const MonitoredQuantity& displacement) {
+  return displacement.components == std::vector<double>(displacement.components.size(), 0.0);
+}
+
 void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
@@ -54,7 +59,7 @@ void RunReport::print(std::ostream& out) const {
   const std::string displacement = ".displacement";
   std::size_t points = 0;
   for (const MonitoredQuantity& quantity : last_.monitored) {
-    if (!ends_with(quantity.name, displacement) || ++points > kMostLines) continue;
+    if (!ends_with(quantity.name, displacement) || stays(quantity) || ++points > kMostLines) continue;
     if (points == 1) out << text_of("  %-24s %18s %18s %18s\n", "displacement of", "x", "y", "z");
     const std::string point = quantity.name.substr(0, quantity.name.size() - displacement.size());
     const std::vector<double>& u = quantity.components;
