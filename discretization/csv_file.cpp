@@ -133,7 +133,9 @@ class CsvScanner {
   char separator_ = '\0';
 };
 
-std::string text_of(const std::string& path) {
+}  // namespace
+
+std::string text_of_table(const std::string& path) {
   std::error_code failure;
   const std::uintmax_t bytes = std::filesystem::file_size(path, failure);  // fails for a folder
   if (failure) throw InputError(path + ": cannot be read: " + failure.message());
@@ -144,9 +146,7 @@ std::string text_of(const std::string& path) {
   return text;
 }
 
-}  // namespace
-
-CsvFile::CsvFile(const std::string& path) : path_(path), text_(text_of(path)) { prepare(); }
+CsvFile::CsvFile(const std::string& path) : path_(path), text_(text_of_table(path)) { prepare(); }
 
 CsvFile::CsvFile(std::string path, std::string text) : path_(std::move(path)), text_(std::move(text)) { prepare(); }
 

@@ -3,8 +3,10 @@
 
 #include "discretization/errors.hpp"
 
+#include <map>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -31,6 +33,10 @@ class ParameterSource {
   void record(const ParameterPath& path, int line);
   void reserve(std::size_t entries) { lines_.reserve(entries); }
 
+  /// Texts of the files that the input names, by that name: readers take them instead of what is on the disk now.
+  const std::map<std::string, std::string>& files() const { return files_; }
+  void set_files(std::map<std::string, std::string> files) { files_ = std::move(files); }
+
   /// Line of this very path, 0 if it was not in the file.
   int line(const ParameterPath& path) const;
 
@@ -44,6 +50,7 @@ class ParameterSource {
   std::string file_;
   std::string root_name_;
   std::unordered_map<std::string, int> lines_;
+  std::map<std::string, std::string> files_;
 };
 
 }  // namespace mixbeam

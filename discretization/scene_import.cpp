@@ -18,6 +18,7 @@ namespace mixbeam {
 namespace {
 
 const std::string kNameColumn = "name";
+const std::string kPointsFile = "Points File", kMembersFile = "Members File";
 constexpr int kLargestOrder = 8;
 
 std::string lower_case(std::string text) {
@@ -25,15 +26,27 @@ std::string lower_case(std::string text) {
   return text;
 }
 
+std::filesystem::path beside_scene(const std::string& name, const ParameterSource& source) {
+  return std::filesystem::path(source.file()).parent_path() / name;
+}
+
 std::string resolved(const Teuchos::ParameterList& list, const std::string& parameter, const ParameterSource& source,
                      const ParameterPath& path) {
   const auto& name = list.get<std::string>(parameter);
-  const std::filesystem::path file = std::filesystem::path(source.file()).parent_path() / name;
+  const std::filesystem::path file = beside_scene(name, source);
   std::error_code failure;
   if (std::filesystem::is_regular_file(file, failure)) return file.string();
   throw source.error(child(path, parameter), "value \"" + excerpt(name) + "\": there is no file \"" +
                                                  excerpt(file.string()) +
                                                  "\"; allowed: a file, relative to the folder of the scene");
+}
+
+CsvFile table_of(const Teuchos::ParameterList& list, const std::string& parameter, const ParameterSource& source,
+                 const ParameterPath& path) {
+  const auto& name = list.get<std::string>(parameter);
+  const auto kept = source.files().find(name);
+  if (kept == source.files().end()) return CsvFile(resolved(list, parameter, source, path));
+  return {beside_scene(name, source).string(), kept->second};
 }
 
 std::string imported_name(const ImportTable& table, const CsvRecord& record, const std::string& column) {
@@ -73,8 +86,8 @@ ListSpec import_spec() {
       "Points and lines from tables (CSV), beside those of Points and Members. Cells are separated by commas, "
       "semicolons or tabulators; lines that begin with # do not count; a first line may name the columns, which may "
       "then stand in any order.");
-  spec.add(text("Points File").means("Table of points: name, x, y, z; relative to the folder of the scene."));
-  spec.add(text("Members File")
+  spec.add(text(kPointsFile).means("Table of points: name, x, y, z; relative to the folder of the scene."));
+  spec.add(text(kMembersFile)
                .means("Table of straight members: name, start, end, section, order, elements; empty or absent cells of "
                       "the last three take the values below."));
   spec.add(text("Section").means("Section of the members whose record names none."));
@@ -151,15 +164,26 @@ InputError ImportTable::error(int line, const std::string& column, const std::st
   return error(file_.record_at(line), column, problem);
 }
 
+std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
+                                                       const ParameterSource& source, const ParameterPath& path) {
+  std::map<std::string, std::string> texts;
+  if (!scene_list.isSublist("Import")) return texts;
+  const Teuchos::ParameterList& list = scene_list.sublist("Import");
+  for (const std::string& parameter : {kPointsFile, kMembersFile}) {
+    if (!list.isParameter(parameter)) continue;
+    const auto& name = list.get<std::string>(parameter);
+    if (texts.count(name) == 0) texts[name] = text_of_table(resolved(list, parameter, source, child(path, "Import")));
+  }
+  return texts;
+}
+
 ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
-  return {CsvFile(resolved(list, "Points File", source, path)), {kNameColumn, "x", "y", "z"}, 4};
+  return {table_of(list, kPointsFile, source, path), {kNameColumn, "x", "y", "z"}, 4};
 }
 
 ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source,
                           const ParameterPath& path) {
-  return {CsvFile(resolved(list, "Members File", source, path)),
-          {kNameColumn, "start", "end", "section", "order", "elements"},
-          3};
+  return {table_of(list, kMembersFile, source, path), {kNameColumn, "start", "end", "section", "order", "elements"}, 3};
 }
 
 Point imported_point(const ImportTable& table, const CsvRecord& record) {

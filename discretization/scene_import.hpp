@@ -46,7 +46,15 @@ class ImportTable {
   bool has_names_ = false;
 };
 
-/// The table that a parameter of the list "Import" names, relative to the folder of the scene file.
+/// Texts of the tables that the list "Import" of the validated list of a scene names, by these names: what a result
+/// file keeps, so that resuming needs no other file. `path`: where the scene stands below the root of `source`. Throws
+/// InputError when a file cannot be read.
+std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
+                                                       const ParameterSource& source,
+                                                       const ParameterPath& path = {"Scene"});
+
+/// The table that a parameter of the list "Import" names: a text that the source has under this name, otherwise a file
+/// relative to the folder of the scene file.
 ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
 ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
 

@@ -220,6 +220,7 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
                        {"machine", machine()},
                        {"threads", std::to_string(number_of_threads())},
                        {"ranks", std::to_string(communicator->getSize())}}};
+  result.imported = xml.source.files();
   result.properties.insert(properties.begin(), properties.end());
   return result;
 }

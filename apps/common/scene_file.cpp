@@ -2,6 +2,7 @@
 
 #include "discretization/mechanism_check.hpp"
 #include "discretization/number_text.hpp"
+#include "discretization/scene_import.hpp"
 #include "discretization/scene_parameters.hpp"
 #include "discretization/validate.hpp"
 #include "kernels/execution_space.hpp"
@@ -24,6 +25,8 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
   validate(*app.xml.list, root_spec(definition), app.xml.source);
+  if (app.xml.source.files().empty())
+    app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
   check_supports(app.scene, app.xml.source);
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);

@@ -8,8 +8,8 @@ namespace mixbeam {
 /// Declaration of everything below the root of an application's scene file.
 ListSpec root_spec(const ApplicationDefinition& definition);
 
-/// Fills in scene, solver parameters and expected values from the parsed file. Throws InputError with file, line and
-/// XML path.
+/// Fills in scene, solver parameters and expected values from the parsed file, and the texts of the files that it names
+/// unless its source has them already. Throws InputError with file, line and XML path.
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
 
 /// Name, version, compiler, ranks, threads. `threads`: of the command line, overrides the scene.

@@ -21,7 +21,9 @@ std::string property(const StoredRun& run, const std::string& name) {
 void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.quiet = line.quiet;
   if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
-  read_scene_file(app, parse_xml(run.header().scene_xml, run.path().string() + " (scene)"), mixbeam_definition());
+  XmlParameters xml = parse_xml(run.header().scene_xml, run.path().string() + " (scene)");
+  xml.source.set_files(run.header().imported);  // the tables as they were, even if they are gone or changed
+  read_scene_file(app, std::move(xml), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   app.output = run.path().has_parent_path() ? run.path().parent_path() : std::filesystem::path(".");
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });

@@ -238,6 +238,67 @@ TEST_F(Disturbed, ResumingAFinishedRunChangesNothing) {
   expect_resumes_to_the_same_bits("1");
 }
 
+/// A cantilever from two tables, bent in a hundred steps.
+std::string scene_of_tables() {
+  const auto parameter = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+  };
+  const auto list = [](const std::string& name, const std::string& inside) {
+    return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
+  };
+  std::string section;
+  for (const char* stiffness : {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"})
+    section += parameter(stiffness, "double", "50");
+  const std::string steps = parameter("Method", "string", "fixed") + parameter("Steps", "int", "100");
+  return list("tables", list("Scene", list("Sections", list("rod", section)) +
+                                          list("Import", parameter("Points File", "string", "points.csv") +
+                                                             parameter("Members File", "string", "members.csv") +
+                                                             parameter("Section", "string", "rod")) +
+                                          list("Supports", list("clamp", parameter("Point", "string", "A"))) +
+                                          list("Point Loads",
+                                               list("pull", parameter("Point", "string", "C") +
+                                                                parameter("Force", "Array(double)", "{0, 20, 5}")))) +
+                            list("Solver", list("Load Path", steps)));
+}
+
+/// The result file keeps the tables: deleted or changed, they do not matter to a run that goes on.
+TEST_F(Mixbeam, ResumesWithoutTheImportedFiles) {
+  const std::string scene = write_scene(scene_of_tables());
+  const fs::path points = folder_ / "points.csv", members = folder_ / "members.csv", cut = folder_ / "cut";
+  const auto write_tables = [&](const std::string& end) {
+    write_text(points, "A,0,0,0\nB,1,0,0\nC," + end + ",0.5,0\n");
+    write_text(members, "name,start,end,elements\nm,A,B,10\nn,B,C,10\n");
+  };
+  write_tables("2");
+  ASSERT_EQ(run({"run", scene, "--output", (folder_ / "whole").string(), "--quiet"}).exit_code, kOk);
+  const auto whole = contents_of(folder_ / "whole" / "scene.h5");
+  ASSERT_TRUE(whole);
+  EXPECT_EQ(whole->count("imported/0/text") + whole->count("imported/1/text"), 2u);
+  for (const bool deleted : {true, false}) {
+    SCOPED_TRACE(deleted ? "deleted" : "changed");
+    write_tables("2");
+    fs::remove_all(cut);
+    const pid_t process = start_process(program("mixbeam"), {"run", scene, "--output", cut.string()}, folder_.path());
+    wait_for_steps(cut / "scene-monitor.csv", 3);
+    kill(process, SIGKILL);
+    end_of(process, folder_.path());
+    const auto left = contents_of(cut / "scene.h5");
+    ASSERT_TRUE(left);
+    EXPECT_GE(complete_steps(*left), 2);
+    EXPECT_LT(complete_steps(*left), complete_steps(*whole));
+    write_tables("3");
+    if (deleted) fs::remove(points), fs::remove(members);
+    const Ended ended = run({"resume", (cut / "scene.h5").string(), "--quiet"});
+    EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+    const auto contents = contents_of(cut / "scene.h5");
+    ASSERT_TRUE(contents);
+    EXPECT_EQ(differences(*whole, *contents), "");
+    const Ended again = run({"run", scene, "--output", (folder_ / "other").string(), "--quiet"});  // it does need them
+    EXPECT_EQ(again.exit_code, deleted ? kBadInput : kOk) << again.err;
+  }
+  EXPECT_NE(differences(*whole, *contents_of(folder_ / "other" / "scene.h5")), "");  // the change does matter to a run
+}
+
 TEST_F(Mixbeam, RefusesToResumeWhatRemembersMore) {
   const std::string solver =
       "<ParameterList name=\"Solver\"><ParameterList name=\"LOCA\"><ParameterList name=\"Predictor\">"
