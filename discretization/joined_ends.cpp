@@ -54,7 +54,8 @@ JointTable joined_ends(const Scene& scene) {
       const int member = joined_member(scene, joint, name, members);
       for (const JoinedEnd& other : ends)
         if (other.member == member) refuse(joint, "member \"" + name + "\" is joined there twice");
-      ends.push_back({static_cast<int>(j), member});
+      const bool shares = joint.together && !ends.empty() && ends.back().joint == static_cast<int>(j);
+      ends.push_back({static_cast<int>(j), member, shares});
     }
   }
   const std::map<std::string, int> count = passages(scene, table);

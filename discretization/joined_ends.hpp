@@ -10,8 +10,9 @@
 namespace mixbeam {
 
 struct JoinedEnd {
-  int joint = 0;   ///< in Scene::joints
-  int member = 0;  ///< in Scene::members
+  int joint = 0;        ///< in Scene::joints
+  int member = 0;       ///< in Scene::members
+  bool shares = false;  ///< the vertex of the end before it, in a joint of ends that stay together
 };
 
 /// By the name of the point, in the order of the scene.

@@ -18,8 +18,8 @@ namespace {
 // Of the member's length: points are written with a dozen digits or more.
 constexpr double kPlaceTolerance = 1e-9;
 
-/// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each member
-/// that a joint connects there.
+/// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each end
+/// that a joint connects there, unless it shares that of the end before.
 int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
   const auto [entry, is_new] = mesh.vertex_of_point.try_emplace(point, mesh.vertices());
   if (!is_new) return entry->second;
@@ -27,6 +27,7 @@ int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& 
   const auto joined = joints.find(point);
   if (joined == joints.end()) return entry->second;
   for (const JoinedEnd& end : joined->second) {
+    if (end.shares) continue;
     mesh.joints.push_back({end.joint, end.member, entry->second, mesh.vertices()});
     mesh.vertex_position.push_back(position);
   }
@@ -36,9 +37,13 @@ int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& 
 /// The same for an end of a member: the vertex of its own that a joint gives it.
 int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position, int member) {
   const int vertex = find_or_add_vertex(mesh, joints, point, position);
-  if (joints.count(point))
-    for (const MeshJoint& joint : mesh.joints)
-      if (joint.master == vertex && joint.member == member) return joint.slave;
+  const auto joined = joints.find(point);
+  if (joined == joints.end()) return vertex;
+  int slave = vertex;
+  for (const JoinedEnd& end : joined->second) {
+    if (!end.shares) ++slave;
+    if (end.member == member) return slave;
+  }
   return vertex;
 }
 

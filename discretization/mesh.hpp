@@ -36,10 +36,10 @@ struct MeshMember {
   }
 };
 
-/// One joined end of a member: it has a vertex of its own, the slave.
+/// One joined end of a member, or several that stay together: a vertex of its own, the slave.
 struct MeshJoint {
   int joint = 0;   ///< in Scene::joints
-  int member = 0;  ///< whose end it is
+  int member = 0;  ///< whose end it is; the first of several
   int master = 0;  ///< vertex of the point
   int slave = 0;
 };

@@ -47,8 +47,13 @@ class Nodes {
  public:
   explicit Nodes(const Scene& scene) : scene_(scene), joints_(joined_ends(scene)) {
     for (const Point& point : scene.points) positions_.emplace(point.name, point.position);
-    for (const auto& [point, ends] : joints_)
-      for (const JoinedEnd& end : ends) slaves_.emplace(std::make_pair(point, end.member), parts_.add());
+    for (const auto& [point, ends] : joints_) {
+      std::size_t node = 0;
+      for (const JoinedEnd& end : ends) {
+        if (!end.shares) node = parts_.add();
+        slaves_.emplace(std::make_pair(point, end.member), node);
+      }
+    }
     for (std::size_t m = 0; m < scene.members.size(); ++m) {
       const Member& member = scene.members[m];
       const std::size_t start = end_node(member.start_point, m);
@@ -117,7 +122,7 @@ class Nodes {
   void add_link(std::vector<RigidAssembly>& all, const std::string& point, int member, std::size_t node) {
     const std::size_t slave = part_at(all, node).second, master = part_at(all, point_node(point)).second;
     for (const JoinedEnd& end : joints_.at(point))
-      if (end.member == member)
+      if (end.member == member && !end.shares)
         all[places_[slave].assembly].links.push_back(
             {places_[master].part, places_[slave].part, static_cast<std::size_t>(end.joint), position(point)});
   }

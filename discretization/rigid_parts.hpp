@@ -20,7 +20,7 @@ struct RigidPart {
   double size = 0.0;                  ///< largest distance from the centre
 };
 
-/// One end of a member at a joint.
+/// One end of a member at a joint, or several that stay together.
 struct RigidLink {
   std::size_t master = 0, slave = 0;  ///< parts of the assembly
   std::size_t joint = 0;              ///< in Scene::joints

@@ -108,7 +108,8 @@ enum class JointKind {
 
 /// Connection of the ends of some members at a point with the rest of what meets there. Each of these ends has its own
 /// triad, and its own position in a slider; the members not listed (at least one) stay rigidly joined to each other,
-/// and supports and loads of the point act on them.
+/// and supports and loads of the point act on them. With `together`, the listed ends are rigidly joined to each other
+/// and have one triad (and position) of their own: two members that cross at a pin are four halves, two of them listed.
 struct Joint {
   std::string name{};
   std::string point{};
@@ -116,6 +117,7 @@ struct Joint {
   JointKind kind = JointKind::hinge;
   Vector3 axis{0, 0, 1};   ///< spatial direction in the undeformed structure (any length); turns with the rest
   double stiffness = 0.0;  ///< of a spring in the free motion of hinge (moment per radian) or slider (force per length)
+  bool together = false;   ///< whether the listed ends share one joint instead of having one each
 };
 
 using Axes = std::array<Vector3, 3>;  ///< three orthonormal directions, right-handed: [i] is the i-th

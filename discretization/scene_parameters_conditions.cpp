@@ -92,6 +92,10 @@ ListSpec joint_spec() {
                .at_least(0.0)
                .by_default(0.0)
                .means("hinge, slider: of a spring against the free motion [force * length / radian, force / length]."));
+  spec.add(boolean("Together")
+               .by_default(false)
+               .means("Whether the listed members stay rigidly connected to each other and share one joint, like the "
+                      "halves of a bar that crosses another one at a pin; otherwise each has its own."));
   return spec;
 }
 

@@ -52,6 +52,11 @@ Joint ConditionReader::read_joint(const List& list, const ParameterPath& path) {
   check_joint_axis(list, path);
   if (joint.kind != JointKind::ball) joint.axis = get_vector(list, "Axis");
   for (const std::string& text : list.get<Teuchos::Array<std::string>>("Members")) join(text, joint, path);
+  joint.together = list.get<bool>("Together");
+  if (joint.together && joint.members.size() < 2)
+    throw source_.error(child(path, "Together"), "value true, but \"Members\" names only \"" +
+                                                     excerpt(joint.members.front()) +
+                                                     "\"; allowed: for two members or more");
   return joint;
 }
 

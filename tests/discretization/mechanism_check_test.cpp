@@ -168,6 +168,22 @@ TEST(MechanismCheck, FourBarsAreAMechanism) {
   expect_held(scene);
 }
 
+/// Two bars cross at a pin p, on hinges at a and b. Halves that the pin joins one by one fold.
+TEST(MechanismCheck, AScissorFoldsUnlessHalvesStayTogether) {
+  Scene scene;
+  scene.points = {point("a", {0, 0, 0}), point("b", {4, 0, 0}), point("c", {4, 3, 0}), point("d", {0, 3, 0}),
+                  point("p", {2, 1.5, 0})};
+  scene.members = {line("a", "p"), line("p", "c"), line("b", "p"), line("p", "d")};
+  scene.supports = {support("a", kAll, {true, true, false}), support("b", kAll, {true, true, false})};
+  scene.joints = {joint(JointKind::hinge, "p", "b-p")};
+  scene.joints[0].members = {"b-p", "p-d"};
+  expect_parts(refusal(scene), {"1 way", "member \"p-d\" by rotation about (0, 0, 1) through (2, 1.5, 0)"});
+  scene.joints[0].together = true;
+  expect_held(scene);
+  scene.supports[1].displacement_fixed = {false, true, true};
+  expect_parts(refusal(scene), {"1 way", "others with it through the joints"});
+}
+
 TEST(MechanismCheck, SlidersSlideAlongTheirAxis) {
   Scene scene = portal({joint(JointKind::slider, "b", "b-c", {1, 0, 0})});
   expect_held(scene);

@@ -199,6 +199,13 @@ TEST(Joints, AreRead) {
   EXPECT_EQ(scene.joints[0].kind, JointKind::hinge);
   EXPECT_EQ(scene.joints[0].axis, (Vector3{0, 2, 0}));
   EXPECT_EQ(scene.joints[0].stiffness, 7.0);
+  EXPECT_FALSE(scene.joints[0].together);
+  const std::string yes = R"(<Parameter name="Together" type="bool" value="true"/>)";
+  const auto together = [&](const std::string& members) {
+    return joint(word("Point", "hub") + words("Members", members) + word("Kind", "ball") + yes);
+  };
+  EXPECT_TRUE(tripod_with(together("{leg 1, leg 2}")).joints[0].together);
+  expect_refused(together("{leg 1}"), {"J / Together", "only \"leg 1\"", "two members or more"});
 }
 
 TEST(Joints, AreRefusedWithAPlace) {

@@ -174,6 +174,93 @@ TEST(Joints, TurnWithTheScene) {
   expect_balanced(other);
 }
 
+/// Two bars that cross at a pin in their middle P, both on hinges: bar A-P-C leans to the right, bar B-P-D to the left,
+/// half as wide as `a` and half as high as `h`.
+Scene scissor(double a, double h, bool together) {
+  Scene scene;
+  scene.name = "scissor";
+  scene.sections = {section(1e4, 5e3, 80, 100)};
+  scene.points = {
+      {"A", {0, 0, 0}}, {"B", {2 * a, 0, 0}}, {"C", {2 * a, 2 * h, 0}}, {"D", {0, 2 * h, 0}}, {"P", {a, h, 0}}};
+  scene.members = {line("A-P", "A", "P", 3, 2), line("P-C", "P", "C", 3, 2), line("B-P", "B", "P", 3, 2),
+                   line("P-D", "P", "D", 3, 2)};
+  scene.joints = {joint(JointKind::hinge, "P", {"B-P", "P-D"})};
+  scene.joints[0].together = together;
+  scene.supports = {hinged("A"), hinged("B")};
+  return scene;
+}
+
+/// The same with all four halves rigidly joined: what the twins below must tell apart.
+Scene cross_without_pin(Scene scene) {
+  scene.joints.clear();
+  return scene;
+}
+
+/// Loads F and G down on the tips C and D. Moments of the whole about A and of each bar about the pin:
+/// reactions at A ((F + G) a / h, G), at B (-(F + G) a / h, F).
+TEST(Joints, ScissorUnderLoad) {
+  constexpr double kA = 1.5, kH = 2.0, kF = 1e-4, kG = 0.3e-4, kThrust = (kF + kG) * kA / kH;
+  const auto loaded = [](Scene scene, double sign) {
+    scene.point_loads = {dead_load("C", {0, -sign * kF, 0}), dead_load("D", {0, -sign * kG, 0})};
+    return scene;
+  };
+  const auto reactions = [&](const Mat& rotation, const Scene& scene) {
+    const Simulation there = solved(turned(rotation, loaded(scene, 1))),
+                     back = solved(turned(rotation, loaded(scene, -1)));
+    expect_balanced(there);
+    std::array<Vector3, 2> mean;
+    for (std::size_t i = 0; i < 2; ++i)
+      mean[i] = to_array(0.5 * (to_vec(there.reactions()[i].force) - to_vec(back.reactions()[i].force)));
+    return mean;
+  };
+  for (const Mat& rotation : {identity_matrix<double>(), some_rotation()}) {
+    const auto at = reactions(rotation, scissor(kA, kH, true));
+    EXPECT_TRUE(agrees_relatively(at[0], turned(rotation, {kThrust, kG, 0}), 1e-8));
+    EXPECT_TRUE(agrees_relatively(at[1], turned(rotation, {-kThrust, kF, 0}), 1e-8));
+  }
+  const Vector3 rigid = reactions(identity_matrix<double>(), cross_without_pin(scissor(kA, kH, true)))[0];
+  EXPECT_GT(std::abs(rigid[0] - kThrust), 0.05 * kThrust);
+}
+
+/// One foot of a scissor lift is pushed to the other: nothing bends, the bars turn by 57 degrees, and height follows
+/// from half width a by Pythagoras.
+TEST(Joints, ScissorLift) {
+  constexpr double kHalfBar = 2.5, kFrom = 2.4, kTo = 0.7;
+  const auto lift = [&](Scene scene, const Mat& rotation) {
+    scene.supports[1].prescribed_displacement = {2 * (kTo - kFrom), 0, 0};  // along the axes of the support
+    return turned(rotation, scene);
+  };
+  const double low = std::sqrt(kHalfBar * kHalfBar - kFrom * kFrom);
+  for (const Mat& rotation : {identity_matrix<double>(), some_rotation()}) {
+    Simulation simulation(lift(scissor(kFrom, low, true), rotation), {}, this_rank());
+    simulation.run([&](const StepReport& report, const State&) {
+      const double a = kFrom + report.load_factor * (kTo - kFrom), h = std::sqrt(kHalfBar * kHalfBar - a * a);
+      EXPECT_TRUE(agrees(simulation.position("P"), turned(rotation, {a, h, 0}), 1e-10)) << report.load_factor;
+      EXPECT_TRUE(agrees(simulation.position("C"), turned(rotation, {2 * a, 2 * h, 0}), 1e-10)) << report.load_factor;
+      EXPECT_TRUE(agrees(simulation.position("D"), turned(rotation, {0, 2 * h, 0}), 1e-10)) << report.load_factor;
+    });
+    EXPECT_TRUE(simulation.result().finished) << simulation.result().failure;
+  }
+  const Simulation rigid = solved(lift(cross_without_pin(scissor(kFrom, low, true)), identity_matrix<double>()));
+  EXPECT_FALSE(agrees(rigid.position("C"), {2 * kTo, 4.8, 0}, 0.1));
+}
+
+TEST(Joints, EndsTogetherShareAVertex) {
+  const Mesh shared = build_mesh(scissor(1.5, 2.0, true)), separate = build_mesh(scissor(1.5, 2.0, false));
+  EXPECT_EQ(shared.joints.size(), 1U);
+  EXPECT_EQ(separate.joints.size(), 2U);
+  EXPECT_EQ(separate.vertices(), shared.vertices() + 1);
+  const auto at_pin = [](const Mesh& mesh, int member, int end) {
+    const MeshMember& m = mesh.members[member];
+    return mesh.elements[m.first_element + (end == 0 ? 0 : m.elements - 1)].vertex[end];
+  };
+  EXPECT_EQ(at_pin(shared, 2, 1), shared.joints[0].slave);
+  EXPECT_EQ(at_pin(shared, 3, 0), shared.joints[0].slave);
+  EXPECT_EQ(at_pin(separate, 2, 1), separate.joints[0].slave);
+  EXPECT_EQ(at_pin(separate, 3, 0), separate.joints[1].slave);
+  EXPECT_EQ(at_pin(shared, 1, 0), shared.joints[0].master);
+}
+
 TEST(Joints, ThatJoinNothingAreRefused) {
   Scene scene = portal_of_joints(1, 1);
   scene.joints[0].members = {"left", "beam 1"};
