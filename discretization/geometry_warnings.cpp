@@ -154,7 +154,9 @@ void add_points_on(std::size_t index, const SceneSurvey& survey, const Grid& gri
 void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
   double total = 0.0;
   for (const ReferenceCurve& curve : survey.curves) total += curve.length;
-  const double step = survey.size / std::cbrt(static_cast<double>(survey.scene.points.size()));
+  // Few points in each cell: of points that fill the space, and of those along a chain, whose box is nearly empty.
+  const double filled = survey.size / std::cbrt(static_cast<double>(survey.scene.points.size()));
+  const double step = std::min(filled, total / static_cast<double>(survey.curves.size()));
   if (total / step + static_cast<double>(survey.curves.size()) > kMostSteps) {
     list.add("searches", "the scene is large: not searched for points that lie on members without being connected");
     return;

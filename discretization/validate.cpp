@@ -166,14 +166,14 @@ class Validator {
   }
 
   void check_value(const ParameterValue& value, const ParameterSpec& spec) const {
-    const std::string seen = "value " + excerpt(to_text(value));
-    if (!has_type(value, spec.type)) throw error(seen + " of " + type_of(value) + "; allowed: " + described(spec));
+    const auto seen = [&] { return "value " + excerpt(to_text(value)); };
+    if (!has_type(value, spec.type)) throw error(seen() + " of " + type_of(value) + "; allowed: " + described(spec));
     const int length = array_length(value);
     if (spec.length > 0 && length != spec.length) {
-      throw error(seen + " has " + std::to_string(length) + " entries; allowed: " + described(spec));
+      throw error(seen() + " has " + std::to_string(length) + " entries; allowed: " + described(spec));
     }
-    if (length == 0 && !spec.empty_allowed) throw error(seen + " is empty; allowed: " + described(spec));
-    if (!numbers_in_range(value, spec.range)) throw error(seen + "; allowed: " + described(spec));
+    if (length == 0 && !spec.empty_allowed) throw error(seen() + " is empty; allowed: " + described(spec));
+    if (!numbers_in_range(value, spec.range)) throw error(seen() + "; allowed: " + described(spec));
     if (!spec.choices.empty()) check_choices(value, spec);
   }
 

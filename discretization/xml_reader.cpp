@@ -109,7 +109,14 @@ const std::vector<std::string> kListAttributes = {"name", "id", "docString", "is
 const std::vector<std::string> kParameterAttributes = {"name",      "type",      "value", "id",
                                                        "docString", "isDefault", "isUsed"};
 
-using Attributes = std::unordered_map<std::string, std::string>;
+/// Name and value; a tag has a few only, and the parser refuses equal names.
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+const std::string* find_attribute(const Attributes& attributes, const std::string& name) {
+  for (const auto& attribute : attributes)
+    if (attribute.first == name) return &attribute.second;
+  return nullptr;
+}
 
 /// Receives the parser's events and builds the list. The events come through C code, which an exception must not
 /// cross: the first error is kept and the parser stopped.
@@ -167,12 +174,6 @@ class ListBuilder {
   }
 
  private:
-  /// A list whose end has not come yet, and where each name in it was given first.
-  struct OpenList {
-    Teuchos::ParameterList* list;
-    std::unordered_map<std::string, int> first_line;
-  };
-
   void stop(const InputError& error) {
     error_ = error;
     xmlStopParser(parser_);
@@ -204,15 +205,14 @@ class ListBuilder {
     }
   }
 
-  std::string attribute(const Attributes& attributes, const std::string& name, const std::string& tag,
-                        int line_number) const {
-    const auto found = attributes.find(name);
-    if (found != attributes.end()) return found->second;
+  const std::string& attribute(const Attributes& attributes, const std::string& name, const std::string& tag,
+                               int line_number) const {
+    if (const std::string* found = find_attribute(attributes, name)) return *found;
     throw at_line(line_number, "<" + tag + "> without the attribute \"" + name + "\"");
   }
 
-  std::string name_of(const Attributes& attributes, const std::string& tag, int line_number) const {
-    std::string name = attribute(attributes, "name", tag, line_number);
+  const std::string& name_of(const Attributes& attributes, const std::string& tag, int line_number) const {
+    const std::string& name = attribute(attributes, "name", tag, line_number);
     if (trimmed(name).empty()) throw at_line(line_number, "<" + tag + "> with an empty name");
     return name;
   }
@@ -223,20 +223,18 @@ class ListBuilder {
     if (open_.size() >= kMaximumDepth) {
       throw at_line(line_number, "lists nested deeper than " + std::to_string(kMaximumDepth));
     }
-    const std::string name = name_of(attributes, "ParameterList", line_number);
-    claim_name(name, line_number);
+    const std::string& name = name_of(attributes, "ParameterList", line_number);
     path_.push_back(name);
-    result_.source.record(path_, line_number);
-    open_.push_back(OpenList{&open_.back().list->sublist(name), {}});
+    claim_path(line_number);
+    open_.push_back(&open_.back()->sublist(name));
   }
 
   /// Teuchos does not demand a name for the outermost list.
   void start_root(const Attributes& attributes, int line_number) {
-    const auto name = attributes.find("name");
-    if (name != attributes.end()) result_.list->setName(name->second);
+    if (const std::string* name = find_attribute(attributes, "name")) result_.list->setName(*name);
     result_.source.set_root_name(result_.list->name());
     result_.source.record({}, line_number);
-    open_.push_back(OpenList{result_.list.get(), {}});
+    open_.push_back(result_.list.get());
     has_root_ = true;
   }
 
@@ -244,34 +242,35 @@ class ListBuilder {
     if (open_.empty())
       throw at_line(line_number, "<Parameter> outside of a list; allowed: one <ParameterList> around all");
     check_attributes(attributes, kParameterAttributes, line_number);
-    const std::string name = name_of(attributes, "Parameter", line_number);
-    const std::string type = attribute(attributes, "type", "Parameter", line_number);
-    const std::string value = attribute(attributes, "value", "Parameter", line_number);
-    claim_name(name, line_number);
-    const ParameterPath path = child(path_, name);
-    result_.source.record(path, line_number);
+    const std::string& name = name_of(attributes, "Parameter", line_number);
+    const std::string& type = attribute(attributes, "type", "Parameter", line_number);
+    const std::string& value = attribute(attributes, "value", "Parameter", line_number);
+    path_.push_back(name);
+    claim_path(line_number);
     const Setter set = setter_for(type);
     if (set == nullptr) {
-      throw result_.source.error(
-          path, "unknown type \"" + excerpt(type) + "\"; allowed: " + quoted_list(kTypes) + did_you_mean(type, kTypes));
+      throw result_.source.error(path_, "unknown type \"" + excerpt(type) + "\"; allowed: " + quoted_list(kTypes) +
+                                            did_you_mean(type, kTypes));
     }
-    const Problem problem = set(*open_.back().list, name, value);
-    if (!problem.empty()) throw result_.source.error(path, problem);
+    const Problem problem = set(*open_.back(), name, value);
+    if (!problem.empty()) throw result_.source.error(path_, problem);
+    path_.pop_back();
     inside_parameter_ = true;
   }
 
-  void claim_name(const std::string& name, int line_number) {
-    const auto [earlier, is_new] = open_.back().first_line.emplace(name, line_number);
-    if (is_new) return;
-    throw InputError(result_.source.file() + ":" + std::to_string(line_number) + ": XML path \"" +
-                     to_string(child(path_, name)) + "\": given twice in this list, in line " +
-                     std::to_string(earlier->second) + " and again in line " + std::to_string(line_number));
+  /// Remembers the line of `path_`, which no other entry may have: names in a list differ.
+  void claim_path(int line_number) {
+    const int earlier = result_.source.line(path_);
+    if (earlier == 0) return result_.source.record(path_, line_number);
+    throw InputError(result_.source.file() + ":" + std::to_string(line_number) + ": XML path \"" + to_string(path_) +
+                     "\": given twice in this list, in line " + std::to_string(earlier) + " and again in line " +
+                     std::to_string(line_number));
   }
 
   xmlParserCtxtPtr parser_;
   XmlParameters& result_;
   std::optional<InputError> error_;
-  std::vector<OpenList> open_;
+  std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
   ParameterPath path_;
   bool has_root_ = false;
   bool inside_parameter_ = false;
@@ -291,10 +290,11 @@ void on_start_element(void* builder, const xmlChar* name, const xmlChar* prefix,
   auto& target = *static_cast<ListBuilder*>(builder);
   target.guarded([&] {
     Attributes values;
+    values.reserve(static_cast<std::size_t>(attribute_count));
     for (int i = 0; i < attribute_count; ++i, attributes += 5) {
       const char* const begin = reinterpret_cast<const char*>(attributes[3]);
       const char* const end = reinterpret_cast<const char*>(attributes[4]);
-      values[prefixed(attributes[1], attributes[0])] = std::string(begin, end);
+      values.emplace_back(prefixed(attributes[1], attributes[0]), std::string(begin, end));
     }
     target.start_element(prefixed(prefix, name), values);
   });
