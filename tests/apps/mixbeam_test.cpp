@@ -165,7 +165,7 @@ class Disturbed : public Mixbeam {
   FileContents whole_;
 };
 
-/// As many kills as the environment variable MIXBEAM_KILLS says.
+/// As many kills between the first and the last step as the environment variable MIXBEAM_KILLS says.
 int number_of_kills() {
   const char* given = std::getenv("MIXBEAM_KILLS");
   return given == nullptr ? 20 : std::stoi(given);
@@ -175,17 +175,20 @@ TEST_F(Disturbed, KilledAtAnyMomentLeavesEveryCompletedStepAndResumes) {
   constexpr unsigned kSeed = 20261121;
   std::mt19937 generator(kSeed);
   std::uniform_real_distribution<double> moment(0.05, 1.0);
-  const int kills = number_of_kills();
-  int in_the_middle = 0, without_file = 0;
-  for (int kill_number = 0; kill_number < kills; ++kill_number) {
+  const int wanted = number_of_kills();
+  int kills = 0, in_the_middle = 0, without_file = 0;
+  double longest_wait = milliseconds_;  // follows the speed of the machine, which other programs share
+  for (const int most = 6 * wanted; in_the_middle < wanted && kills < most; ++kills) {
+    const int kill_number = kills;
     SCOPED_TRACE("kill " + std::to_string(kill_number) + ", seed " + std::to_string(kSeed));
     fs::remove_all(folder_ / "cut");
     const pid_t process = start_run();
-    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(moment(generator) * milliseconds_));
+    std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(moment(generator) * longest_wait));
     kill(process, SIGKILL);
     end_of(process, folder_.path());
     if (!fs::exists(folder_ / "cut" / "scene.h5")) {  // killed before there was anything to keep
       ++without_file;
+      longest_wait *= 1.05;
       continue;
     }
     const auto left = contents_of(folder_ / "cut" / "scene.h5");
@@ -196,13 +199,16 @@ TEST_F(Disturbed, KilledAtAnyMomentLeavesEveryCompletedStepAndResumes) {
       if (path.rfind("steps/", 0) != 0) continue;
       EXPECT_TRUE(bytes == whole_.at(path)) << path << " differs";
     }
-    if (steps > 0 && steps < complete_steps(whole_)) ++in_the_middle;
+    if (steps > 0 && steps < complete_steps(whole_))
+      ++in_the_middle;
+    else if (steps > 0)
+      longest_wait *= 0.9;  // too late
     expect_resumes_to_the_same_bits(kill_number % 2 == 0 ? "1" : "2");
     if (HasFailure()) return;
   }
   std::cout << kills << " kills, " << in_the_middle << " of them between first and last step, " << without_file
             << " before there was a file\n";
-  EXPECT_GT(in_the_middle, kills / 4) << "most kills missed the run";
+  EXPECT_GE(in_the_middle, wanted / 2) << "most kills missed the run";
 }
 
 /// Waits until the running program has completed `steps` of its steps.
