@@ -26,6 +26,14 @@ class ConditionReader {
   struct Schedule {
     Stage stage = 1;
     std::string amplitude, load_case;
+
+    /// Gives it to a load, support or eigenstrain.
+    template <class Acting>
+    void assign_to(Acting& acting) const {
+      acting.stage = stage;
+      acting.amplitude = amplitude;
+      acting.load_case = load_case;
+    }
   };
 
   /// A use of a stage: what acts with an amplitude acts in every stage up to its own.

@@ -50,9 +50,7 @@ void ConditionReader::read_point_loads() {
                                                      "\"follower\" only");
     }
     const Schedule schedule = read_schedule(list, path);
-    load.stage = schedule.stage;
-    load.amplitude = schedule.amplitude;
-    load.load_case = schedule.load_case;
+    schedule.assign_to(load);
     for (const std::string& point : points) {
       load.point = point;
       if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, path);
@@ -90,9 +88,7 @@ void ConditionReader::read_distributed_loads() {
     read_field(list, "Couple", members, load.couple, load.couple_formula, path);
     load.frame = translated(list, "Frame", kFrames);
     const Schedule schedule = read_schedule(list, path);
-    load.stage = schedule.stage;
-    load.amplitude = schedule.amplitude;
-    load.load_case = schedule.load_case;
+    schedule.assign_to(load);
     for (const Member* member : members) {
       load.member = member->name;
       scene_.distributed_loads.push_back(load);
@@ -113,9 +109,7 @@ void ConditionReader::read_eigenstrains() {
     read_field(list, "Curvature", members, strain.curvature, strain.curvature_formula, path);
     add_temperature(list, strain, path);
     const Schedule schedule = read_schedule(list, path);
-    strain.stage = schedule.stage;
-    strain.amplitude = schedule.amplitude;
-    strain.load_case = schedule.load_case;
+    schedule.assign_to(strain);
     for (const Member* member : members) {
       strain.member = member->name;
       scene_.eigenstrains.push_back(strain);

@@ -60,9 +60,7 @@ Support ConditionReader::read_support(const List& list, const ParameterPath& pat
     return support;
   }
   const Schedule schedule = read_schedule(list, path);
-  support.stage = schedule.stage;
-  support.amplitude = schedule.amplitude;
-  support.load_case = schedule.load_case;
+  schedule.assign_to(support);
   return support;
 }
 

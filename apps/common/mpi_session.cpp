@@ -48,7 +48,17 @@ void share_cores_between_ranks() {
 
 }  // namespace
 
-MpiSession::MpiSession(int& argc, char**& argv) {
+MpiSession::MpiSession(int& argc, char**& argv) { start(argc, argv); }
+
+MpiSession::MpiSession() {
+  int argc = 1;
+  char name[] = "mixbeam";
+  char* names[] = {name, nullptr};
+  char** argv = names;
+  start(argc, argv);
+}
+
+void MpiSession::start(int& argc, char**& argv) {
   keep_freed_memory();
   tell_open_mpi_that_it_is_alone();
   int provided = MPI_THREAD_SINGLE;

@@ -15,6 +15,8 @@ class MpiSession {
  public:
   /// Starts MPI for use by the main thread beside OpenMP threads, then Kokkos and Tpetra.
   MpiSession(int& argc, char**& argv);
+  /// For a program that has read its whole command line itself.
+  MpiSession();
   ~MpiSession();
   MpiSession(const MpiSession&) = delete;
   MpiSession& operator=(const MpiSession&) = delete;
@@ -22,6 +24,8 @@ class MpiSession {
   const Communicator& communicator() const { return communicator_; }
 
  private:
+  void start(int& argc, char**& argv);
+
   std::unique_ptr<Tpetra::ScopeGuard> guard_;
   Communicator communicator_;
 };

@@ -22,7 +22,8 @@ void prepare_output_folder(const std::filesystem::path& folder);
 /// a script might otherwise take for that of a run that failed.
 void prepare_summary(const std::filesystem::path& file);
 
-/// Throws InputError for an expected value at whose load factor no step ended.
-void require_all_compared(const Application& app);
+/// Throws InputError for an expected value of these load cases ("": of a scene without any) at whose load factor no
+/// step ended.
+void require_all_compared(const Application& app, const std::vector<std::string>& cases = {""});
 
 }  // namespace mixbeam

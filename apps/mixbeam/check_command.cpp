@@ -100,11 +100,7 @@ void print_check(Application& app, const std::string& load_case) {
 int check_command(const Arguments& arguments) {
   const CommandLine line = read_command_line(arguments.count(), arguments.values.data(), {"--case", "--help"});
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam check SCENE.xml");
-  int argc = 1;
-  char name[] = "mixbeam";
-  char* names[] = {name, nullptr};
-  char** argv = names;
-  const MpiSession session(argc, argv);
+  const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();

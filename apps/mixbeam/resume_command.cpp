@@ -51,11 +51,7 @@ int resume_command(const Arguments& arguments) {
   const CommandLine line = read_command_line(arguments.count(), arguments.values.data(),
                                              {"--threads", "--summary", "--quiet", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
-  int argc = 1;
-  char name[] = "mixbeam";
-  char* names[] = {name, nullptr};
-  char** argv = names;
-  const MpiSession session(argc, argv);
+  const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     const StoredRun run(*line.scene_file);
     Application app;
@@ -65,7 +61,7 @@ int resume_command(const Arguments& arguments) {
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       const RunEnd end = run_case(app, property(run, "load_case"), run.path(), &run);
-      if (end == RunEnd::arrived && app.scene.load_cases.empty()) require_all_compared(app);
+      if (end == RunEnd::arrived) require_all_compared(app, {property(run, "load_case")});
       return end;
     });
   });

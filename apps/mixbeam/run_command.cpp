@@ -42,11 +42,7 @@ int run_command(const Arguments& arguments) {
       read_command_line(arguments.count(), arguments.values.data(),
                         {"--output", "--case", "--threads", "--summary", "--quiet", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
-  int argc = 1;
-  char name[] = "mixbeam";
-  char* names[] = {name, nullptr};
-  char** argv = names;
-  const MpiSession session(argc, argv);
+  const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
@@ -58,7 +54,7 @@ int run_command(const Arguments& arguments) {
       const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
       for (const std::string& load_case : cases)
         if (end == RunEnd::arrived) end = run_case(app, load_case, result_file_of(app.output, stem, load_case));
-      if (end == RunEnd::arrived && app.scene.load_cases.empty()) require_all_compared(app);
+      if (end == RunEnd::arrived) require_all_compared(app, cases);
       return end;
     });
   });

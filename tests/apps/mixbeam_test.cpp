@@ -69,6 +69,18 @@ TEST_F(Mixbeam, ExitCodes) {
   ASSERT_TRUE(contents_of(folder_ / "results" / "scene.h5"));
 }
 
+TEST_F(Mixbeam, ValuesOfALoadCaseThatNoStepComparesAreAnError) {
+  const std::string text =
+      changed(text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/verification/elastica.xml"), "<Parameter name=\"Value\"",
+              "<Parameter name=\"Load Factor\" type=\"double\" value=\"0.123\"/>\n<Parameter name=\"Value\"",
+              "deflection, alpha 10");
+  const std::string output = (folder_ / "results").string(), scene = write_scene(text);
+  const Ended ended = run({"run", scene, "--quiet", "--output", output});
+  EXPECT_EQ(ended.exit_code, kBadInput);
+  expect_in(ended.err, {"deflection, alpha 10", "0.123", "no load step ended there"});
+  EXPECT_EQ(run({"run", scene, "--quiet", "--case", "alpha 1", "--output", output}).exit_code, kOk);
+}
+
 TEST_F(Mixbeam, CheckMeasuresAndSolvesNothing) {
   const Ended ended = run({"check", write_scene(scene_of("fork"))});
   EXPECT_EQ(ended.exit_code, kOk) << ended.err;
