@@ -1,7 +1,8 @@
-# Finds the libraries mixbeam stands on and wraps Trilinos in three interface targets:
+# Finds the libraries mixbeam stands on and wraps them in interface targets:
 #
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
 #   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, NOX, LOCA and MPI
+#   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
 #   mixbeam_sacado     automatic differentiation, for tests
 #
 # Trilinos is looked up by header and library instead of by find_package(Trilinos): the exported configuration of Debian
@@ -21,6 +22,16 @@ find_package(HDF5 REQUIRED COMPONENTS C)
 if(NOT HDF5_IS_PARALLEL)
   message(FATAL_ERROR "mixbeam needs the Open MPI variant of HDF5, but found a serial one in ${HDF5_INCLUDE_DIRS}.\n"
                       "On Debian 12: apt-get install libhdf5-openmpi-dev")
+endif()
+
+# --- MUMPS: the variant for Open MPI, the one Trilinos is linked with --------------------------------------------------
+find_path(MUMPS_INCLUDE_DIR dmumps_c.h DOC "Folder of the MUMPS headers")
+find_library(MUMPS_dmumps_LIBRARY NAMES dmumps DOC "MUMPS, double precision")
+mark_as_advanced(MUMPS_INCLUDE_DIR MUMPS_dmumps_LIBRARY)
+if(NOT MUMPS_INCLUDE_DIR OR NOT MUMPS_dmumps_LIBRARY)
+  message(FATAL_ERROR "mixbeam needs MUMPS (header dmumps_c.h, library dmumps), which was not found.\n"
+                      "On Debian 12: apt-get install --no-install-recommends libmumps-dev\n"
+                      "Elsewhere: point CMAKE_PREFIX_PATH to an installation of MUMPS 5 with MPI.")
 endif()
 
 # --- Trilinos: headers -------------------------------------------------------------------------------------------------
@@ -139,6 +150,10 @@ endif()
 
 add_library(mixbeam_trilinos INTERFACE)
 target_link_libraries(mixbeam_trilinos INTERFACE ${trilinos_libraries} mixbeam_kokkos MPI::MPI_CXX)
+
+add_library(mixbeam_mumps INTERFACE)
+target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}")
+target_link_libraries(mixbeam_mumps INTERFACE "${MUMPS_dmumps_LIBRARY}" MPI::MPI_CXX)
 
 add_library(mixbeam_sacado INTERFACE)
 target_link_libraries(mixbeam_sacado INTERFACE ${sacado_libraries} mixbeam_trilinos)

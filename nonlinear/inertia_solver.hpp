@@ -1,0 +1,49 @@
+/// Factorisation of a sparse matrix on one rank that also tells the signs of its pivots: by Sylvester's law of inertia
+/// a symmetric matrix has as many negative eigenvalues as its L D L^T has negative pivots. Done by MUMPS, because none
+/// of the solvers behind Amesos2 reports them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+namespace mixbeam {
+
+/// Square matrix in compressed rows; both triangles, whether symmetric or not. The columns of a row need no order.
+struct SparseMatrix {
+  std::vector<int> row_start, column;
+  std::vector<double> value;
+
+  int rows() const { return static_cast<int>(row_start.size()) - 1; }
+  /// y = A x
+  void multiply(const double* x, double* y) const;
+};
+
+class InertiaSolver {
+ public:
+  enum class Kind {
+    symmetric,  ///< L D L^T of the lower triangle
+    general     ///< L U
+  };
+  struct Signs {
+    int negative = 0;          ///< pivots below zero; symmetric only
+    int null = 0;              ///< pivots that are zero in the precision of the matrix
+    int determinant_sign = 0;  ///< -1, 0 or +1
+  };
+
+  /// Analyses the structure of the matrix, whose values do not matter yet. Throws LinearSolverError.
+  InertiaSolver(Kind kind, const SparseMatrix& structure);
+  ~InertiaSolver();
+  InertiaSolver(const InertiaSolver&) = delete;
+  InertiaSolver& operator=(const InertiaSolver&) = delete;
+
+  /// Throws LinearSolverError when MUMPS gives up. `matrix`: the structure given above with values.
+  Signs factorize(const SparseMatrix& matrix);
+  /// Replaces each column of `block` (column-major, one after the other) by A^-1 times it, or by A^-T.
+  void solve(double* block, int columns, bool transposed = false);
+
+ private:
+  struct Mumps;
+  std::unique_ptr<Mumps> mumps_;
+};
+
+}  // namespace mixbeam
