@@ -71,6 +71,12 @@ class Assembler {
   /// Matrix times a vertex vector, as assembled.
   void apply_matrix(const DofVector& x, DofVector& y) const { matrix_->apply(x, y); }
 
+  /// Spatial forces and moments of the owned vertices (6 * owned vertex + component) become the free rows of the
+  /// equations, those of constraints zero. Linear: the transpose of the motions that supports and joints permit.
+  void turn_rows(const State& state, const KernelView<double*>& rows) const { constraints_.turn(state, rows); }
+  /// (6 * owned vertex + component): 1 where a constraint stands in place of an equilibrium.
+  KernelView<const unsigned char*> fixed_rows() const { return fixed_; }
+
   /// Row scales of the last residual(), or those of another state that is to be worked on.
   const ResidualScales& scales() const { return scales_; }
   void use_scales(const ResidualScales& scales) { scales_ = scales; }

@@ -1,0 +1,99 @@
+#include "discretization/added_compliance.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+/// Quadrature weights of the force points and of the moment points, on [-1, 1].
+struct Weights {
+  std::vector<double> force, moment;
+
+  explicit Weights(const ElementBlock& block) {
+    const int k = block.order, axial = axial_points(k, block.force_integration),
+              shear = shear_points(k, block.force_integration);
+    append(axial, force);
+    if (axial != shear) append(shear, force);
+    append(k + 1, moment);
+  }
+
+ private:
+  static void append(int n, std::vector<double>& weights) {
+    std::vector<double> xi(n), w(n);
+    gauss_rule(n, xi.data(), w.data());
+    weights.insert(weights.end(), w.begin(), w.end());
+  }
+};
+
+double added(double compliance, double limit) { return compliance < 1.0 / limit ? 1.0 / limit - compliance : 0.0; }
+
+double plain_element(const InteriorLayout& layout, const Weights& weights, double length,
+                     const SectionConstants& section, const double* a, const double* b) {
+  double sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double force = added(section.force_compliance[i], section.force_stiffness_limit);
+    for (int q = 0; q < layout.force_points; ++q)
+      sum += 0.5 * length * weights.force[q] * force * a[layout.force(q) + i] * b[layout.force(q) + i];
+    if (section.moment_compliance[i] != 0.0) continue;
+    for (int j = 0; j <= layout.order; ++j)
+      sum += length / (2 * j + 1) / section.moment_stiffness_limit * a[layout.moment(j) + i] * b[layout.moment(j) + i];
+  }
+  return sum;
+}
+
+/// Legendre coefficients of component i of M, evaluated at xi.
+double moment_at(const InteriorLayout& layout, double xi, int i, const double* row) {
+  double P[kMaximumOrder + 1], sum = 0.0;
+  legendre(layout.order, xi, P);
+  for (int j = 0; j <= layout.order; ++j) sum += P[j] * row[layout.moment(j) + i];
+  return sum;
+}
+
+double general_element(const InteriorLayout& layout, const Weights& weights, double length,
+                       const SectionConstants& section, const double* compliance, const double* a, const double* b) {
+  const GeneralSectionLayout stored{layout.order, layout.force_points};
+  double sum = 0.0, xi[kMaximumOrder + 1], w[kMaximumOrder + 1];
+  gauss_rule(layout.order + 1, xi, w);
+  for (int i = 0; i < 3; ++i) {
+    for (int q = 0; q < layout.force_points; ++q)
+      sum += 0.5 * length * weights.force[q] *
+             added(compliance[stored.force_force(q) + 4 * i], section.force_stiffness_limit) * a[layout.force(q) + i] *
+             b[layout.force(q) + i];
+    for (int q = 0; q <= layout.order; ++q)
+      sum += 0.5 * length * weights.moment[q] *
+             added(compliance[stored.moment_moment(q) + 4 * i], section.moment_stiffness_limit) *
+             moment_at(layout, xi[q], i, a) * moment_at(layout, xi[q], i, b);
+  }
+  return sum;
+}
+
+double block_sum(const Structure& structure, const ElementBlock& block, const double* a, const double* b) {
+  const Weights weights(block);
+  double sum = 0.0;
+  for (int e = 0; e < block.count; ++e) {
+    if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
+    const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
+    const SectionConstants& section = structure.views.member_section(block.member(e));
+    const double length = block.reference(e, block.reference_layout.length());
+    sum += block.general_section ? general_element(block.interior, weights, length, section, &block.compliance(e, 0),
+                                                   a + first, b + first)
+                                 : plain_element(block.interior, weights, length, section, a + first, b + first);
+  }
+  return sum;
+}
+
+}  // namespace
+
+double added_compliance(const Assembler& assembler, const MixedVector& a, const MixedVector& b) {
+  double mine = 0.0;
+  for (const ElementBlock& block : assembler.structure().blocks)
+    mine += block_sum(assembler.structure(), block, a.interior().data(), b.interior().data());
+  double all = mine;
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  return all;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,33 @@
+/// Eigenvalues of largest magnitude of an operator, by a block Krylov space with full orthogonalisation and
+/// Rayleigh-Ritz. Own code instead of Anasazi: its BlockKrylovSchur refuses problems with fewer unknowns than three
+/// blocks, and structures of one element have six; here the space simply stops growing when it is the whole space.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace mixbeam {
+
+/// Replaces each of `columns` columns (column-major) by the operator times it.
+using BlockOperator = std::function<void(double* block, int columns)>;
+
+struct KrylovProblem {
+  int unknowns = 0;
+  BlockOperator apply;
+  /// Self-adjoint in the inner product <x, y> = x . B y; else eigenvalues may be complex.
+  bool symmetric = true;
+  /// y = B x, positive definite; empty: B = 1.
+  std::function<void(const double* x, double* y)> inner{};
+};
+
+struct RitzPair {
+  double value = 0.0, imaginary = 0.0;
+  std::vector<double> vector;  ///< of unit length in the inner product; real part of a complex one
+  double residual = 0.0;       ///< |A x - value x| / |value|
+};
+
+/// Up to `count` pairs of largest magnitude, fewer only when there are not as many unknowns. Deterministic: the start
+/// vectors are always the same. Multiple eigenvalues are found up to multiplicity `count`.
+std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count);
+
+}  // namespace mixbeam

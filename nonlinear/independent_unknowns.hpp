@@ -1,0 +1,65 @@
+/// The tangent in the motions that supports and joints permit.
+///
+/// With Z the motions of all vertices that belong to the independent unknowns y, dx = Z y, the free rows of the
+/// equations are Z^T times forces and moments; their derivative A therefore gives A_free Z, which is the second
+/// derivative of the energy along the constraints: symmetric in equilibrium when the loads are conservative, and with
+/// its true inertia. Z is not derived once more: its transpose is how the equations turn forces, Assembler::turn_rows,
+/// applied to unit forces.
+#pragma once
+
+#include "discretization/assembler.hpp"
+#include "nonlinear/inertia_solver.hpp"
+#include "nonlinear/root_copy.hpp"
+
+namespace mixbeam {
+
+/// Unknowns, matrix and exchange of vectors of one structure; made once. The reduced matrix lives on rank 0.
+///
+/// Unknowns are measured so that numbers have no unit: a displacement of vertex v in L / sqrt(EI/L l_v/L), a rotation
+/// in 1 / sqrt(EI/L l_v/L), with the length L and the bending stiffness EI of the structure and l_v the length of
+/// member that belongs to the vertex. Eigenvalues are then in units of EI/L and do not depend on units or, once modes
+/// are resolved, on the number of elements.
+class IndependentUnknowns {
+ public:
+  explicit IndependentUnknowns(const Assembler& assembler);
+
+  const RootCopy& root() const { return root_; }
+  bool is_root() const { return root_.is_root(); }
+  int count() const { return count_; }  ///< on every rank
+
+  /// Takes Z of a state and reduces the tangent that the assembler holds of this state. Collective; rank 0 has the
+  /// result, other ranks an empty matrix.
+  const SparseMatrix& reduce(const Assembler& assembler, const State& state);
+  const SparseMatrix& matrix() const { return reduced_; }
+  /// Largest |A_ij - A_ji| / sqrt(|A_ii A_jj|) of the reduced matrix. Rank 0.
+  double asymmetry() const;
+
+  /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce().
+  void expand(const double* y, DofVector& motion) const;
+
+ private:
+  void number(const Assembler& assembler);
+  void measure(const Assembler& assembler);
+  void build_structure();
+  void probe(const Assembler& assembler, const State& state);
+  void reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row, const std::vector<int>& slot,
+                  double* out) const;
+  int unknown(int vertex, int component) const {
+    return unknown_[static_cast<size_t>(kVertexDofs) * vertex + component];
+  }
+  double motion_of(int vertex, int component, int by_vertex, int by_component) const;
+
+  RootCopy root_;
+  Teuchos::RCP<const DofMap> map_;
+  int vertices_ = 0, count_ = 0;
+  std::vector<int> master_;  ///< (vertex): -1 where it is no slave
+  std::vector<int> colour_;  ///< (vertex): slaves of one master differ; 0 where it is no slave
+  int colours_ = 1;
+  std::vector<int> unknown_;                     ///< (6 * vertex + component): -1 where fixed; rank 0
+  std::vector<double> measure_;                  ///< (6 * vertex + component): size of one unit of y; rank 0
+  std::vector<std::vector<double>> unit_force_;  ///< (6 * colour + component): free rows of unit forces; rank 0
+  std::vector<std::vector<int>> neighbours_;     ///< (vertex): vertices in its reduced rows; rank 0
+  SparseMatrix reduced_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,240 @@
+#include "nonlinear/stability.hpp"
+
+#include "discretization/added_compliance.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace mixbeam {
+
+namespace {
+
+/// Rounding leaves 1e-13 in refined meshes, an unfinished Newton iteration 1e-11; asymmetry this small changes
+/// eigenvalues by its square.
+constexpr double kSymmetric = 1e-9;
+/// A Ritz value is real when its imaginary part is rounding.
+constexpr double kReal = 1e-8;
+/// Eigenvalues asked for when negative ones of an unsymmetric tangent are counted: at first, and at most.
+constexpr int kFirstCount = 8, kLastCount = 64;
+/// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
+constexpr double kShift = 1e-7;
+/// The first of several components of equal size gives the sign; rounding must not choose another one.
+constexpr double kAlmostLargest = 1.0 - 1e-6;
+
+bool is_real(const RitzPair& pair) { return std::abs(pair.imaginary) <= kReal * std::abs(pair.value); }
+
+SparseMatrix shifted(SparseMatrix matrix, double shift) {
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (int k = matrix.row_start[i]; k < matrix.row_start[i + 1]; ++k)
+      if (matrix.column[k] == i) matrix.value[k] += shift;
+  return matrix;
+}
+
+}  // namespace
+
+Stability::Stability(BeamProblem& problem) : problem_(problem), unknowns_(problem.assembler) {}
+
+/// Work of rank 0 alone; what goes wrong there is an exception everywhere.
+template <class Action>
+void Stability::on_root(const Action& action) const {
+  std::string problem;
+  if (unknowns_.is_root()) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+  }
+  int failed = problem.empty() ? 0 : 1;
+  MPI_Bcast(&failed, 1, MPI_INT, 0, unknowns_.root().communicator());
+  if (failed != 0) throw LinearSolverError("stability: " + (problem.empty() ? "see rank 0" : problem));
+}
+
+void Stability::assemble(const State& state, double load_factor) {
+  Assembler& assembler = problem_.assembler;
+  problem_.tangent_owner = nullptr;
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, load_factor, residual);
+  assembler.tangent(state, load_factor);
+  unknowns_.reduce(assembler, state);
+}
+
+StabilityResult Stability::inertia() {
+  StabilityResult result;
+  on_root([&] {
+    result.asymmetry = unknowns_.asymmetry();
+    result.symmetric = result.asymmetry <= kSymmetric;
+    const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
+    std::unique_ptr<InertiaSolver>& solver = result.symmetric ? symmetric_ : general_;
+    if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, unknowns_.matrix());
+    const InertiaSolver::Signs signs = solver->factorize(unknowns_.matrix());
+    result.null = signs.null;
+    result.negative = signs.negative;
+    if (signs.null > 0) solver->factorize(shifted(unknowns_.matrix(), kShift));
+    if (!result.symmetric) result.negative = signs.determinant_sign < 0 ? 1 : 0;
+    if (!result.symmetric) count_real_negative(result);
+  });
+  double numbers[4] = {static_cast<double>(result.negative), static_cast<double>(result.null),
+                       result.symmetric ? 1.0 : 0.0, result.asymmetry};
+  MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, unknowns_.root().communicator());
+  return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2] == 1.0, numbers[3]};
+}
+
+/// On entry `negative` is the parity. The eigenvalues nearest to zero are looked through, more of them while their
+/// signs contradict the determinant or the last of them is still negative.
+void Stability::count_real_negative(StabilityResult& result) {
+  const int parity = result.negative;
+  KrylovProblem problem;
+  problem.unknowns = unknowns_.count();
+  problem.symmetric = false;
+  problem.apply = [&](double* block, int columns) { general_->solve(block, columns); };
+  for (int wanted = kFirstCount;; wanted *= 2) {
+    const std::vector<RitzPair> pairs = largest_eigenpairs(problem, wanted);
+    const auto negative = [](const RitzPair& p) { return is_real(p) && p.value < 0.0; };
+    result.negative = static_cast<int>(std::count_if(pairs.begin(), pairs.end(), negative));
+    const bool agrees = result.negative % 2 == parity || result.null > 0;
+    if (agrees && !(negative(pairs.back()) && static_cast<int>(pairs.size()) < problem.unknowns)) return;
+    if (wanted >= std::min(kLastCount, problem.unknowns)) {
+      if (!agrees) ++result.negative;  // one that is far from zero
+      return;
+    }
+  }
+}
+
+StabilityResult Stability::count(const State& state, double load_factor) {
+  assemble(state, load_factor);
+  return inertia();
+}
+
+/// Uses the factors that inertia() left.
+Stability::Reduced Stability::nearest(const StabilityResult& stability, int count) {
+  Reduced reduced;
+  on_root([&] {
+    InertiaSolver& solver = stability.symmetric ? *symmetric_ : *general_;
+    const double shift = stability.null > 0 ? kShift : 0.0;
+    KrylovProblem problem;
+    problem.unknowns = unknowns_.count();
+    problem.symmetric = stability.symmetric;
+    problem.apply = [&](double* block, int columns) { solver.solve(block, columns); };
+    std::vector<RitzPair> right = largest_eigenpairs(problem, count);
+    right.erase(std::remove_if(right.begin(), right.end(), [](const RitzPair& p) { return !is_real(p); }), right.end());
+    for (const RitzPair& pair : right) {
+      reduced.eigenvalue.push_back(1.0 / pair.value - shift);
+      reduced.vector.push_back(pair.vector);
+    }
+    if (stability.symmetric) return;
+    problem.apply = [&](double* block, int columns) { solver.solve(block, columns, true); };
+    const std::vector<RitzPair> left = largest_eigenpairs(problem, count);
+    for (const RitzPair& pair : right)
+      reduced.left.push_back(std::min_element(left.begin(), left.end(), [&](const RitzPair& a, const RitzPair& b) {
+                               return std::abs(a.value - pair.value) < std::abs(b.value - pair.value);
+                             })->vector);
+  });
+  int found = static_cast<int>(reduced.eigenvalue.size());
+  MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_.root().communicator());
+  reduced.eigenvalue.resize(found);
+  reduced.vector.resize(found);
+  if (!stability.symmetric) reduced.left.resize(found);
+  MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, unknowns_.root().communicator());
+  return reduced;
+}
+
+/// Motion of the vertices and the interior that follows, without what the residual of the state adds (`rest`).
+MixedVector Stability::motion(const State& state, const std::vector<double>& y, const MixedVector& rest) {
+  MixedVector result = problem_.assembler.create_vector();
+  unknowns_.expand(y.data(), result.vertex_dofs());
+  problem_.assembler.recover(state, result);
+  result.update(-1.0, rest, 1.0);
+  return result;
+}
+
+void Stability::normalize(MixedVector& mode) const {
+  const KernelView<double*> rows = mode.vertex();
+  const double length = problem_.assembler.structure().length;
+  const auto size = [&](size_t i) { return rows(i) / (i % kVertexDofs < 3 ? length : 1.0); };
+  double largest = 0.0;
+  for (size_t i = 0; i < rows.extent(0); ++i) largest = std::max(largest, std::abs(size(i)));
+  const Teuchos::Comm<int>& comm = *problem_.assembler.map()->getComm();
+  largest = maximum_over_ranks(comm, largest);
+  // rank and sign of the first of the largest components, as one number: the lowest rank wins
+  double first = -2.0 * comm.getSize() - 2.0;
+  for (size_t i = 0; i < rows.extent(0); ++i)
+    if (std::abs(size(i)) >= kAlmostLargest * largest) {
+      first = -2.0 * comm.getRank() - (size(i) < 0.0 ? 1.0 : 0.0);
+      break;
+    }
+  first = maximum_over_ranks(comm, first);
+  const bool turned = std::fmod(-first, 2.0) == 1.0;
+  if (largest > 0.0) mode.scale((turned ? -1.0 : 1.0) / largest);
+}
+
+Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
+  assemble(state, load_factor);
+  Spectrum result{inertia(), {}};
+  const Reduced reduced = nearest(result.stability, count);
+  result.modes = corrected_modes(state, result.stability, reduced);
+  for (double before : reduced.eigenvalue) result.stability.negative -= before < 0.0 ? 1 : 0;
+  for (const EigenMode& mode : result.modes) result.stability.negative += mode.eigenvalue < 0.0 ? 1 : 0;
+  return result;
+}
+
+namespace {
+
+/// Eigenvalues (into `values`) and eigenvectors (columns of the result) of diag(values) + correction.
+std::vector<double> small_eigenproblem(std::vector<double>& values, std::vector<double> correction) {
+  const int m = static_cast<int>(values.size());
+  for (int i = 0; i < m; ++i) correction[i * (m + 1)] += values[i];
+  std::vector<double> work(4 * m + 1);
+  int info = 0;
+  Teuchos::LAPACK<int, double>().SYEV('V', 'L', m, correction.data(), m, values.data(), work.data(), 4 * m + 1, &info);
+  if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dsyev " + std::to_string(info));
+  return correction;
+}
+
+}  // namespace
+
+/// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
+std::vector<EigenMode> Stability::corrected_modes(const State& state, const StabilityResult& stability,
+                                                  const Reduced& reduced) {
+  Assembler& assembler = problem_.assembler;
+  const int m = static_cast<int>(reduced.eigenvalue.size());
+  MixedVector rest = assembler.create_vector();
+  assembler.recover(state, rest);
+  std::vector<MixedVector> found;
+  for (const std::vector<double>& y : reduced.vector) found.push_back(motion(state, y, rest));
+  std::vector<double> values = reduced.eigenvalue, weights(static_cast<size_t>(m) * m, 0.0);
+  if (stability.symmetric) {
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j <= i; ++j)
+        weights[i + static_cast<size_t>(j) * m] = weights[j + static_cast<size_t>(i) * m] =
+            added_compliance(assembler, found[i], found[j]);
+    weights = small_eigenproblem(values, weights);
+  } else {
+    for (int i = 0; i < m; ++i) {
+      weights[i * (m + 1)] = 1.0;
+      double overlap = 0.0;
+      if (unknowns_.is_root())
+        overlap = std::inner_product(reduced.left[i].begin(), reduced.left[i].end(), reduced.vector[i].begin(), 0.0);
+      MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+      values[i] += added_compliance(assembler, motion(state, reduced.left[i], rest), found[i]) / overlap;
+    }
+  }
+  std::vector<int> order(m);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(values[a]) < std::abs(values[b]); });
+  std::vector<EigenMode> modes;
+  for (int k : order) {
+    MixedVector mode = found[0].clone(false);
+    mode.fill(0.0);
+    for (int i = 0; i < m; ++i) mode.update(weights[i + static_cast<size_t>(k) * m], found[i], 1.0);
+    normalize(mode);
+    modes.push_back({values[k], std::move(mode)});
+  }
+  return modes;
+}
+
+}  // namespace mixbeam
