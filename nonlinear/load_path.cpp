@@ -1,17 +1,12 @@
 #include "nonlinear/load_path.hpp"
 
 #include "discretization/errors.hpp"
-#include "nonlinear/rotation_limited_line_search.hpp"
+#include "nonlinear/automatic_stage.hpp"
+#include "nonlinear/newton_setup.hpp"
 #include "nonlinear/step_size.hpp"
 
 #include <LOCA_GlobalData.H>
 #include <LOCA_Stepper.H>
-#include <NOX_StatusTest_Combo.H>
-#include <NOX_StatusTest_Factory.H>
-#include <NOX_StatusTest_FiniteValue.H>
-#include <NOX_StatusTest_MaxIters.H>
-#include <NOX_Observer.hpp>
-#include <Teuchos_oblackholestream.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -27,82 +22,6 @@ constexpr double kPi = 3.14159265358979323846;
 /// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin
 /// leaves room for the rotation limit of Newton's method.
 constexpr double kLargestPrescribedTurn = 0.5 * kPi;
-
-/// What Newton's method did since the last converged step.
-struct SolveRecord {
-  std::vector<NewtonIteration> history;
-  int attempt = 0;     ///< number of the present one, from 1
-  int iterations = 0;  ///< of the present one
-
-  void clear() { *this = SolveRecord{}; }
-};
-
-/// Counts Newton iterations, also those of failed attempts, and keeps the norm of each.
-class IterationRecorder : public NOX::Observer {
- public:
-  IterationRecorder(BeamProblem& problem, SolveRecord& record) : problem_(problem), record_(record) {}
-  void runPreSolve(const NOX::Solver::Generic&) override {
-    ++record_.attempt;
-    record_.iterations = 0;
-  }
-  void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
-  void runPostIterate(const NOX::Solver::Generic& solver) override {
-    record_.iterations = solver.getNumIterations();
-    if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
-    add(record_.iterations, solver.getSolutionGroup());
-  }
-
- private:
-  void add(int iteration, const NOX::Abstract::Group& group) {
-    const BeamGroup& beam = BeamGroup::of(group);
-    if (beam.isF()) record_.history.push_back({record_.attempt, iteration, beam.getNormF()});
-  }
-
-  BeamProblem& problem_;
-  SolveRecord& record_;
-};
-
-Teuchos::ParameterList default_status_tests(const NewtonParameters& newton) {
-  Teuchos::ParameterList tests("Status Tests");
-  tests.set("Test Type", "Combo").set("Combo Type", "OR").set("Number of Tests", 3);
-  Teuchos::ParameterList& residual = tests.sublist("Test 0");
-  residual.set("Test Type", "NormF").set("Norm Type", "Max Norm").set("Scale Type", "Unscaled");
-  residual.set("Tolerance", newton.residual_tolerance);
-  tests.sublist("Test 1").set("Test Type", "FiniteValue");
-  tests.sublist("Test 2").set("Test Type", "MaxIters").set("Maximum Iterations", newton.maximum_iterations);
-  return tests;
-}
-
-Teuchos::ParameterList default_nox(const NewtonParameters&) {
-  Teuchos::ParameterList nox("NOX");
-  nox.set("Nonlinear Solver", "Line Search Based");
-  nox.sublist("Direction").set("Method", "Newton");
-  nox.sublist("Line Search").set("Method", kRotationLimited);
-  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says.
-  const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
-  nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
-  return nox;
-}
-
-/// The user's list, or the default, with our own objects put where their names stand.
-Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                                SolveRecord& record) {
-  Teuchos::ParameterList nox = default_nox(parameters.newton);
-  if (!parameters.nox.is_null()) {
-    if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
-    nox.setParameters(*parameters.nox);
-  }
-  Teuchos::ParameterList& search = nox.sublist("Line Search");
-  if (search.get<std::string>("Method", kRotationLimited) == kRotationLimited) {
-    const Teuchos::RCP<NOX::LineSearch::UserDefinedFactory> factory =
-        Teuchos::rcp(new RotationLimitedFactory(parameters.newton.maximum_rotation));
-    search.set("Method", "User Defined");
-    search.set("User Defined Line Search Factory", factory);
-  }
-  const Teuchos::RCP<NOX::Observer> observer = Teuchos::rcp(new IterationRecorder(*problem, record));
-  nox.sublist("Solver Options").set("Observer", observer);
-  return nox;
-}
 
 /// Step sizes as fractions of a stage, small enough for prescribed rotations.
 StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters) {
@@ -139,16 +58,6 @@ Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& par
   if (rule.method == LoadPathMethod::adaptive) size.set("Aggressiveness", rule.aggressiveness);
   if (!parameters.loca.is_null()) loca.setParameters(*parameters.loca);
   return loca;
-}
-
-/// A user's status tests need not end an iteration that wanders or leaves the numbers; these always do.
-Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
-  constexpr int kIterationsWithoutEnd = 1000;
-  const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
-  guarded->addStatusTest(tests);
-  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::FiniteValue()));
-  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
-  return guarded;
 }
 
 /// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
@@ -202,17 +111,21 @@ class PathRecorder {
   }
 
   void converged(const BeamGroup& group, double load_factor) {
+    converged(group.state(), load_factor, group.isF() ? group.getNormF() : 0.0);
+  }
+
+  void converged(const State& state, double load_factor, double residual) {
     if (started_ && load_factor == result_.load_factor) {  // the start of a later stage is the end of the one before
       record_.clear();
       return;
     }
-    state_ = group.state();
+    state_ = state;
     if (started_) ++successes_;
     StepReport report;
     report.step = started_ ? ++result_.steps : 0;
     report.load_factor = result_.load_factor = load_factor;
     report.newton_iterations = problem_->work.newton_iterations - counted_;
-    report.residual = group.isF() ? group.getNormF() : 0.0;
+    report.residual = residual;
     report.point = point();
     report.history = record_.history;
     counted_ = problem_->work.newton_iterations;
@@ -279,9 +192,7 @@ struct StageRange {
 
 Teuchos::RCP<NOX::StatusTest::Generic> status_tests(const SolverParameters& parameters, const StageRange& range,
                                                     const NOX::Utils& utils) {
-  Teuchos::ParameterList tests =
-      parameters.status_tests.is_null() ? default_status_tests(parameters.newton) : *parameters.status_tests;
-  const Teuchos::RCP<NOX::StatusTest::Generic> guarded = with_guards(NOX::StatusTest::buildStatusTests(tests, utils));
+  const Teuchos::RCP<NOX::StatusTest::Generic> guarded = guarded_status_tests(parameters, utils);
   if (!range.before) return guarded;
   return Teuchos::rcp(new ConvergedBefore(guarded));
 }
@@ -291,6 +202,13 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
                   const StageRange& range, PathRecorder& recorder, LoadPathResult& result) {
   if (range.attempts <= 0) return false;
   const Scene& scene = problem->assembler.scene();
+  if (std::getenv("AUTO")) {
+    const auto sizes = Teuchos::rcp(new StepSizeFactory(step_size_rule(scene, parameters), range.before));
+    recorder.enter_stage(*sizes, range.attempts);
+    StageCallbacks callbacks{[&](const Correction& c) { recorder.converged(c.state, c.load_factor, c.residual); }};
+    State state = start;
+    return follow_automatically(problem, parameters, recorder.record(), callbacks, state, range.from, range.to);
+  }
   const auto top = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
   top->sublist("LOCA") = loca_list(scene, parameters, range.from, range.to, range.attempts);
   top->sublist("NOX") = nox_list(problem, parameters, recorder.record());

@@ -1,0 +1,102 @@
+#include "nonlinear/newton_setup.hpp"
+
+#include "nonlinear/beam_group.hpp"
+#include "nonlinear/rotation_limited_line_search.hpp"
+
+#include <NOX_Observer.hpp>
+#include <NOX_StatusTest_Combo.H>
+#include <NOX_StatusTest_Factory.H>
+#include <NOX_StatusTest_FiniteValue.H>
+#include <NOX_StatusTest_MaxIters.H>
+#include <Teuchos_oblackholestream.hpp>
+
+namespace mixbeam {
+
+namespace {
+
+/// Counts Newton iterations, also those of failed attempts, and keeps the norm of each.
+class IterationRecorder : public NOX::Observer {
+ public:
+  IterationRecorder(BeamProblem& problem, SolveRecord& record) : problem_(problem), record_(record) {}
+  void runPreSolve(const NOX::Solver::Generic&) override {
+    ++record_.attempt;
+    record_.iterations = 0;
+  }
+  void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
+  void runPostIterate(const NOX::Solver::Generic& solver) override {
+    record_.iterations = solver.getNumIterations();
+    if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
+    add(record_.iterations, solver.getSolutionGroup());
+  }
+
+ private:
+  void add(int iteration, const NOX::Abstract::Group& group) {
+    const BeamGroup& beam = BeamGroup::of(group);
+    if (beam.isF()) record_.history.push_back({record_.attempt, iteration, beam.getNormF()});
+  }
+
+  BeamProblem& problem_;
+  SolveRecord& record_;
+};
+
+Teuchos::ParameterList default_status_tests(const NewtonParameters& newton) {
+  Teuchos::ParameterList tests("Status Tests");
+  tests.set("Test Type", "Combo").set("Combo Type", "OR").set("Number of Tests", 3);
+  Teuchos::ParameterList& residual = tests.sublist("Test 0");
+  residual.set("Test Type", "NormF").set("Norm Type", "Max Norm").set("Scale Type", "Unscaled");
+  residual.set("Tolerance", newton.residual_tolerance);
+  tests.sublist("Test 1").set("Test Type", "FiniteValue");
+  tests.sublist("Test 2").set("Test Type", "MaxIters").set("Maximum Iterations", newton.maximum_iterations);
+  return tests;
+}
+
+Teuchos::ParameterList default_nox(const NewtonParameters&) {
+  Teuchos::ParameterList nox("NOX");
+  nox.set("Nonlinear Solver", "Line Search Based");
+  nox.sublist("Direction").set("Method", "Newton");
+  nox.sublist("Line Search").set("Method", kRotationLimited);
+  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says.
+  const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
+  nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
+  return nox;
+}
+
+/// A user's status tests need not end an iteration that wanders or leaves the numbers; these always do.
+Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
+  constexpr int kIterationsWithoutEnd = 1000;
+  const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
+  guarded->addStatusTest(tests);
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::FiniteValue()));
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
+  return guarded;
+}
+
+}  // namespace
+
+Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                SolveRecord& record) {
+  Teuchos::ParameterList nox = default_nox(parameters.newton);
+  if (!parameters.nox.is_null()) {
+    if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
+    nox.setParameters(*parameters.nox);
+  }
+  Teuchos::ParameterList& search = nox.sublist("Line Search");
+  if (search.get<std::string>("Method", kRotationLimited) == kRotationLimited) {
+    const Teuchos::RCP<NOX::LineSearch::UserDefinedFactory> factory =
+        Teuchos::rcp(new RotationLimitedFactory(parameters.newton.maximum_rotation));
+    search.set("Method", "User Defined");
+    search.set("User Defined Line Search Factory", factory);
+  }
+  const Teuchos::RCP<NOX::Observer> observer = Teuchos::rcp(new IterationRecorder(*problem, record));
+  nox.sublist("Solver Options").set("Observer", observer);
+  return nox;
+}
+
+Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
+                                                            const NOX::Utils& utils) {
+  Teuchos::ParameterList tests =
+      parameters.status_tests.is_null() ? default_status_tests(parameters.newton) : *parameters.status_tests;
+  return with_guards(NOX::StatusTest::buildStatusTests(tests, utils));
+}
+
+}  // namespace mixbeam
