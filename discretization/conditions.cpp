@@ -24,7 +24,7 @@ VertexLoad vertex_load(const PointLoad& load, const Scene& scene, const Mesh& me
   VertexLoad result;
   result.vertex = local;
   result.frame = load.frame;
-  result.amplitude = Amplitude(load.stage, load.amplitude);
+  result.amplitude = Amplitude(load.stage, scene.stages, load.amplitude);
   result.force = to_vec(load.force);
   result.moment = to_vec(load.moment);
   if (load.frame == LoadFrame::follower) {
@@ -52,11 +52,11 @@ SupportRotation rotation_kind(const Support& support) {
   return fixed == 2 ? SupportRotation::hinge : SupportRotation::free;
 }
 
-VertexSupport vertex_support(const Support& support, int index, int local) {
+VertexSupport vertex_support(const Support& support, int stages, int index, int local) {
   VertexSupport result;
   result.vertex = local;
   result.index = index;
-  result.amplitude = Amplitude(support.stage, support.amplitude);
+  result.amplitude = Amplitude(support.stage, stages, support.amplitude);
   result.axes = matrix_of(support.axes);
   result.turns_forces = support.axes != kGlobalAxes;
   result.displacement = to_vec(support.prescribed_displacement);
@@ -100,7 +100,7 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     const int global = vertex_of(mesh, scene.supports[i].point);
     if (partition.owns(global))
       conditions.supports.push_back(
-          vertex_support(scene.supports[i], static_cast<int>(i), global - partition.owned_first()));
+          vertex_support(scene.supports[i], scene.stages, static_cast<int>(i), global - partition.owned_first()));
   }
   for (const MeshJoint& joint : mesh.joints) {
     if (!partition.owns(joint.master)) continue;
@@ -139,7 +139,7 @@ constexpr int kSlopeSamples = 64;
 
 double steepest_slope(const Support& support, int stages) {
   if (support.amplitude.empty()) return 1.0;
-  const Amplitude amplitude(support.stage, support.amplitude);
+  const Amplitude amplitude(support.stage, stages, support.amplitude);
   double steepest = 0.0;
   for (int i = 0; i <= stages * kSlopeSamples; ++i) {
     const double slope = std::abs(amplitude.slope(static_cast<double>(i) / kSlopeSamples));

@@ -100,7 +100,7 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
     : has_loads_(!scene.distributed_loads.empty()), has_eigenstrains_(!scene.eigenstrains.empty()) {
   for (const DistributedLoad& load : scene.distributed_loads) {
     const int member = member_index(scene, load.member);
-    const Amplitude amplitude(load.stage, load.amplitude);
+    const Amplitude amplitude(load.stage, scene.stages, load.amplitude);
     const bool follower = load.frame == LoadFrame::follower;
     add_source(mesh, structure,
                {follower ? LineField::follower_force : LineField::dead_force, member,
@@ -111,7 +111,7 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
   }
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const int member = member_index(scene, strain.member);
-    const Amplitude amplitude(strain.stage, strain.amplitude);
+    const Amplitude amplitude(strain.stage, scene.stages, strain.amplitude);
     add_source(
         mesh, structure,
         {LineField::eigenstrain, member, Profile(strain.strain, strain.strain_formula, strain.member), amplitude});

@@ -14,6 +14,9 @@ constexpr double kRoundings = 16.0;
 /// nothing by more than a rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
+/// Beyond this the displacements have outgrown the structure, and rounding would excuse any strain.
+constexpr double kLargestStrainNoise = 1e4;
+
 }  // namespace
 
 ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
@@ -28,7 +31,8 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   const double noise = kRoundings * std::numeric_limits<double>::epsilon() / tolerance;
   const double amplitude = std::min(1.0, std::max({state.rotation, state.displacement / length, state.eigenstrain}));
   scales.rotation = std::max(amplitude, noise);
-  scales.strain = std::max(amplitude, noise * (1.0 + state.displacement / shortest_element));
+  scales.strain =
+      std::max(amplitude, std::min(noise * (1.0 + state.displacement / shortest_element), kLargestStrainNoise));
   scales.length = length;
   return scales;
 }

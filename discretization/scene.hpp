@@ -97,7 +97,8 @@ struct Member {
 };
 
 /// When a load or a prescribed motion acts: its amplitude is clamp(load_factor - (stage - 1), 0, 1),
-/// so stage 1 grows while the load factor goes from 0 to 1, stage 2 from 1 to 2, and finished stages stay.
+/// so stage 1 grows while the load factor goes from 0 to 1, stage 2 from 1 to 2, and finished stages stay (outside the
+/// range of all stages see Amplitude).
 using Stage = int;
 
 enum class JointKind {

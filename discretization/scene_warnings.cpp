@@ -190,7 +190,7 @@ template <typename Load>
 void add_amplitude_warnings(const std::vector<Load>& loads, const std::string& what, WarningList& list) {
   for (const Load& load : loads) {
     if (load.amplitude.empty()) continue;
-    const double start = Amplitude(1, load.amplitude)(0.0);
+    const double start = Amplitude(1, 1, load.amplitude)(0.0);
     if (std::abs(start) <= kNoticeableStart) continue;
     list.add("amplitudes of " + what, what + ": the amplitude \"" + excerpt(load.amplitude) + "\" is " + number(start) +
                                           " at t = 0, so this part acts at once; usually it should start at 0");

@@ -38,9 +38,9 @@ ControlRow PathMeasure::row(const PathDirection& direction, double load_start, d
 namespace {
 double env(const char* name, double value) { const char* t = std::getenv(name); return t ? std::atof(t) : value; }
 
-class Stage {
+class StageFollower {
  public:
-  Stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
+  StageFollower(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
         const StageCallbacks& callbacks)
       : problem_(problem),
         parameters_(parameters),
@@ -91,14 +91,14 @@ class Stage {
     const bool secant = env("SECANT", 0) > 0;
     const double spin_max = env("SPINMAX", 1e9);
     const int most = static_cast<int>(env("MOST", 12));
-    const double want = env("WANT", 5);
+    const double want = env("WANT", 6);
     for (int k = 0; k < 2000; ++k) {
       step = std::min(step, spin_max / direction.x.largest_vertex_spin());
       MixedVector moved = direction.x.clone(true);
       moved.scale(step);
       double guess_load = load + step * direction.load;
       const bool last = guess_load >= to;
-      Correction c{};
+      Correction c{false, state, load, moved, 0, 0.0, {}};
       if (last) {
         const double r = (to - load) / direction.load;
         moved.scale(r / step);
@@ -108,7 +108,7 @@ class Stage {
         c = corrector_.on_row({state, guess_load, &moved}, measure_.row(direction, load, step), most);
         if (!c.converged) fail(c, load, step);
       }
-      if (!c.converged) { step *= 0.5; if (step < 1e-8) return false; continue; }
+      if (!c.converged) { step *= 0.5; if (step < 1e-6) return false; continue; }
       if (!last && c.load_factor > to) {
         const double r = (to - load) / (c.load_factor - load);
         MixedVector part = c.moved.clone(true);
@@ -122,17 +122,19 @@ class Stage {
       PathDirection next = tangent(c.state, c.load_factor);
       double cosine = (measure_.inner(done, next.x) + dl * next.load) / len;
       if (cosine < 0) { next.x.scale(-1.0); next.load = -next.load; cosine = -cosine; }
+      const double straight = (measure_.inner(done, direction.x) + dl * direction.load) / len;
       const double turn = measure_.inner(direction.x, next.x) + direction.load * next.load;
-      if (std::getenv("VERB")) std::fprintf(stderr, "  %3d load %.8f ds %.4g len %.4g its %d spin %.3f dload %.3g cos %.4f turn %.4f\n", k, c.load_factor, step, len, c.iterations,
-                   done.largest_vertex_spin(), next.load, cosine, turn);
-      if (turn < env("TURN", 0.3) && step > 1e-3) { std::fprintf(stderr, "   turned\n"); step *= 0.5; continue; }
+      if (std::getenv("VERB")) std::fprintf(stderr, "  %3d load %.8f ds %.4g len %.4g its %d spin %.3f dload %.3g straight %.4f turn %.4f\n", k, c.load_factor, step, len, c.iterations,
+                   done.largest_vertex_spin(), next.load, straight, turn);
+      if ((turn < env("TURN", 0.5) || straight < env("STRAIGHT", 0.85)) && step > 1e-4) { std::fprintf(stderr, "   turned\n"); step = 0.5 * std::min(len, step); continue; }
       state = c.state;
       load = c.load_factor;
       callbacks_.converged(c);
       if (load >= to) return true;
       if (secant) { next.x = done.clone(true); next.x.scale(1.0 / len); next.load = dl / len; }
       direction = next;
-      step *= std::clamp(std::pow(want / c.iterations, env("POW", 1.0)), 0.5, 2.0);
+      const double angle = std::acos(std::clamp(turn, -1.0, 1.0));
+      step *= std::clamp(std::min(std::pow(want / c.iterations, env("POW", 1.0)), env("ANGLE", 0.5) / std::max(angle, 1e-9)), 0.5, 2.0);
     }
     return false;
   }
@@ -148,7 +150,7 @@ class Stage {
 
 bool follow_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                           SolveRecord& record, const StageCallbacks& callbacks, State& state, double from, double to) {
-  Stage stage(problem, parameters, record, callbacks);
+  StageFollower stage(problem, parameters, record, callbacks);
   return stage.follow(state, from, to);
 }
 
