@@ -20,11 +20,17 @@ struct StateSnapshot {
 /// Where a load path stands after a completed step: with the state, all that the steps to come depend on.
 struct PathPoint {
   int step = 0;                                 ///< number of the step, 0: the state at the start of the path
+  int stage = 1;                                ///< in which it lies, or which it ends
   double load_factor = 0.0;                     ///< of that step
   double step_size = 0.0;                       ///< as the step size control gave it; 0 at the start
   int iterations = 0;                           ///< of the attempt that succeeded
   int attempts_left = 0;                        ///< in this stage
   int failed_steps = 0, newton_iterations = 0;  ///< on the whole path so far
+  // Paths followed by their length only:
+  double path_length = 0.0;  ///< of the step to come; 0: steps of the load factor
+  int direction = 1;         ///< sign of the change of the load factor along the path here
+  int negative = -1;         ///< eigenvalues of the tangent below zero; -1: not counted
+  bool branched = false;     ///< the path has left the primary one at a bifurcation
 };
 
 /// Scaled maximum norm of the residual after an iteration (0: before the first one) of an attempt at a step.

@@ -1,157 +1,341 @@
 #include "nonlinear/automatic_path.hpp"
 
-#include "nonlinear/automatic_stage.hpp"
-#include "nonlinear/beam_group.hpp"
+#include "discretization/errors.hpp"
+#include "discretization/sampling.hpp"
+#include "nonlinear/corrector.hpp"
+#include "nonlinear/critical_point_finder.hpp"
+#include "nonlinear/loca_stage.hpp"
+#include "nonlinear/path_measure.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace mixbeam {
 
-PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create_vector()) {
-  weights_.fill(0.0);
-  const double length = assembler.structure().length;
-  const double vertices = static_cast<double>(assembler.map()->getGlobalNumElements()) / kVertexDofs;
-  const KernelView<double*> w = weights_.vertex();
-  Kokkos::parallel_for(
-      "mixbeam::path_measure", Kokkos::RangePolicy<ExecutionSpace>(0, w.extent(0)), KOKKOS_LAMBDA(size_t i) {
-        w(i) = (i % kVertexDofs < 3 ? 1.0 / (length * length) : 1.0) / vertices;
-      });
-}
-
-double PathMeasure::inner(const MixedVector& a, const MixedVector& b) const {
-  MixedVector weighted = a.clone(true);
-  weighted.multiply_by(weights_);
-  return weighted.inner_product(b);
-}
-
-double PathMeasure::length(const MixedVector& x, double load) const { return std::sqrt(inner(x, x) + load * load); }
-
-ControlRow PathMeasure::row(const PathDirection& direction, double load_start, double length) const {
-  MixedVector weights = direction.x.clone(true);
-  weights.multiply_by(weights_);
-  return {weights, direction.load, load_start, length};
-}
-
 namespace {
-double env(const char* name, double value) { const char* t = std::getenv(name); return t ? std::atof(t) : value; }
 
-class StageFollower {
+/// Load steps that have not converged by then seldom do (dead loads of 1e8 EI/L^2 take 23), and the attempt is lost.
+constexpr int kMostIterationsOfLoadStep = 25;
+/// Steps along the path aim at kAimedIterations, which is what a helical rod of ten turns needs the fewest in all with,
+/// and are given up a little above.
+constexpr double kAimedIterations = 6.0;
+constexpr int kMostIterationsAlongPath = 10;
+/// Largest vertex rotation [rad] in the first step along a path: what follows a failed load step is difficult, and
+/// 0.5 lets Lee's frame jump to another path.
+constexpr double kFirstSpin = 0.2;
+/// Steps are chosen so that the tangent turns by about this angle [rad].
+constexpr double kAimedAngle = 0.5;
+/// Growth and shrinking from step to step.
+constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
+/// A step is believed if the tangent has not turned much further (cosine), and if Newton's method has not left the
+/// predicted direction (cosine): else it may have jumped to another path.
+constexpr double kSmallestTurnCosine = 0.5, kSmallestPredictorCosine = 0.85;
+/// Below this length (1: the structure moves by its own size) a turn is a kink of the path itself, and accepted.
+constexpr double kShortStep = 1e-4;
+/// The path is given up below this length.
+constexpr double kShortestStep = 1e-7;
+/// A path that runs away from the end of its stage is followed this far, in load factors of one stage.
+constexpr double kLargestDetour = 100.0;
+/// First amplitude of the mode with which a branch is entered (largest rotation [rad] or displacement / L), halved
+/// until Newton's method stays on it.
+constexpr double kBranchAmplitude = 0.1;
+constexpr int kBranchAttempts = 8;
+/// A controlled displacement has arrived when it differs from the target by this share of the scene's length: rounding.
+constexpr double kControlPrecision = 1e-13;
+
+class AutomaticPath {
  public:
-  StageFollower(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
-        const StageCallbacks& callbacks)
+  AutomaticPath(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
+                const StageRange& range, PathRecorder& recorder)
       : problem_(problem),
         parameters_(parameters),
-        callbacks_(callbacks),
-        corrector_(problem, parameters, record),
-        measure_(problem->assembler) {}
+        range_(range),
+        recorder_(recorder),
+        rule_(step_size_rule(problem->assembler.scene(), parameters)),
+        corrector_(problem, parameters, recorder.record()),
+        measure_(problem->assembler),
+        state_(start),
+        load_(range.from),
+        attempts_left_(range.attempts) {}
 
-  bool follow(State& state, double from, double to) {
-    Correction start = corrector_.at_load({state, from}, parameters_.newton.maximum_iterations);
-    if (!start.converged) { fail(start, from, 0.0); return false; }
-    state = start.state;
-    callbacks_.converged(start);
-    const int first = static_cast<int>(env("FIRST", 25));
-    if (first > 0) {
-    Correction all = corrector_.at_load({state, to}, first);
-    if (all.converged) { state = all.state; callbacks_.converged(all); return true; }
-    fail(all, from, to - from);
-    }
-    return trace(state, from, to);
-  }
-
-  void fail(const Correction& c, double from, double size) {
-    std::fprintf(stderr, "   failed from %.6f size %.3g: %s\n", from, size, c.cause.c_str());
-  }
-
-  PathDirection tangent(const State& state, double load_factor) {
-    BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
-    group.computeF();
-    group.computeJacobian();
-    BeamVector slope(problem_->assembler.create_vector());
-    problem_->assembler.use_scales(problem_->assembler.scales());
-    problem_->assembler.load_derivative(state, load_factor, slope.values());
-    BeamVector x(problem_->assembler.create_vector());
-    Teuchos::ParameterList none;
-    group.applyJacobianInverse(none, slope, x);
-    x.scale(-1.0);
-    const double length = measure_.length(x.values(), 1.0);
-    x.scale(1.0 / length);
-    return {x.values().clone(true), 1.0 / length};
-  }
-
-  bool trace(State& state, double from, double to) {
-    double load = from;
-    PathDirection direction = tangent(state, load);
-    // initial step
-    double spin = direction.x.largest_vertex_spin();
-    double step = std::min(env("SPIN0", 0.5) / std::max(spin, 1e-300), (to - from) / std::abs(direction.load));
-    const bool secant = env("SECANT", 0) > 0;
-    const double spin_max = env("SPINMAX", 1e9);
-    const int most = static_cast<int>(env("MOST", 12));
-    const double want = env("WANT", 6);
-    for (int k = 0; k < 2000; ++k) {
-      step = std::min(step, spin_max / direction.x.largest_vertex_spin());
-      MixedVector moved = direction.x.clone(true);
-      moved.scale(step);
-      double guess_load = load + step * direction.load;
-      const bool last = guess_load >= to;
-      Correction c{false, state, load, moved, 0, 0.0, {}};
-      if (last) {
-        const double r = (to - load) / direction.load;
-        moved.scale(r / step);
-        c = corrector_.at_load({state, to, &moved}, most);
-        if (!c.converged) fail(c, load, r), step = r, c = Correction{false, state, load, moved, 0,0,"x"};
-      } else {
-        c = corrector_.on_row({state, guess_load, &moved}, measure_.row(direction, load, step), most);
-        if (!c.converged) fail(c, load, step);
-      }
-      if (!c.converged) { step *= 0.5; if (step < 1e-6) return false; continue; }
-      if (!last && c.load_factor > to) {
-        const double r = (to - load) / (c.load_factor - load);
-        MixedVector part = c.moved.clone(true);
-        part.scale(r);
-        c = corrector_.at_load({state, to, &part}, most);
-        if (!c.converged) { fail(c, load, step); step *= 0.5; continue; }
-      }
-      MixedVector done = c.moved.clone(true);
-      const double dl = c.load_factor - load;
-      const double len = measure_.length(done, dl);
-      PathDirection next = tangent(c.state, c.load_factor);
-      double cosine = (measure_.inner(done, next.x) + dl * next.load) / len;
-      if (cosine < 0) { next.x.scale(-1.0); next.load = -next.load; cosine = -cosine; }
-      const double straight = (measure_.inner(done, direction.x) + dl * direction.load) / len;
-      const double turn = measure_.inner(direction.x, next.x) + direction.load * next.load;
-      if (std::getenv("VERB")) std::fprintf(stderr, "  %3d load %.8f ds %.4g len %.4g its %d spin %.3f dload %.3g straight %.4f turn %.4f\n", k, c.load_factor, step, len, c.iterations,
-                   done.largest_vertex_spin(), next.load, straight, turn);
-      if ((turn < env("TURN", 0.5) || straight < env("STRAIGHT", 0.85)) && step > 1e-4) { std::fprintf(stderr, "   turned\n"); step = 0.5 * std::min(len, step); continue; }
-      state = c.state;
-      load = c.load_factor;
-      callbacks_.converged(c);
-      if (load >= to) return true;
-      if (secant) { next.x = done.clone(true); next.x.scale(1.0 / len); next.load = dl / len; }
-      direction = next;
-      const double angle = std::acos(std::clamp(turn, -1.0, 1.0));
-      step *= std::clamp(std::min(std::pow(want / c.iterations, env("POW", 1.0)), env("ANGLE", 0.5) / std::max(angle, 1e-9)), 0.5, 2.0);
-    }
-    return false;
-  }
+  bool follow();
 
  private:
+  bool begin();
+  bool step_by_load();
+  bool step_by_control();
+  double controlled_displacement(const State& state) const;
+  bool step_along_path();
+  void start_along_path();
+  bool attempt(Correction& result, double& length);
+  bool is_believable(const Correction& found, const PathDirection& done, const PathDirection& tangent);
+  bool changes_stability(const Correction& found);
+  std::vector<CriticalPoint> critical_points(const Correction& found);
+  bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed);
+  void accept(const Correction& found, std::vector<CriticalPoint> passed);
+  void failed(const std::string& cause, double size, int iterations);
+  PathDirection increments(const Correction& found) const {
+    return {found.moved.clone(true), found.load_factor - load_};
+  }
+  bool arrived() const;
+  bool may_try() { return attempts_left_-- > 0; }
+
   Teuchos::RCP<BeamProblem> problem_;
   const SolverParameters& parameters_;
-  const StageCallbacks& callbacks_;
+  const StageRange& range_;
+  PathRecorder& recorder_;
+  StepSizeRule rule_;
   Corrector corrector_;
   PathMeasure measure_;
+  // where the path stands
+  State state_;
+  double load_ = 0.0;
+  std::optional<StabilityResult> stability_{};
+  std::optional<PathDirection> tangent_{};  ///< along the path; none: steps of the load factor
+  double size_ = 0.0;                       ///< of the next load step
+  double length_ = 0.0;                     ///< of the next step along the path
+  bool branched_ = false;
+  int attempts_left_ = 0;
 };
+
+void AutomaticPath::failed(const std::string& cause, double size, int iterations) {
+  StepFailure failure;
+  failure.load_factor = load_;
+  failure.size = size;
+  failure.along_path = tangent_.has_value();
+  failure.iterations = iterations;
+  failure.cause = cause;
+  recorder_.failed(failure);
+}
+
+/// The state at the start of the stage, or what is needed to go on from a completed step.
+bool AutomaticPath::begin() {
+  recorder_.enter_stage(range_.stage, range_.attempts);
+  size_ = rule_.initial;
+  if (range_.before) {
+    const PathPoint& before = *range_.before;
+    if (before.negative >= 0) stability_ = StabilityResult{before.negative};
+    branched_ = before.branched;
+    size_ = before.step_size;
+    if (before.path_length == 0.0) return true;
+    length_ = before.path_length;
+    tangent_ = path_tangent(corrector_.global(), problem_, measure_, state_, load_);
+    if (before.direction < 0) tangent_ = scaled(*tangent_, -1.0);
+    return true;
+  }
+  const Correction start = corrector_.at_load({state_, load_}, parameters_.newton.maximum_iterations);
+  if (start.converged) {
+    accept(start, {});
+  } else {
+    failed(start.cause, 0.0, start.iterations);
+  }
+  return start.converged;
+}
+
+void AutomaticPath::accept(const Correction& found, std::vector<CriticalPoint> passed) {
+  state_ = found.state;
+  load_ = found.load_factor;
+  if (Stability* stability = recorder_.stability()) stability_ = stability->count(state_, load_);
+  ConvergedStep step{state_, load_, found.residual};
+  step.step_size = size_;
+  step.path_length = tangent_ ? length_ : 0.0;
+  step.direction = tangent_ && tangent_->load < 0.0 ? -1 : 1;
+  step.branched = branched_;
+  step.stability = stability_;
+  step.critical_points = std::move(passed);
+  recorder_.set_attempts(range_.attempts - attempts_left_);
+  recorder_.converged(step);
+}
+
+bool AutomaticPath::changes_stability(const Correction& found) {
+  Stability* stability = recorder_.stability();
+  if (stability == nullptr || !stability_) return false;
+  return stability->count(found.state, found.load_factor).negative != stability_->negative;
+}
+
+bool AutomaticPath::step_by_load() {
+  const double size = std::min(size_, range_.to - load_);
+  const double target = range_.to - load_ <= size_ * (1.0 + 1e-12) ? range_.to : load_ + size;
+  const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
+  const Correction found = corrector_.at_load({state_, target}, most);
+  if (!found.converged) {
+    failed(found.cause, size, found.iterations);
+    start_along_path();
+    return true;
+  }
+  if (changes_stability(found)) {
+    failed("stability changes within the step: the path is followed by its length", size, found.iterations);
+    start_along_path();
+    return true;
+  }
+  size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
+  accept(found, {});
+  return true;
+}
+
+double AutomaticPath::controlled_displacement(const State& state) const {
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  const Assembler& assembler = problem_->assembler;
+  return vertex_motion(assembler, state, vertex_of(assembler.mesh(), control.point))[control.component];
+}
+
+bool AutomaticPath::arrived() const {
+  if (!parameters_.analysis.control) return is_end_of_stage(load_, range_.to);
+  const double target = parameters_.analysis.control->target;
+  return std::abs(controlled_displacement(state_) - target) <=
+         kControlPrecision * problem_->assembler.structure().length;
+}
+
+/// The monitored displacement moves by a share of its way, the load factor follows.
+bool AutomaticPath::step_by_control() {
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  const Assembler& assembler = problem_->assembler;
+  const double length = assembler.structure().length, rest = control.target - controlled_displacement(state_);
+  const double size = std::min(size_, std::abs(rest) / length);
+  ControlRow row{assembler.create_vector(), 0.0, load_, std::copysign(size, rest)};
+  row.weights.fill(0.0);
+  const VertexPartition& partition = assembler.structure().partition;
+  const int vertex = vertex_of(assembler.mesh(), control.point);
+  if (partition.owns(vertex))
+    row.weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) = 1.0 / length;
+  const Correction found = corrector_.on_row({state_, load_}, row, kMostIterationsOfLoadStep);
+  if (!found.converged) {
+    failed(found.cause, size, found.iterations);
+    size_ = rule_.after_failure(size);
+    return size_ >= kShortestStep;
+  }
+  std::vector<CriticalPoint> passed;
+  if (changes_stability(found)) passed = critical_points(found);
+  size_ = std::min(rule_.maximum, size * std::min(kLargestGrowth, kAimedIterations / std::max(found.iterations, 1)));
+  accept(found, std::move(passed));
+  return true;
+}
+
+void AutomaticPath::start_along_path() {
+  tangent_ = path_tangent(corrector_.global(), problem_, measure_, state_, load_);
+  const double spin = tangent_->x.largest_vertex_spin();
+  length_ = std::min(spin > 0.0 ? kFirstSpin / spin : 1.0, (range_.to - load_) / tangent_->load);
+}
+
+/// Newton's method from the predicted point, at the end of the stage where the prediction passes it.
+bool AutomaticPath::attempt(Correction& result, double& length) {
+  const double step = std::min(length_, rule_.maximum / std::max(std::abs(tangent_->load), 1e-300));
+  PathDirection guess = scaled(*tangent_, step);
+  length = step;
+  if (load_ + guess.load >= range_.to) {
+    length = (range_.to - load_) / tangent_->load;
+    guess = scaled(*tangent_, length);
+    result = corrector_.at_load({state_, range_.to, &guess.x}, kMostIterationsAlongPath);
+    return result.converged;
+  }
+  result = corrector_.on_row({state_, load_ + guess.load, &guess.x}, measure_.row(*tangent_, load_, step),
+                             kMostIterationsAlongPath);
+  if (!result.converged || result.load_factor <= range_.to) return result.converged;
+  // the path reached the end of the stage before the end of the step
+  const PathDirection part = scaled(increments(result), (range_.to - load_) / (result.load_factor - load_));
+  result = corrector_.at_load({state_, range_.to, &part.x}, kMostIterationsAlongPath);
+  return result.converged;
+}
+
+bool AutomaticPath::is_believable(const Correction& found, const PathDirection& done, const PathDirection& tangent) {
+  const double length = measure_.length(done);
+  if (length < kShortStep) return true;
+  if (measure_.inner(done, *tangent_) < kSmallestPredictorCosine * length) return false;
+  return measure_.inner(*tangent_, tangent) >= kSmallestTurnCosine && std::isfinite(found.residual);
+}
+
+bool AutomaticPath::step_along_path() {
+  Correction found{false, state_, load_, problem_->assembler.create_vector()};
+  double length = 0.0;
+  if (!attempt(found, length)) {
+    failed(found.cause, length, found.iterations);
+    length_ = 0.5 * length;
+    return length_ >= kShortestStep;
+  }
+  const PathDirection done = increments(found);
+  PathDirection next = path_tangent(corrector_.global(), problem_, measure_, found.state, found.load_factor);
+  if (measure_.inner(done, next) < 0.0) next = scaled(next, -1.0);
+  if (!is_believable(found, done, next)) {
+    failed("the path bends too much: another one may have been met", length, found.iterations);
+    length_ = 0.5 * length;
+    return length_ >= kShortestStep;
+  }
+  std::vector<CriticalPoint> passed;
+  if (changes_stability(found)) passed = critical_points(found);
+  for (const CriticalPoint& point : passed)
+    if (take_branch(point, passed)) return true;
+  const double angle = std::acos(std::clamp(measure_.inner(*tangent_, next), -1.0, 1.0));
+  const double growth = std::min(kAimedIterations / std::max(found.iterations, 1), kAimedAngle / std::max(angle, 1e-9));
+  length_ = length * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
+  tangent_ = std::move(next);
+  accept(found, std::move(passed));
+  if (std::abs(load_ - range_.to) < kLargestDetour) return true;
+  failed("the path leads away from the end of the stage", 0.0, 0);
+  return false;
+}
+
+std::vector<CriticalPoint> AutomaticPath::critical_points(const Correction& found) {
+  CriticalPointFinder finder(problem_, corrector_, *recorder_.stability(), measure_);
+  try {
+    return finder.find({state_, load_, increments(found)});
+  } catch (const ConvergenceError& error) {
+    failed(error.what(), measure_.length(increments(found)), 0);
+    return {};
+  }
+}
+
+/// Steps onto the branch that crosses the path at `from`, if that is asked for.
+bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed) {
+  if (from.kind != CriticalKind::bifurcation || branched_ || parameters_.analysis.branch == Branch::primary)
+    return false;
+  const double sign = parameters_.analysis.branch == Branch::positive ? 1.0 : -1.0;
+  PathDirection mode{from.mode.clone(true), 0.0};
+  mode.x.scale(sign);
+  const double length = measure_.length(mode);
+  const PathDirection unit = scaled(mode, 1.0 / length);
+  double amplitude = kBranchAmplitude * length;
+  for (int i = 0; i < kBranchAttempts; ++i, amplitude *= 0.5) {
+    const PathDirection guess = scaled(unit, amplitude);
+    const Correction found =
+        corrector_.on_row({from.state, from.load_factor, &guess.x}, measure_.row(unit, from.load_factor, amplitude),
+                          2 * kMostIterationsAlongPath);
+    if (!found.converged) {
+      failed("stepping onto the branch: " + found.cause, amplitude, found.iterations);
+      continue;
+    }
+    const PathDirection done{found.moved.clone(true), found.load_factor - from.load_factor};
+    PathDirection next = path_tangent(corrector_.global(), problem_, measure_, found.state, found.load_factor);
+    if (measure_.inner(done, next) < 0.0) next = scaled(next, -1.0);
+    branched_ = true;
+    length_ = amplitude;
+    tangent_ = std::move(next);
+    std::vector<CriticalPoint> up_to_here(passed.begin(), passed.begin() + (&from - passed.data()) + 1);
+    accept(found, std::move(up_to_here));
+    return true;
+  }
+  return false;
+}
+
+bool AutomaticPath::follow() {
+  try {
+    if (!begin()) return false;
+    while (!arrived()) {
+      if (!may_try()) return false;
+      const bool controlled = parameters_.analysis.control.has_value();
+      if (!(controlled ? step_by_control() : tangent_ ? step_along_path() : step_by_load())) return false;
+    }
+    return true;
+  } catch (const PathInterrupted&) {
+    recorder_.interrupted();
+    return false;
+  }
+}
+
 }  // namespace
 
-bool follow_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                          SolveRecord& record, const StageCallbacks& callbacks, State& state, double from, double to) {
-  StageFollower stage(problem, parameters, record, callbacks);
-  return stage.follow(state, from, to);
+bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                const State& start, const StageRange& range, PathRecorder& recorder) {
+  return AutomaticPath(problem, parameters, start, range, recorder).follow();
 }
 
 }  // namespace mixbeam

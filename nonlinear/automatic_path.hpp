@@ -1,31 +1,17 @@
-/// A load path without tuning: load steps as large as Newton's method takes them, and where it fails, the path itself,
-/// by its length, through limit points and snap-backs.
+/// A load path without tuning: load steps as large as Newton's method takes them, and where one fails or the stability
+/// changes within it, the path itself, by its length, through limit points and snap-backs.
+///
+/// LOCA's stepper serves for steps of the load factor; here its constrained group is used without the stepper, which
+/// cannot be resumed exactly when it follows arc length (its scaling depends on all steps so far), does not tell why a
+/// step failed, and knows no events between steps such as critical points and branches.
 #pragma once
 
-#include "nonlinear/corrector.hpp"
-
-#include <functional>
+#include "nonlinear/path_recorder.hpp"
 
 namespace mixbeam {
 
-/// Unit tangent of the path: increments and load factor per unit of path length.
-struct PathDirection {
-  MixedVector x;
-  double load = 0.0;
-};
-
-/// Length of increments of a path: root mean square over the vertices of displacement / scene length and rotation,
-/// together with the change of the load factor.
-class PathMeasure {
- public:
-  explicit PathMeasure(const Assembler& assembler);
-  double inner(const MixedVector& a, const MixedVector& b) const;
-  double length(const MixedVector& x, double load) const;
-  /// The row "way along `direction` = length".
-  ControlRow row(const PathDirection& direction, double load_start, double length) const;
-
- private:
-  MixedVector weights_;
-};
+/// Returns whether the path arrived at the end of the range. `start` is the state at its beginning.
+bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                const State& start, const StageRange& range, PathRecorder& recorder);
 
 }  // namespace mixbeam

@@ -25,8 +25,8 @@ Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 
 namespace {
 
-Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global,
-                                 const Teuchos::RCP<BeamProblem>& problem, const Guess& guess) {
+Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
+                                 const Guess& guess) {
   return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}));
 }
 

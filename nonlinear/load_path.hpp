@@ -2,7 +2,7 @@
 #pragma once
 
 #include "discretization/resume_point.hpp"
-#include "nonlinear/beam_group.hpp"
+#include "nonlinear/critical_point.hpp"
 #include "nonlinear/solver_parameters.hpp"
 
 #include <functional>
@@ -20,13 +20,26 @@ struct StepReport {
   double residual = 0.0;      ///< scaled maximum norm
   bool converged = true;
   PathPoint point{};
-  std::vector<NewtonIteration> history{};  ///< of all attempts since the last converged step, in their order
+  std::optional<StabilityResult> stability{};    ///< of the state; none: not asked for
+  std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
+  std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
+};
+
+/// An attempt at a step that came to nothing; the path goes on with a smaller one or in another way.
+struct StepFailure {
+  int step = 0;              ///< number that the step would have had
+  double load_factor = 0.0;  ///< from which it started
+  double size = 0.0;         ///< of the load factor, or of the length of the path where `along_path`
+  bool along_path = false;
+  int iterations = 0;
+  std::string cause{};  ///< in a few words
 };
 
 /// How a path is begun and stopped from outside.
 struct PathControl {
   std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
+  std::function<void(const StepFailure&)> failed{};  ///< told of each failed attempt as it happens
 };
 
 struct LoadPathResult {

@@ -3,11 +3,11 @@
 #include "nonlinear/beam_group.hpp"
 #include "nonlinear/rotation_limited_line_search.hpp"
 
-#include <NOX_Observer.hpp>
 #include <NOX_StatusTest_Combo.H>
 #include <NOX_StatusTest_Factory.H>
 #include <NOX_StatusTest_FiniteValue.H>
 #include <NOX_StatusTest_MaxIters.H>
+#include <NOX_Observer.hpp>
 #include <Teuchos_oblackholestream.hpp>
 
 namespace mixbeam {

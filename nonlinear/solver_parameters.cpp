@@ -6,6 +6,7 @@
 #include "nonlinear/status_test_check.hpp"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 namespace mixbeam {
@@ -19,27 +20,34 @@ constexpr int kMostIterations = 10'000;
 constexpr int kMostThreads = 1024;
 
 const SolverParameters kDefaults;
+const std::map<std::string, LoadPathMethod> kMethods = {
+    {"automatic", LoadPathMethod::automatic}, {"adaptive", LoadPathMethod::adaptive}, {"fixed", LoadPathMethod::fixed}};
 
 ListSpec load_path_spec() {
   const LoadPathParameters& defaults = kDefaults.load_path;
   ListSpec spec("Steps of the load factor, which runs from 0 to the number of stages; sizes are fractions of a stage.");
-  spec.add(choice("Method", {"fixed", "adaptive"})
-               .by_default("adaptive")
-               .means("fixed: equal steps; adaptive: larger after easy steps, smaller after failed ones."));
+  spec.add(choice("Method", {"automatic", "adaptive", "fixed"})
+               .by_default("automatic")
+               .means("automatic: load steps as large as possible, and where one fails or the stability changes, along "
+                      "the path by its length, through limit points; adaptive: steps of the load factor alone, larger "
+                      "after easy steps, smaller after failed ones; fixed: equal steps."));
   spec.add(
       integer("Steps").at_least(1).at_most(kMostSteps).by_default(defaults.steps).means("fixed: steps per stage."));
   spec.add(real("Initial Step")
                .above(0.0)
                .at_most(1.0)
                .by_default(defaults.initial_step)
-               .means("adaptive: first size tried."));
+               .means("automatic, adaptive: first size tried."));
   spec.add(real("Minimum Step")
                .above(0.0)
                .at_most(1.0)
                .by_default(defaults.minimum_step)
                .means("adaptive: the run is given up when a smaller one would be needed."));
-  spec.add(
-      real("Maximum Step").above(0.0).at_most(1.0).by_default(defaults.maximum_step).means("adaptive: largest size."));
+  spec.add(real("Maximum Step")
+               .above(0.0)
+               .at_most(1.0)
+               .by_default(defaults.maximum_step)
+               .means("automatic, adaptive: largest size."));
   spec.add(integer("Maximum Steps")
                .at_least(1)
                .at_most(kMostSteps)
@@ -105,18 +113,18 @@ void refuse_meaningless(const ParameterList& list, const ParameterSource& source
   const auto& method = list.get<std::string>("Method");
   const std::vector<std::string> of_fixed = {"Steps"};
   const std::vector<std::string> of_adaptive = {"Initial Step", "Minimum Step", "Maximum Step", "Aggressiveness"};
+  const std::string other = method == "fixed" ? "automatic" : "fixed";
   for (const std::string& name : method == "fixed" ? of_adaptive : of_fixed) {
     if (!is_given(list, name)) continue;
     throw source.error(child(path, name), R"(given, but has no meaning for "Method" = ")" + method +
-                                              R"("; allowed: with ")" + (method == "fixed" ? "adaptive" : "fixed") +
-                                              "\"");
+                                              R"("; allowed: with ")" + other + "\"");
   }
 }
 
 LoadPathParameters read_load_path(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
   refuse_meaningless(list, source, path);
   LoadPathParameters parameters;
-  parameters.method = list.get<std::string>("Method") == "fixed" ? LoadPathMethod::fixed : LoadPathMethod::adaptive;
+  parameters.method = kMethods.at(list.get<std::string>("Method"));
   parameters.steps = list.get<int>("Steps");
   parameters.minimum_step = list.get<double>("Minimum Step");
   parameters.maximum_step = list.get<double>("Maximum Step");
@@ -202,6 +210,9 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   parameters.nox = given_list(list, "NOX");
   parameters.status_tests = given_status_tests(list, source, path);
   parameters.loca = given_list(list, "LOCA");
+  // LOCA's own parameters are for LOCA's stepper
+  if (!parameters.loca.is_null() && parameters.load_path.method == LoadPathMethod::automatic)
+    parameters.load_path.method = LoadPathMethod::adaptive;
   return parameters;
 }
 

@@ -3,6 +3,7 @@
 
 #include "discretization/parameter_source.hpp"
 #include "discretization/parameter_spec.hpp"
+#include "nonlinear/analysis_parameters.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 #include <Teuchos_RCP.hpp>
@@ -12,13 +13,14 @@
 namespace mixbeam {
 
 enum class LoadPathMethod {
-  fixed,    ///< equal steps
-  adaptive  ///< steps grow after easy steps and shrink after failed ones
+  automatic,  ///< load steps as large as possible; where they fail, along the length of the path
+  fixed,      ///< equal steps
+  adaptive    ///< steps grow after easy steps and shrink after failed ones
 };
 
 /// All step sizes are fractions of a stage.
 struct LoadPathParameters {
-  LoadPathMethod method = LoadPathMethod::adaptive;
+  LoadPathMethod method = LoadPathMethod::automatic;
   int steps = 1;  ///< fixed: per stage
   double initial_step = 1.0;
   double minimum_step = 1e-4;
@@ -41,6 +43,7 @@ struct LinearSolverParameters {
 };
 
 struct SolverParameters {
+  AnalysisParameters analysis;
   LoadPathParameters load_path;
   NewtonParameters newton;
   LinearSolverParameters linear;

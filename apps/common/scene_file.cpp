@@ -17,6 +17,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
                 ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
   root.add_list("Scene", scene_spec(), Presence::required);
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
+  root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
   root.add_list("Study", definition.study, Presence::defaulted);
   return root;
@@ -30,6 +31,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
   check_supports(app.scene, app.xml.source);
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
+  app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
   check_expected_values(app.expected, app.scene, app.xml.source);
 }

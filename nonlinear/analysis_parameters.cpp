@@ -1,0 +1,87 @@
+#include "nonlinear/analysis_parameters.hpp"
+
+#include "discretization/nearest_name.hpp"
+#include "discretization/scene.hpp"
+#include "discretization/scene_names.hpp"
+#include "discretization/validate.hpp"
+
+#include <algorithm>
+#include <map>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+const AnalysisParameters kDefaults;
+constexpr int kMostBucklingModes = 100;
+const std::map<std::string, Branch> kBranches = {
+    {"primary", Branch::primary}, {"positive", Branch::positive}, {"negative", Branch::negative}};
+const std::vector<std::string> kComponents = {"x", "y", "z"};
+
+ListSpec control_spec() {
+  ListSpec spec(
+      "A displacement that grows to a target while the load factor is whatever equilibrium needs; in place of the load "
+      "factor's own range, for scenes of one stage.");
+  spec.add(text("Point").required().means("Name of the point that is followed."));
+  spec.add(choice("Component", kComponents).required().means("Component of its displacement."));
+  spec.add(real("Target").required().means("The path ends where the component has this value [length]."));
+  return spec;
+}
+
+MonitoredComponent read_control(const Teuchos::ParameterList& list, const Scene& scene, const ParameterSource& source,
+                                const ParameterPath& path) {
+  MonitoredComponent control;
+  control.point = list.get<std::string>("Point");
+  control.target = list.get<double>("Target");
+  const auto place = std::find(kComponents.begin(), kComponents.end(), list.get<std::string>("Component"));
+  control.component = static_cast<int>(place - kComponents.begin());
+  std::vector<std::string> points;
+  for (const Point& point : scene.points) points.push_back(point.name);
+  if (std::find(points.begin(), points.end(), control.point) == points.end())
+    throw source.error(child(path, "Point"), "value \"" + control.point +
+                                                 "\" is no point of the scene; did you mean \"" +
+                                                 nearest_name(control.point, points) + "\"?");
+  if (scene.stages > 1)
+    throw source.error(path, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
+  return control;
+}
+
+}  // namespace
+
+ListSpec analysis_spec() {
+  ListSpec spec("What is asked about the path, beyond the state at its end.");
+  spec.add(boolean("Stability")
+               .by_default(kDefaults.stability)
+               .means("Count the negative eigenvalues of the tangent in every converged state (zero: stable), and find "
+                      "limit points and bifurcations where the count changes."));
+  spec.add(
+      choice("Branch", {"primary", "positive", "negative"})
+          .by_default("primary")
+          .means("Path after the first bifurcation: primary: straight on; positive, negative: the branch along the "
+                 "buckling mode or against it (the mode's first largest component counts as positive)."));
+  spec.add(integer("Buckling Modes")
+               .at_least(0)
+               .at_most(kMostBucklingModes)
+               .by_default(kDefaults.buckling_modes)
+               .means("Linear buckling analysis: this many critical load factors of the undeformed structure, a quick "
+                      "estimate."));
+  spec.add_list("Control", control_spec(), Presence::optional);
+  return spec;
+}
+
+AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const Scene& scene,
+                                            const ParameterSource& source, const ParameterPath& path) {
+  validate(list, analysis_spec(), source, path);
+  AnalysisParameters parameters;
+  parameters.stability = list.get<bool>("Stability");
+  parameters.branch = kBranches.at(list.get<std::string>("Branch"));
+  parameters.buckling_modes = list.get<int>("Buckling Modes");
+  if (list.isSublist("Control"))
+    parameters.control = read_control(list.sublist("Control"), scene, source, child(path, "Control"));
+  if (parameters.branch != Branch::primary && !parameters.stability)
+    throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");
+  return parameters;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,40 @@
+/// What is asked about the path of a structure, whatever way it is computed.
+#pragma once
+
+#include "discretization/parameter_source.hpp"
+#include "discretization/parameter_spec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <optional>
+#include <string>
+
+namespace mixbeam {
+
+struct Scene;
+
+/// Which of the paths that meet at the first bifurcation is followed.
+enum class Branch { primary, positive, negative };
+
+/// A displacement that is driven to a target, while the load factor is whatever equilibrium needs.
+struct MonitoredComponent {
+  std::string point;
+  int component = 0;    ///< 0, 1, 2: x, y, z
+  double target = 0.0;  ///< displacement at the end of the path
+};
+
+struct AnalysisParameters {
+  bool stability = true;  ///< count the negative eigenvalues of every converged state and locate critical points
+  Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
+  int buckling_modes = 0;           ///< of the linear buckling analysis of the unloaded structure
+  std::optional<MonitoredComponent> control{};
+};
+
+/// Declaration of the list "Analysis".
+ListSpec analysis_spec();
+
+/// Validates and reads the list. `path`: where it stands below the root of `source`. Throws InputError.
+AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const Scene& scene,
+                                            const ParameterSource& source, const ParameterPath& path = {"Analysis"});
+
+}  // namespace mixbeam

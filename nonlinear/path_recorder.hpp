@@ -1,0 +1,82 @@
+/// What a load path knows while it is followed, by whatever method: the last converged state and the report of each
+/// step.
+#pragma once
+
+#include "nonlinear/load_path.hpp"
+#include "nonlinear/newton_setup.hpp"
+#include "nonlinear/step_size.hpp"
+
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace mixbeam {
+
+/// A stage, or the rest of one.
+struct StageRange {
+  int stage = 1;
+  double from = 0.0, to = 1.0;
+  int attempts = 0;                   ///< steps that may be tried
+  std::optional<PathPoint> before{};  ///< of `from` when the stage is resumed there
+
+  /// The load step that led to `from`.
+  std::optional<LastStep> last_step() const {
+    if (!before) return std::nullopt;
+    return LastStep{before->step_size, before->iterations};
+  }
+};
+
+/// Load factors are sums of rounded steps.
+bool is_end_of_stage(double load_factor, double end);
+
+/// Leaves a path from inside an observer; LOCA's stepper cannot be stopped otherwise.
+struct PathInterrupted {};
+
+/// A converged point as a method of following the path hands it over.
+struct ConvergedStep {
+  const State& state;
+  double load_factor = 0.0, residual = 0.0;
+  double step_size = 0.0;                        ///< see PathPoint
+  double path_length = 0.0;                      ///< likewise
+  int direction = 1;                             ///< likewise
+  bool branched = false;                         ///< likewise
+  std::optional<StabilityResult> stability{};    ///< where it is known already
+  std::vector<CriticalPoint> critical_points{};  ///< passed since the last step
+};
+
+class PathRecorder {
+ public:
+  PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+               const PathObserver& observer, const PathControl& control, LoadPathResult& result);
+
+  SolveRecord& record() { return record_; }
+  double load_factor() const { return result_.load_factor; }
+  /// Null when the stability of states is not asked for.
+  Stability* stability() { return stability_.get(); }
+
+  void enter_stage(int stage, int attempts);
+  void set_attempts(int attempts) { attempts_made_ = attempts; }
+  void add_failed_steps(int count) { result_.failed_steps += count; }
+  void interrupted() { result_.interrupted = true; }
+
+  /// Throws PathInterrupted where the path is to stop here.
+  void converged(const ConvergedStep& step);
+  void failed(const StepFailure& failure);
+
+ private:
+  PathPoint point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const;
+
+  Teuchos::RCP<BeamProblem> problem_;
+  State& state_;
+  const PathObserver& observer_;
+  const PathControl& control_;
+  LoadPathResult& result_;
+  SolveRecord record_;
+  std::unique_ptr<Stability> stability_;
+  int stage_ = 1;
+  int attempts_ = 0, attempts_made_ = 0, successes_ = 0;
+  int counted_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace mixbeam
