@@ -69,10 +69,12 @@ class AutomaticPath {
   void start_along_path();
   bool attempt(Correction& result, double& length);
   bool is_believable(const Correction& found, const PathDirection& done, const PathDirection& tangent);
-  bool changes_stability(const Correction& found);
+  std::optional<StabilityResult> stability_of(const Correction& found);
+  bool changes(const std::optional<StabilityResult>& stability) const;
   std::vector<CriticalPoint> critical_points(const Correction& found);
   bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed);
-  void accept(const Correction& found, std::vector<CriticalPoint> passed);
+  void accept(const Correction& found, const std::optional<StabilityResult>& stability,
+              std::vector<CriticalPoint> passed);
   void failed(const std::string& cause, double size, int iterations);
   PathDirection increments(const Correction& found) const {
     return {found.moved.clone(true), found.load_factor - load_};
@@ -100,6 +102,7 @@ class AutomaticPath {
 
 void AutomaticPath::failed(const std::string& cause, double size, int iterations) {
   StepFailure failure;
+  failure.step = recorder_.steps() + 1;
   failure.load_factor = load_;
   failure.size = size;
   failure.along_path = tangent_.has_value();
@@ -125,17 +128,18 @@ bool AutomaticPath::begin() {
   }
   const Correction start = corrector_.at_load({state_, load_}, parameters_.newton.maximum_iterations);
   if (start.converged) {
-    accept(start, {});
+    accept(start, stability_of(start), {});
   } else {
     failed(start.cause, 0.0, start.iterations);
   }
   return start.converged;
 }
 
-void AutomaticPath::accept(const Correction& found, std::vector<CriticalPoint> passed) {
+void AutomaticPath::accept(const Correction& found, const std::optional<StabilityResult>& stability,
+                           std::vector<CriticalPoint> passed) {
   state_ = found.state;
   load_ = found.load_factor;
-  if (Stability* stability = recorder_.stability()) stability_ = stability->count(state_, load_);
+  stability_ = stability;
   ConvergedStep step{state_, load_, found.residual};
   step.step_size = size_;
   step.path_length = tangent_ ? length_ : 0.0;
@@ -147,10 +151,14 @@ void AutomaticPath::accept(const Correction& found, std::vector<CriticalPoint> p
   recorder_.converged(step);
 }
 
-bool AutomaticPath::changes_stability(const Correction& found) {
+std::optional<StabilityResult> AutomaticPath::stability_of(const Correction& found) {
   Stability* stability = recorder_.stability();
-  if (stability == nullptr || !stability_) return false;
-  return stability->count(found.state, found.load_factor).negative != stability_->negative;
+  if (stability == nullptr) return std::nullopt;
+  return stability->count(found.state, found.load_factor);
+}
+
+bool AutomaticPath::changes(const std::optional<StabilityResult>& stability) const {
+  return stability && stability_ && stability->negative != stability_->negative;
 }
 
 bool AutomaticPath::step_by_load() {
@@ -163,13 +171,14 @@ bool AutomaticPath::step_by_load() {
     start_along_path();
     return true;
   }
-  if (changes_stability(found)) {
+  const std::optional<StabilityResult> stability = stability_of(found);
+  if (changes(stability)) {
     failed("stability changes within the step: the path is followed by its length", size, found.iterations);
     start_along_path();
     return true;
   }
   size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
-  accept(found, {});
+  accept(found, stability, {});
   return true;
 }
 
@@ -205,9 +214,10 @@ bool AutomaticPath::step_by_control() {
     return size_ >= kShortestStep;
   }
   std::vector<CriticalPoint> passed;
-  if (changes_stability(found)) passed = critical_points(found);
+  const std::optional<StabilityResult> stability = stability_of(found);
+  if (changes(stability)) passed = critical_points(found);
   size_ = std::min(rule_.maximum, size * std::min(kLargestGrowth, kAimedIterations / std::max(found.iterations, 1)));
-  accept(found, std::move(passed));
+  accept(found, stability, std::move(passed));
   return true;
 }
 
@@ -261,14 +271,15 @@ bool AutomaticPath::step_along_path() {
     return length_ >= kShortestStep;
   }
   std::vector<CriticalPoint> passed;
-  if (changes_stability(found)) passed = critical_points(found);
+  const std::optional<StabilityResult> stability = stability_of(found);
+  if (changes(stability)) passed = critical_points(found);
   for (const CriticalPoint& point : passed)
     if (take_branch(point, passed)) return true;
   const double angle = std::acos(std::clamp(measure_.inner(*tangent_, next), -1.0, 1.0));
   const double growth = std::min(kAimedIterations / std::max(found.iterations, 1), kAimedAngle / std::max(angle, 1e-9));
   length_ = length * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
   tangent_ = std::move(next);
-  accept(found, std::move(passed));
+  accept(found, stability, std::move(passed));
   if (std::abs(load_ - range_.to) < kLargestDetour) return true;
   failed("the path leads away from the end of the stage", 0.0, 0);
   return false;
@@ -310,7 +321,7 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
     length_ = amplitude;
     tangent_ = std::move(next);
     std::vector<CriticalPoint> up_to_here(passed.begin(), passed.begin() + (&from - passed.data()) + 1);
-    accept(found, std::move(up_to_here));
+    accept(found, stability_of(found), std::move(up_to_here));
     return true;
   }
   return false;

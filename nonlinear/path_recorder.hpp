@@ -51,6 +51,7 @@ class PathRecorder {
 
   SolveRecord& record() { return record_; }
   double load_factor() const { return result_.load_factor; }
+  int steps() const { return result_.steps; }  ///< completed
   /// Null when the stability of states is not asked for.
   Stability* stability() { return stability_.get(); }
 

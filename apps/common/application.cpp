@@ -71,12 +71,17 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
   const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
   const int steps_before = control.resume ? control.resume->step : 0;
   Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages, from);
+  PathControl reporting = control;
+  reporting.failed = [&](const StepFailure& failure) {
+    progress.report_failure(failure);
+    if (control.failed) control.failed(failure);
+  };
   simulation.run(
       [&](const StepReport& report, const State&) {
         progress.report(report);
         if (observer) observer(simulation, report);
       },
-      control);
+      reporting);
   summary.load_steps += simulation.result().steps - steps_before;
   summary.newton_iterations += simulation.result().newton_iterations - iterations_before;
   for (const auto& [phase, seconds] : simulation.times()) summary.seconds[phase] += seconds;

@@ -19,7 +19,22 @@ void Progress::report(const StepReport& report) {
       "%s: step %3d  load factor %8.5f of %d  iterations %3d  residual %8.1e  elapsed %7.3f s  to go %7.3f s\n",
       label_.c_str(), report.step, report.load_factor, stages_, report.newton_iterations, report.residual, elapsed,
       to_go);
+  for (const CriticalPoint& point : report.critical_points) report_critical(point);
   out_ << line << std::flush;
+}
+
+void Progress::report_critical(const CriticalPoint& point) {
+  char line[200];
+  std::snprintf(line, sizeof line, "%s: %s at load factor %.10g: negative eigenvalues %d before, %d after\n",
+                label_.c_str(), name_of(point.kind), point.load_factor, point.negative_before, point.negative_after);
+  out_ << line;
+}
+
+void Progress::report_failure(const StepFailure& failure) {
+  char line[120];
+  std::snprintf(line, sizeof line, "%s: step %3d  given up, %s %.3g from load factor %.5f: ", label_.c_str(),
+                failure.step, failure.along_path ? "path length" : "load step", failure.size, failure.load_factor);
+  out_ << line << failure.cause << '\n' << std::flush;
 }
 
 }  // namespace mixbeam

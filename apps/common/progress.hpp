@@ -14,8 +14,12 @@ class Progress {
   /// `from`: load factor at which the path starts or is resumed.
   Progress(std::ostream& out, std::string label, int stages, double from = 0.0);
   void report(const StepReport& report);
+  /// One line for an attempt that came to nothing.
+  void report_failure(const StepFailure& failure);
 
  private:
+  void report_critical(const CriticalPoint& point);
+
   std::ostream& out_;
   std::string label_;
   int stages_;
