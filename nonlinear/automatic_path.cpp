@@ -66,7 +66,7 @@ class AutomaticPath {
   bool step_by_control();
   double controlled_displacement(const State& state) const;
   bool step_along_path();
-  void start_along_path();
+  bool start_along_path();
   bool attempt(Correction& result, double& length);
   bool is_believable(const Correction& found, const PathDirection& done, const PathDirection& tangent);
   std::optional<StabilityResult> stability_of(const Correction& found);
@@ -168,14 +168,12 @@ bool AutomaticPath::step_by_load() {
   const Correction found = corrector_.at_load({state_, target}, most);
   if (!found.converged) {
     failed(found.cause, size, found.iterations);
-    start_along_path();
-    return true;
+    return start_along_path();
   }
   const std::optional<StabilityResult> stability = stability_of(found);
   if (changes(stability)) {
     failed("stability changes within the step: the path is followed by its length", size, found.iterations);
-    start_along_path();
-    return true;
+    return start_along_path();
   }
   size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
   accept(found, stability, {});
@@ -221,10 +219,16 @@ bool AutomaticPath::step_by_control() {
   return true;
 }
 
-void AutomaticPath::start_along_path() {
-  tangent_ = path_tangent(corrector_.global(), problem_, measure_, state_, load_);
+bool AutomaticPath::start_along_path() {
+  PathDirection tangent = path_tangent(corrector_.global(), problem_, measure_, state_, load_);
+  if (!std::isfinite(tangent.load)) {
+    failed("the path has no direction here: " + problem_->last_failure, 0.0, 0);
+    return false;
+  }
+  tangent_ = std::move(tangent);
   const double spin = tangent_->x.largest_vertex_spin();
   length_ = std::min(spin > 0.0 ? kFirstSpin / spin : 1.0, (range_.to - load_) / tangent_->load);
+  return true;
 }
 
 /// Newton's method from the predicted point, at the end of the stage where the prediction passes it.

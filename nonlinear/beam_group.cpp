@@ -166,6 +166,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   }
   BeamVector increment(problem_->assembler.create_vector());
   try {
+    if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
     problem_->assembler.use_scales(scales_);
     problem_->assembler.condense(state_, load_factor(), rhs);
     solve_condensed(increment.values());

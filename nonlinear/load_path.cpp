@@ -69,9 +69,11 @@ int finished_stages(const Teuchos::RCP<BeamProblem>& problem, const State& state
 bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
                   const StageRange& range, PathRecorder& recorder) {
   if (range.attempts <= 0) return false;
-  if (parameters.load_path.method == LoadPathMethod::automatic)
-    return follow_stage_automatically(problem, parameters, start, range, recorder);
-  return follow_stage_with_loca(problem, parameters, start, range, recorder);
+  const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
+  const bool arrived = automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
+                                 : follow_stage_with_loca(problem, parameters, start, range, recorder);
+  recorder.leave_stage();
+  return arrived;
 }
 
 }  // namespace

@@ -99,7 +99,10 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
     const auto status = status_tests(parameters, range, *global->locaUtils);
     const auto observer = [&recorder, &sizes](const BeamGroup& group, double load_factor) {
       const StepSizeStrategy* strategy = sizes->strategy();
-      if (strategy != nullptr) recorder.set_attempts(strategy->attempts());
+      if (strategy != nullptr) {
+        recorder.set_attempts(strategy->attempts());
+        recorder.set_failed_attempts(std::max(0, strategy->attempts() - recorder.successes() - 1));
+      }
       ConvergedStep step{group.state(), load_factor, group.isF() ? group.getNormF() : 0.0};
       step.step_size = strategy == nullptr ? 0.0 : strategy->size();
       recorder.converged(step);
@@ -107,7 +110,7 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
     const auto group = Teuchos::rcp(new BeamGroup(global, problem, start, range.from, observer));
     LOCA::Stepper stepper(global, group, status, top);
     arrived = stepper.run() == LOCA::Abstract::Iterator::Finished;
-    recorder.add_failed_steps(stepper.getNumFailedSteps());
+    recorder.set_failed_attempts(stepper.getNumFailedSteps());
   } catch (const PathInterrupted&) {
     recorder.interrupted();
   } catch (...) {

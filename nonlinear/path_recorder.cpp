@@ -21,7 +21,12 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
 void PathRecorder::enter_stage(int stage, int attempts) {
   stage_ = stage;
   attempts_ = attempts;
-  attempts_made_ = successes_ = 0;
+  attempts_made_ = successes_ = failed_in_stage_ = 0;
+}
+
+void PathRecorder::leave_stage() {
+  result_.failed_steps += failed_in_stage_;
+  failed_in_stage_ = 0;
 }
 
 void PathRecorder::converged(const ConvergedStep& step) {
@@ -50,7 +55,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
 }
 
 void PathRecorder::failed(const StepFailure& failure) {
-  ++result_.failed_steps;
+  ++failed_in_stage_;
   if (control_.failed) control_.failed(failure);
 }
 
@@ -63,7 +68,7 @@ PathPoint PathRecorder::point(const ConvergedStep& step, const std::optional<Sta
   point.step_size = step.step_size;
   point.iterations = record_.iterations;
   point.attempts_left = attempts_ - attempts_made_;
-  point.failed_steps = result_.failed_steps + attempts_made_ - successes_;
+  point.failed_steps = result_.failed_steps + failed_in_stage_;
   point.newton_iterations = iterations_before + problem_->work.newton_iterations;
   point.path_length = step.path_length;
   point.direction = step.direction;

@@ -56,8 +56,12 @@ class PathRecorder {
   Stability* stability() { return stability_.get(); }
 
   void enter_stage(int stage, int attempts);
+  void leave_stage();
+  /// Attempts made in this stage so far, the one that is about to be reported as converged included.
   void set_attempts(int attempts) { attempts_made_ = attempts; }
-  void add_failed_steps(int count) { result_.failed_steps += count; }
+  /// Failed ones of this stage, for methods that do not report them as they happen.
+  void set_failed_attempts(int count) { failed_in_stage_ = count; }
+  int successes() const { return successes_; }  ///< in this stage
   void interrupted() { result_.interrupted = true; }
 
   /// Throws PathInterrupted where the path is to stop here.
@@ -75,7 +79,7 @@ class PathRecorder {
   SolveRecord record_;
   std::unique_ptr<Stability> stability_;
   int stage_ = 1;
-  int attempts_ = 0, attempts_made_ = 0, successes_ = 0;
+  int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;
   bool started_ = false;
 };

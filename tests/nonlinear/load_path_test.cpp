@@ -114,6 +114,7 @@ TEST(LoadPath, Stages) {
 
 TEST(LoadPath, GivesUpAtTheMinimumStepWithTheLastConvergedState) {
   SolverParameters parameters;
+  parameters.load_path.method = LoadPathMethod::adaptive;
   parameters.load_path.initial_step = 0.5;
   parameters.load_path.minimum_step = 0.1;
   parameters.newton.maximum_iterations = 4;
@@ -159,6 +160,7 @@ Scene mechanism() {
 
 TEST(LoadPath, WhatIsNotANumberEndsTheAttemptAtOnce) {
   SolverParameters parameters;
+  parameters.load_path.method = LoadPathMethod::adaptive;
   parameters.load_path.minimum_step = 0.3;
   const Path path = follow(mechanism(), parameters);
   EXPECT_FALSE(path.result.finished);

@@ -69,7 +69,7 @@ TEST(SolverParameters, StepSizesMustFitTogether) {
                {"scene.xml:3: ", "\"Solver / Load Path / Initial Step\"", "value 0.5", "\"Maximum Step\" = 0.1"});
   expect_parts(refusal(path(entry("Maximum Step", "double", "0.1") + entry("Minimum Step", "double", "0.2"))),
                {"Minimum Step", "value 0.2"});
-  expect_parts(refusal(path(entry("Steps", "int", "3"))), {"Steps", "no meaning for \"Method\" = \"adaptive\""});
+  expect_parts(refusal(path(entry("Steps", "int", "3"))), {"Steps", "no meaning for \"Method\" = \"automatic\""});
   expect_parts(refusal(path(entry("Method", "string", "fixed") + entry("Aggressiveness", "double", "1"))),
                {"Aggressiveness", "no meaning for \"Method\" = \"fixed\""});
 }

@@ -96,9 +96,9 @@ TEST(Iterations, ForkTakesAtMostTwentyFour) {
     }
 }
 
-TEST(Iterations, HelicalRodTakesAtMostHundredEighty) {
-  const Simulation rod = solved(helical_rod(3, 30), careful_path());
-  EXPECT_LE(rod.result().newton_iterations, 180);
+TEST(Iterations, HelicalRodTakesAtMostHundredFifty) {
+  const Simulation rod = solved(helical_rod(3, 30));
+  EXPECT_LE(rod.result().newton_iterations, 150);
 }
 
 }  // namespace

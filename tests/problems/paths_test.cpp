@@ -1,0 +1,298 @@
+// Paths through limit points and past bifurcations, without any solver parameter, against closed forms and the
+// reference values computed by shooting.
+#include "tests/problems/constrained_scenes.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+/// Load factors of critical points: what the program promises.
+constexpr double kLocated = 1e-8;
+/// Displacements at them, linear in the error of the place on the path.
+constexpr double kPlaced = 1e-7;
+
+struct Walk {
+  LoadPathResult result;
+  std::vector<StepReport> steps;
+  std::vector<StepFailure> failures;
+  std::vector<CriticalPoint> critical;
+};
+
+Walk walk(Simulation& simulation) {
+  Walk walk;
+  PathControl control;
+  control.failed = [&](const StepFailure& failure) { walk.failures.push_back(failure); };
+  walk.result = simulation.run(
+      [&](const StepReport& report, const State&) {
+        walk.steps.push_back(report);
+        walk.critical.insert(walk.critical.end(), report.critical_points.begin(), report.critical_points.end());
+      },
+      control);
+  EXPECT_TRUE(walk.result.finished) << simulation.scene().name << ": " << walk.result.failure;
+  return walk;
+}
+
+Walk walk(const Scene& scene, const SolverParameters& parameters = {}, const Communicator& comm = this_rank()) {
+  Simulation simulation(scene, parameters, comm);
+  return walk(simulation);
+}
+
+SolverParameters on_branch(Branch branch) {
+  SolverParameters parameters;
+  parameters.analysis.branch = branch;
+  return parameters;
+}
+
+// ---- a shallow truss of two bars on hinges (von Mises): strains are l / l0 - 1, so everything is elementary
+
+constexpr double kHalfSpan = 1.0, kRise = 0.3, kAxial = 100.0;
+
+/// `force` downwards at the apex, which is guided in the plane.
+Scene shallow_truss(double force) {
+  Scene scene;
+  scene.name = "shallow truss";
+  scene.sections = {section(kAxial, kAxial, 1e2, 1e2)};  // too stiff to buckle between the hinges
+  scene.points = {{"left", {-kHalfSpan, 0, 0}}, {"apex", {0, kRise, 0}}, {"right", {kHalfSpan, 0, 0}}};
+  scene.members = {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)};
+  scene.joints = {joint(JointKind::hinge, "apex", {"right bar"})};
+  Support guide = clamp("apex");
+  guide.displacement_fixed = {true, false, true};
+  guide.rotation_fixed = {false, false, false};
+  scene.supports = {hinged("left"), hinged("right"), guide};
+  scene.point_loads = {dead_load("apex", {0, -force, 0})};
+  return scene;
+}
+
+/// Force at which the apex has gone down by v.
+double truss_force(double v) {
+  const double length0 = std::hypot(kHalfSpan, kRise), height = kRise - v, length = std::hypot(kHalfSpan, height);
+  return 2.0 * kAxial * (1.0 / length - 1.0 / length0) * height;
+}
+
+/// Largest of them: the cosine of the bars' slope has grown to its cube root.
+double truss_limit() {
+  const double cosine = kHalfSpan / std::hypot(kHalfSpan, kRise);
+  return 2.0 * kAxial * std::pow(1.0 - std::pow(cosine, 2.0 / 3.0), 1.5);
+}
+
+TEST(Paths, ShallowTrussSnapsThroughBothLimitPoints) {
+  const double force = 2.0 * truss_limit();
+  const Walk truss = walk(shallow_truss(force));
+  ASSERT_EQ(truss.critical.size(), 2u);
+  for (const CriticalPoint& point : truss.critical) EXPECT_EQ(point.kind, CriticalKind::limit_point);
+  EXPECT_NEAR(truss.critical[0].load_factor, 0.5, kLocated);
+  EXPECT_NEAR(truss.critical[1].load_factor, -0.5, kLocated);
+  EXPECT_EQ(truss.critical[0].negative_before, 0);
+  EXPECT_EQ(truss.critical[0].negative_after, 1);
+  EXPECT_EQ(truss.critical[1].negative_after, 0);
+  ASSERT_FALSE(truss.failures.empty()) << "the whole load in one step has no equilibrium near the start";
+  EXPECT_FALSE(truss.failures[0].cause.empty());
+}
+
+TEST(Paths, StepsOfTheTrussLieOnItsCurve) {
+  Simulation simulation(shallow_truss(2.0 * truss_limit()), {}, this_rank());
+  std::vector<std::array<double, 2>> points;
+  simulation.run([&](const StepReport& report, const State&) {
+    points.push_back({report.load_factor, -simulation.displacement("apex")[1]});
+  });
+  ASSERT_GT(points.size(), 5u);
+  for (const auto& [load_factor, v] : points)
+    EXPECT_NEAR(load_factor * 2.0 * truss_limit(), truss_force(v), 1e-9 * kAxial) << "at " << v;
+  EXPECT_GT(std::abs(truss_force(1.001 * points.back()[1]) - truss_force(points.back()[1])), 1e-6 * kAxial)
+      << "the comparison sees a deflection that is off by a thousandth";
+}
+
+TEST(Paths, ADisplacementDrivesTheTrussAgainstItsLoad) {
+  SolverParameters parameters;
+  parameters.analysis.control = MonitoredComponent{"apex", 1, -0.9 * kRise};
+  Simulation simulation(shallow_truss(1.0), parameters, this_rank());
+  const Walk truss = walk(simulation);
+  EXPECT_NEAR(simulation.displacement("apex")[1], -0.9 * kRise, 1e-12);
+  EXPECT_NEAR(truss.result.load_factor, truss_force(0.9 * kRise), 1e-9);
+  ASSERT_EQ(truss.critical.size(), 1u);
+  EXPECT_NEAR(truss.critical[0].load_factor, truss_limit(), kLocated * truss_limit());
+}
+
+// ---- columns
+
+/// An inextensible column along e1, P towards the clamp; `second` and `third` are its bending stiffnesses.
+Scene column(double second, double third, double load) {
+  Section bar = section(kRigid, kRigid, 1.0, 1.0);
+  bar.bending_stiffness = {second, third};
+  Scene scene = cantilever(bar, 1.0, 4, 8);
+  scene.name = "column";
+  scene.point_loads = {dead_load("tip", {-load, 0, 0})};
+  return scene;
+}
+constexpr double kEuler = kPi * kPi / 4.0;
+
+TEST(Paths, ColumnsBuckleAtEulersLoads) {
+  const Walk weak = walk(column(4.0, 1.0, 5.0 * kEuler));
+  ASSERT_EQ(weak.critical.size(), 2u);
+  EXPECT_NEAR(weak.critical[0].load_factor, 0.2, 0.2 * kLocated);
+  EXPECT_NEAR(weak.critical[1].load_factor, 0.8, 0.8 * kLocated);
+  for (const CriticalPoint& point : weak.critical) EXPECT_EQ(point.kind, CriticalKind::bifurcation);
+}
+
+TEST(Paths, ColumnsAsStiffInBothDirectionsBuckleInBothAtOnce) {
+  const Walk round = walk(column(1.0, 1.0, 2.0 * kEuler));
+  ASSERT_EQ(round.critical.size(), 1u);
+  EXPECT_EQ(round.critical[0].modes, 2);
+  EXPECT_EQ(round.critical[0].negative_after, 2);
+  EXPECT_NEAR(round.critical[0].load_factor, 0.5, 0.5 * kLocated);
+}
+
+// Euler column, clamped-free, inextensible, shear-rigid: P / P_cr, x / L, y / L, reference values by shooting.
+TEST(Paths, BothBuckledBranchesOfAColumn) {
+  struct Reference {
+    double load, x, y;
+  };
+  for (const Reference& r : {Reference{1.01539686554, 0.969730907364, 0.219413042396},
+                             Reference{1.51838879329, 0.348989300415, 0.791539496537},
+                             Reference{4.03008596605, -0.340318855691, 0.624603512953}}) {
+    for (Branch branch : {Branch::positive, Branch::negative}) {
+      Simulation simulation(column(100.0, 1.0, r.load * kEuler), on_branch(branch), this_rank());
+      const Walk buckled = walk(simulation);
+      const double side = branch == Branch::positive ? 1.0 : -1.0;
+      const Vector3 tip = simulation.position("tip");
+      EXPECT_TRUE(agrees({tip[0], std::abs(tip[1]), tip[2]}, {r.x, r.y, 0}, kPlaced)) << r.load;
+      ASSERT_FALSE(buckled.critical.empty());
+      EXPECT_NEAR(buckled.critical[0].load_factor, 1.0 / r.load, kLocated);
+      EXPECT_EQ(simulation.result().finished, true);
+      ASSERT_TRUE(buckled.steps.back().stability.has_value());
+      EXPECT_EQ(buckled.steps.back().stability->negative, 0) << "the buckled column is stable";
+      static double first_side = 0.0;
+      if (branch == Branch::positive) first_side = tip[1];
+      EXPECT_GT(side * first_side * tip[1], 0.0) << "the branches lie on opposite sides";
+    }
+  }
+}
+
+TEST(Paths, WithoutAskingNobodyLeavesThePrimaryPath) {
+  Simulation simulation(column(100.0, 1.0, 1.5 * kEuler), {}, this_rank());
+  const Walk straight = walk(simulation);
+  EXPECT_LT(std::abs(simulation.displacement("tip")[1]), 1e-9);
+  EXPECT_EQ(straight.steps.back().stability->negative, 1) << "and the report says that it is unstable";
+}
+
+TEST(Paths, StabilityIsNotLookedAtWhereNotAskedFor) {
+  SolverParameters parameters;
+  parameters.analysis.stability = false;
+  const Walk straight = walk(column(100.0, 1.0, 1.5 * kEuler), parameters);
+  EXPECT_FALSE(straight.steps.back().stability.has_value());
+  EXPECT_TRUE(straight.critical.empty());
+  EXPECT_EQ(straight.result.steps, 1);
+}
+
+// ---- Lee's frame: reference values by shooting, P at the limit points, v downwards and u there
+
+Scene lee_frame(double force, double axial = 4320.0) {
+  Scene scene;
+  scene.name = "Lee's frame";
+  scene.sections = {section(axial, kRigid, 1e6, 1440.0)};
+  scene.sections[0].bending_stiffness = {1e6, 1440.0};  // stays in its plane
+  scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 120, 0}}, {"loaded", {24, 120, 0}}, {"end", {120, 120, 0}}};
+  scene.members = {line("column", "foot", "corner", 4, 8), line("beam left", "corner", "loaded", 4, 2),
+                   line("beam right", "loaded", "end", 4, 8)};
+  scene.supports = {hinged("foot"), hinged("end")};
+  scene.point_loads = {dead_load("loaded", {0, -force, 0})};
+  return scene;
+}
+
+TEST(Paths, LeesFrameThroughTheSnapBack) {
+  Simulation simulation(lee_frame(2.0), {}, this_rank());
+  const Walk lee = walk(simulation);
+  ASSERT_EQ(lee.critical.size(), 2u);
+  constexpr double kReferenceDigits = 1e-8;  // of the reference values
+  EXPECT_NEAR(2.0 * lee.critical[0].load_factor, 1.855672754, kReferenceDigits);
+  EXPECT_NEAR(2.0 * lee.critical[1].load_factor, -0.9414431556, kReferenceDigits);
+  const Assembler& assembler = simulation.assembler();
+  const int loaded = vertex_of(assembler.mesh(), "loaded");
+  const auto first = vertex_motion(assembler, lee.critical[0].state, loaded);
+  const auto second = vertex_motion(assembler, lee.critical[1].state, loaded);
+  EXPECT_TRUE(agrees_relatively({first[0], first[1], first[2]}, {26.88057373, -48.73513724, 0}, kPlaced));
+  EXPECT_TRUE(agrees_relatively({second[0], second[1], second[2]}, {90.19567352, -58.21681530, 0}, kPlaced));
+  EXPECT_FALSE(agrees_relatively({first[0], first[1], first[2]}, {26.8806, -48.7350, 0}, kPlaced));
+}
+
+/// The inextensible frame is the limit of ever more slender ones, at the same limit points in as many steps.
+TEST(Paths, SnapBackOfRigidAndSlenderFrames) {
+  const Walk rigid = walk(lee_frame(2.0, kRigid));
+  ASSERT_EQ(rigid.critical.size(), 2u);
+  for (const double slenderness : {1e4, 1e6, 1e8, 1e10, 1e12}) {
+    const Walk slender = walk(lee_frame(2.0, 12.0 * 1440.0 * slenderness * slenderness / (120.0 * 120.0)));
+    ASSERT_EQ(slender.critical.size(), 2u) << slenderness;
+    // the axial strain P/EA changes the limit load by a few times itself
+    const double allowed = 100.0 / (slenderness * slenderness) + kLocated;
+    for (int i : {0, 1})
+      EXPECT_NEAR(slender.critical[i].load_factor, rigid.critical[i].load_factor, allowed) << slenderness;
+    EXPECT_EQ(slender.result.steps, rigid.result.steps) << slenderness;
+    EXPECT_NEAR(slender.result.newton_iterations, rigid.result.newton_iterations, 8) << slenderness;
+  }
+}
+
+TEST(Paths, FewIterationsFromPlainScenes) {
+  for (const auto& [load, most] : {std::pair{1.0, 6}, {10.0, 9}, {1e3, 15}, {1e6, 24}}) {
+    Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, 4, 16);
+    scene.point_loads = {dead_load("tip", {0, load, 0})};
+    EXPECT_LE(walk(scene).result.newton_iterations, most) << "F L^2 / EI = " << load;
+  }
+}
+
+// ---- the end of a path does not depend on the way
+
+std::vector<SolverParameters> ten_ways() {
+  std::vector<SolverParameters> ways(1);
+  for (int steps : {10, 16, 25, 40, 64}) {
+    SolverParameters fixed;
+    fixed.load_path.method = LoadPathMethod::fixed;
+    fixed.load_path.steps = steps;
+    ways.push_back(fixed);
+  }
+  for (double first : {0.02, 0.05, 0.12}) {
+    SolverParameters adaptive;
+    adaptive.load_path.method = LoadPathMethod::adaptive;
+    adaptive.load_path.initial_step = first;
+    ways.push_back(adaptive);
+  }
+  ways.emplace_back();
+  ways.back().load_path.maximum_step = 0.07;
+  return ways;
+}
+
+void expect_one_end(const Scene& scene, const std::vector<std::string>& points) {
+  constexpr double kSame = 1e-11;  // relative to the size of the structure
+  std::vector<Simulation> ends;
+  for (SolverParameters way : ten_ways()) {
+    way.newton.residual_tolerance = 1e-13;
+    way.analysis.stability = false;
+    ends.push_back(solved(scene, way));
+    const double length = ends[0].assembler().structure().length;
+    for (const std::string& point : points)
+      EXPECT_TRUE(agrees(ends.back().position(point), ends[0].position(point), kSame * length))
+          << scene.name << ", way " << ends.size();
+  }
+}
+
+TEST(Paths, EndOfTheForkDoesNotDependOnTheWay) { expect_one_end(fork(3, 5), {"tine 1", "tine 2"}); }
+
+TEST(Paths, EndOfTheHelicalRodDoesNotDependOnTheWay) { expect_one_end(helical_rod(3, 30), {"tip"}); }
+
+// ---- several ranks
+
+TEST(MpiPaths, CriticalPointsAndBranchesAreTheSameOnAllRanks) {
+  const Scene scene = column(100.0, 1.0, 1.5 * kEuler);
+  const Walk together = walk(scene, on_branch(Branch::positive), all_ranks());
+  const Walk alone = walk(scene, on_branch(Branch::positive));
+  ASSERT_EQ(together.critical.size(), 1u);
+  EXPECT_NEAR(together.critical[0].load_factor, alone.critical[0].load_factor, kLocated);
+  EXPECT_EQ(together.result.steps, alone.result.steps);
+  const Walk lee = walk(lee_frame(2.0, kRigid), {}, all_ranks());
+  ASSERT_EQ(lee.critical.size(), 2u);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
