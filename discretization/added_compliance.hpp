@@ -11,4 +11,8 @@ namespace mixbeam {
 /// by the change of its functional; the error is quadratic. Collective; a length times a force.
 double added_compliance(const Assembler& assembler, const MixedVector& a, const MixedVector& b);
 
+/// What the rows of N and M of `increment`, which solves the capped equations, lack in the true ones: (tangent
+/// compliance - true compliance) times dN and dM, scaled as Assembler::condense takes it; all other rows zero.
+void added_strains(const Assembler& assembler, const MixedVector& increment, MixedVector& scaled_rhs);
+
 }  // namespace mixbeam

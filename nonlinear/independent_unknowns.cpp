@@ -127,25 +127,6 @@ const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, cons
   return reduced_;
 }
 
-double IndependentUnknowns::asymmetry() const {
-  const SparseMatrix& a = reduced_;
-  const auto entry = [&](int i, int j) {
-    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
-      if (a.column[k] == j) return a.value[k];
-    return 0.0;
-  };
-  std::vector<double> diagonal(a.rows());
-  for (int i = 0; i < a.rows(); ++i) diagonal[i] = std::max(std::abs(entry(i, i)), 1.0);
-  double largest = 0.0;
-  for (int i = 0; i < a.rows(); ++i)
-    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
-      const int j = a.column[k];
-      const double difference = std::abs(a.value[k] - entry(j, i));
-      if (difference > 0.0) largest = std::max(largest, difference / std::sqrt(diagonal[i] * diagonal[j]));
-    }
-  return largest;
-}
-
 void IndependentUnknowns::expand(const double* y, DofVector& motion) const {
   std::vector<double> all(unknown_.size(), 0.0);
   for (int v = 0; is_root() && v < vertices_; ++v)

@@ -31,9 +31,6 @@ class IndependentUnknowns {
   /// result, other ranks an empty matrix.
   const SparseMatrix& reduce(const Assembler& assembler, const State& state);
   const SparseMatrix& matrix() const { return reduced_; }
-  /// Largest |A_ij - A_ji| / sqrt(|A_ii A_jj|) of the reduced matrix. Rank 0.
-  double asymmetry() const;
-
   /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce().
   void expand(const double* y, DofVector& motion) const;
 

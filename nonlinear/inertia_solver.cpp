@@ -5,6 +5,8 @@
 #include <dmumps_c.h>
 #include <mpi.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace mixbeam {
@@ -15,6 +17,24 @@ void SparseMatrix::multiply(const double* x, double* y) const {
     for (int k = row_start[i]; k < row_start[i + 1]; ++k) sum += value[k] * x[column[k]];
     y[i] = sum;
   }
+}
+
+double asymmetry(const SparseMatrix& a) {
+  const auto entry = [&](int i, int j) {
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
+      if (a.column[k] == j) return a.value[k];
+    return 0.0;
+  };
+  std::vector<double> diagonal(a.rows());
+  for (int i = 0; i < a.rows(); ++i) diagonal[i] = std::max(std::abs(entry(i, i)), 1.0);
+  double largest = 0.0;
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      const int j = a.column[k];
+      const double difference = std::abs(a.value[k] - entry(j, i));
+      if (difference > 0.0) largest = std::max(largest, difference / std::sqrt(diagonal[i] * diagonal[j]));
+    }
+  return largest;
 }
 
 namespace {

@@ -18,6 +18,9 @@ struct SparseMatrix {
   void multiply(const double* x, double* y) const;
 };
 
+/// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
+double asymmetry(const SparseMatrix& a);
+
 class InertiaSolver {
  public:
   enum class Kind {

@@ -22,9 +22,6 @@ constexpr double kReal = 1e-8;
 constexpr int kFirstCount = 8, kLastCount = 64;
 /// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
 constexpr double kShift = 1e-7;
-/// The first of several components of equal size gives the sign; rounding must not choose another one.
-constexpr double kAlmostLargest = 1.0 - 1e-6;
-
 bool is_real(const RitzPair& pair) { return std::abs(pair.imaginary) <= kReal * std::abs(pair.value); }
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
@@ -38,22 +35,6 @@ SparseMatrix shifted(SparseMatrix matrix, double shift) {
 
 Stability::Stability(BeamProblem& problem) : problem_(problem), unknowns_(problem.assembler) {}
 
-/// Work of rank 0 alone; what goes wrong there is an exception everywhere.
-template <class Action>
-void Stability::on_root(const Action& action) const {
-  std::string problem;
-  if (unknowns_.is_root()) {
-    try {
-      action();
-    } catch (const std::exception& error) {
-      problem = error.what();
-    }
-  }
-  int failed = problem.empty() ? 0 : 1;
-  MPI_Bcast(&failed, 1, MPI_INT, 0, unknowns_.root().communicator());
-  if (failed != 0) throw LinearSolverError("stability: " + (problem.empty() ? "see rank 0" : problem));
-}
-
 void Stability::assemble(const State& state, double load_factor) {
   Assembler& assembler = problem_.assembler;
   problem_.tangent_owner = nullptr;
@@ -65,8 +46,8 @@ void Stability::assemble(const State& state, double load_factor) {
 
 StabilityResult Stability::inertia() {
   StabilityResult result;
-  on_root([&] {
-    result.asymmetry = unknowns_.asymmetry();
+  on_root(unknowns_.root(), [&] {
+    result.asymmetry = asymmetry(unknowns_.matrix());
     result.symmetric = result.asymmetry <= kSymmetric;
     const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
     std::unique_ptr<InertiaSolver>& solver = result.symmetric ? symmetric_ : general_;
@@ -113,7 +94,7 @@ StabilityResult Stability::count(const State& state, double load_factor) {
 /// Uses the factors that inertia() left.
 Stability::Reduced Stability::nearest(const StabilityResult& stability, int count) {
   Reduced reduced;
-  on_root([&] {
+  on_root(unknowns_.root(), [&] {
     InertiaSolver& solver = stability.symmetric ? *symmetric_ : *general_;
     const double shift = stability.null > 0 ? kShift : 0.0;
     KrylovProblem problem;
@@ -141,35 +122,6 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
   if (!stability.symmetric) reduced.left.resize(found);
   MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, unknowns_.root().communicator());
   return reduced;
-}
-
-/// Motion of the vertices and the interior that follows, without what the residual of the state adds (`rest`).
-MixedVector Stability::motion(const State& state, const std::vector<double>& y, const MixedVector& rest) {
-  MixedVector result = problem_.assembler.create_vector();
-  unknowns_.expand(y.data(), result.vertex_dofs());
-  problem_.assembler.recover(state, result);
-  result.update(-1.0, rest, 1.0);
-  return result;
-}
-
-void Stability::normalize(MixedVector& mode) const {
-  const KernelView<double*> rows = mode.vertex();
-  const double length = problem_.assembler.structure().length;
-  const auto size = [&](size_t i) { return rows(i) / (i % kVertexDofs < 3 ? length : 1.0); };
-  double largest = 0.0;
-  for (size_t i = 0; i < rows.extent(0); ++i) largest = std::max(largest, std::abs(size(i)));
-  const Teuchos::Comm<int>& comm = *problem_.assembler.map()->getComm();
-  largest = maximum_over_ranks(comm, largest);
-  // rank and sign of the first of the largest components, as one number: the lowest rank wins
-  double first = -2.0 * comm.getSize() - 2.0;
-  for (size_t i = 0; i < rows.extent(0); ++i)
-    if (std::abs(size(i)) >= kAlmostLargest * largest) {
-      first = -2.0 * comm.getRank() - (size(i) < 0.0 ? 1.0 : 0.0);
-      break;
-    }
-  first = maximum_over_ranks(comm, first);
-  const bool turned = std::fmod(-first, 2.0) == 1.0;
-  if (largest > 0.0) mode.scale((turned ? -1.0 : 1.0) / largest);
 }
 
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
@@ -202,10 +154,8 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
                                                   const Reduced& reduced) {
   Assembler& assembler = problem_.assembler;
   const int m = static_cast<int>(reduced.eigenvalue.size());
-  MixedVector rest = assembler.create_vector();
-  assembler.recover(state, rest);
   std::vector<MixedVector> found;
-  for (const std::vector<double>& y : reduced.vector) found.push_back(motion(state, y, rest));
+  for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(assembler, unknowns_, state, y));
   std::vector<double> values = reduced.eigenvalue, weights(static_cast<size_t>(m) * m, 0.0);
   if (stability.symmetric) {
     for (int i = 0; i < m; ++i)
@@ -220,7 +170,9 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
       if (unknowns_.is_root())
         overlap = std::inner_product(reduced.left[i].begin(), reduced.left[i].end(), reduced.vector[i].begin(), 0.0);
       MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
-      values[i] += added_compliance(assembler, motion(state, reduced.left[i], rest), found[i]) / overlap;
+      values[i] +=
+          added_compliance(assembler, complete_motion(assembler, unknowns_, state, reduced.left[i]), found[i]) /
+          overlap;
     }
   }
   std::vector<int> order(m);
@@ -228,10 +180,8 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(values[a]) < std::abs(values[b]); });
   std::vector<EigenMode> modes;
   for (int k : order) {
-    MixedVector mode = found[0].clone(false);
-    mode.fill(0.0);
-    for (int i = 0; i < m; ++i) mode.update(weights[i + static_cast<size_t>(k) * m], found[i], 1.0);
-    normalize(mode);
+    MixedVector mode = combination(found, &weights[static_cast<size_t>(k) * m]);
+    normalize_mode(assembler, mode);
     modes.push_back({values[k], std::move(mode)});
   }
   return modes;

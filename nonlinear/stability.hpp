@@ -17,6 +17,7 @@
 
 #include "nonlinear/beam_problem.hpp"
 #include "nonlinear/block_krylov.hpp"
+#include "nonlinear/eigen_mode.hpp"
 #include "nonlinear/independent_unknowns.hpp"
 
 #include <memory>
@@ -26,16 +27,9 @@ namespace mixbeam {
 
 struct StabilityResult {
   int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones
-  int null = 0;            ///< zero pivots: a mechanism, or a critical point met to the last digit
+  int null = 0;            ///< pivots that are exactly zero; a mechanism often leaves tiny ones instead
   bool symmetric = true;   ///< the tangent was treated as symmetric
   double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj)
-};
-
-struct EigenMode {
-  double eigenvalue = 0.0;
-  /// Motion of all vertices, those at the far sides of joints included, and the interior that follows it, as an
-  /// increment (Assembler::apply). Largest of |du_i|/L, |dtheta_i| is one, and positive where it occurs first.
-  MixedVector mode;
 };
 
 struct Spectrum {
@@ -71,10 +65,6 @@ class Stability {
   void count_real_negative(StabilityResult& result);
   Reduced nearest(const StabilityResult& stability, int count);
   std::vector<EigenMode> corrected_modes(const State& state, const StabilityResult& stability, const Reduced& reduced);
-  MixedVector motion(const State& state, const std::vector<double>& y, const MixedVector& rest);
-  void normalize(MixedVector& mode) const;
-  template <class Action>
-  void on_root(const Action& action) const;
 
   BeamProblem& problem_;
   IndependentUnknowns unknowns_;
