@@ -7,9 +7,9 @@
 namespace mixbeam::test {
 namespace {
 
-/// The pencil of condensed tangents is of fourth order in the element length: 3e-5 with four elements in a cantilever.
+/// The pencil of condensed tangents is of fourth order in the element length: 2e-6 with eight elements in a cantilever.
 constexpr double kFactor = 5e-7;
-/// Under moments it is of second order.
+/// Under moments it is less exact, 7e-3 with six elements.
 constexpr double kLateralFactor = 5e-4;
 
 std::vector<double> factors(const Scene& scene, int count, const Communicator& comm = this_rank()) {

@@ -23,12 +23,10 @@ TEST(Stability, CriticalLoadsOfEulersColumns) {
   }
 }
 
-// The twin that must fail: without the correction the cap would be seen.
+// The twin that must fail: the tangent as it is, capped, counts wrongly so near to the critical load.
 TEST(Stability, TheCapWouldBeSeen) {
-  const double exact = 0.25 * kPi * kPi;
   StabilityFixture fixture(column(6, 4));
-  EXPECT_EQ(fixture.count((1.0 - 1e-7) * exact).negative, 1);
-  EXPECT_GT(std::abs(fixture.critical(0.95 * exact, 0.98 * exact) - 1.0001 * exact), kCritical * exact);
+  EXPECT_EQ(fixture.count((1.0 - 1e-7) * 0.25 * kPi * kPi).negative, 1);
 }
 
 /// With compression and shear: EI theta'' + P (1 - P/EA + P/GA) theta = 0, from M' = -P w' with w' = (1 - P/EA) theta +
