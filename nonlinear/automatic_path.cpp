@@ -71,7 +71,7 @@ class AutomaticPath {
   bool is_believable(const Correction& found, const PathDirection& done, const PathDirection& tangent);
   std::optional<StabilityResult> stability_of(const Correction& found);
   bool changes(const std::optional<StabilityResult>& stability) const;
-  std::vector<CriticalPoint> critical_points(const Correction& found);
+  std::vector<CriticalPoint> critical_points(const Correction& found, const ControlRow& row);
   bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed);
   void accept(const Correction& found, const std::optional<StabilityResult>& stability,
               std::vector<CriticalPoint> passed);
@@ -213,7 +213,7 @@ bool AutomaticPath::step_by_control() {
   }
   std::vector<CriticalPoint> passed;
   const std::optional<StabilityResult> stability = stability_of(found);
-  if (changes(stability)) passed = critical_points(found);
+  if (changes(stability)) passed = critical_points(found, row);
   size_ = std::min(rule_.maximum, size * std::min(kLargestGrowth, kAimedIterations / std::max(found.iterations, 1)));
   accept(found, stability, std::move(passed));
   return true;
@@ -276,7 +276,10 @@ bool AutomaticPath::step_along_path() {
   }
   std::vector<CriticalPoint> passed;
   const std::optional<StabilityResult> stability = stability_of(found);
-  if (changes(stability)) passed = critical_points(found);
+  if (changes(stability)) {
+    const double chord = measure_.length(done);
+    passed = critical_points(found, measure_.row(scaled(done, 1.0 / chord), load_, chord));
+  }
   for (const CriticalPoint& point : passed)
     if (take_branch(point, passed)) return true;
   const double angle = std::acos(std::clamp(measure_.inner(*tangent_, next), -1.0, 1.0));
@@ -289,10 +292,10 @@ bool AutomaticPath::step_along_path() {
   return false;
 }
 
-std::vector<CriticalPoint> AutomaticPath::critical_points(const Correction& found) {
+std::vector<CriticalPoint> AutomaticPath::critical_points(const Correction& found, const ControlRow& row) {
   CriticalPointFinder finder(problem_, corrector_, *recorder_.stability(), measure_);
   try {
-    return finder.find({state_, load_, increments(found)});
+    return finder.find({state_, load_, increments(found), row});
   } catch (const ConvergenceError& error) {
     failed(error.what(), measure_.length(increments(found)), 0);
     return {};

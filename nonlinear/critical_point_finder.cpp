@@ -13,16 +13,16 @@ const char* name_of(CriticalKind kind) { return kind == CriticalKind::limit_poin
 
 namespace {
 
-/// Planes across the chord of a short segment: Newton's method takes three or four iterations.
+/// Next to known points Newton's method takes three or four iterations.
 constexpr int kMostIterations = 15;
 /// Next to a bifurcation the equations are nearly singular, so the root is interpolated from points beside it: six of
-/// them at multiples of this share of the chord leave an error of its sixth power.
-constexpr double kSpacing = 0.02;
+/// them at multiples of this share of the segment leave an error of its sixth power.
+constexpr double kSpacing = 0.005;
 constexpr std::array<int, 6> kPlaces = {-3, -2, -1, 1, 2, 3};
 /// A change of the load factor along the path, per length, that is rounding at a limit point: there it is quadratic in
 /// the error of the place, which is 1e-9.
 constexpr double kStationary = 1e-6;
-/// Two eigenvalues whose roots are closer (share of the chord) vanish together.
+/// Two eigenvalues whose roots are closer (share of the segment) vanish together.
 constexpr double kTogether = 1e-5;
 /// Deflated iterations: the state is known to 1e-6 or better from its neighbours, and each squares the error.
 constexpr int kDeflatedIterations = 4;
@@ -73,10 +73,11 @@ double root_of(const std::array<double, kPlaces.size()>& y) {
 }  // namespace
 
 Correction CriticalPointFinder::correct(const PathSegment& segment, double at) {
-  const double length = measure_.length(segment.moved);
-  const PathDirection chord = scaled(segment.moved, 1.0 / length), guess = scaled(segment.moved, at);
-  Correction result = corrector_.on_row({segment.start, segment.load_factor + guess.load, &guess.x},
-                                        measure_.row(chord, segment.load_factor, at * length), kMostIterations);
+  const PathDirection guess = scaled(segment.moved, at);
+  ControlRow row = segment.row;
+  row.target *= at;
+  Correction result =
+      corrector_.on_row({segment.start, segment.load_factor + guess.load, &guess.x}, row, kMostIterations);
   if (!result.converged)
     throw ConvergenceError("a critical point could not be located: near load factor " +
                            std::to_string(segment.load_factor + guess.load) + ", " + result.cause);

@@ -7,11 +7,12 @@
 
 namespace mixbeam {
 
-/// A piece of a path short enough that a plane across its chord meets it once.
+/// A piece of a path, and the row by which its points are found: each share of the row's target is met once.
 struct PathSegment {
   const State& start;
   double load_factor;   ///< at the start
   PathDirection moved;  ///< from start to end
+  ControlRow row;       ///< holds at the end
 };
 
 class CriticalPointFinder {
@@ -26,7 +27,7 @@ class CriticalPointFinder {
 
  private:
   struct Sample {
-    double at = 0.0;  ///< share of the chord
+    double at = 0.0;  ///< share of the segment
     double load_factor = 0.0;
     State state;
     Spectrum spectrum;
