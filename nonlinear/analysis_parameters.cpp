@@ -52,9 +52,9 @@ MonitoredComponent read_control(const Teuchos::ParameterList& list, const Scene&
 ListSpec analysis_spec() {
   ListSpec spec("What is asked about the path, beyond the state at its end.");
   spec.add(boolean("Stability")
-               .by_default(kDefaults.stability)
                .means("Count the negative eigenvalues of the tangent in every converged state (zero: stable), and find "
-                      "limit points and bifurcations where the count changes."));
+                      "limit points and bifurcations where the count changes. Default: true up to 100,000 vertices, "
+                      "false beyond, where it costs more than the rest of a load step."));
   spec.add(
       choice("Branch", {"primary", "positive", "negative"})
           .by_default("primary")
@@ -74,12 +74,12 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
                                             const ParameterSource& source, const ParameterPath& path) {
   validate(list, analysis_spec(), source, path);
   AnalysisParameters parameters;
-  parameters.stability = list.get<bool>("Stability");
+  if (list.isParameter("Stability")) parameters.stability = list.get<bool>("Stability");
   parameters.branch = kBranches.at(list.get<std::string>("Branch"));
   parameters.buckling_modes = list.get<int>("Buckling Modes");
   if (list.isSublist("Control"))
     parameters.control = read_control(list.sublist("Control"), scene, source, child(path, "Control"));
-  if (parameters.branch != Branch::primary && !parameters.stability)
+  if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
     throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");
   return parameters;
 }

@@ -24,11 +24,21 @@ struct MonitoredComponent {
 };
 
 struct AnalysisParameters {
-  bool stability = true;  ///< count the negative eigenvalues of every converged state and locate critical points
+  /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
+  /// largest meshes (kVerticesForStability).
+  std::optional<bool> stability{};
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
   int buckling_modes = 0;           ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};
 };
+
+/// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
+inline constexpr int kVerticesForStability = 100'000;
+
+/// Whether stability is looked at in a mesh of this many vertices.
+inline bool looks_at_stability(const AnalysisParameters& parameters, int vertices) {
+  return parameters.stability.value_or(vertices <= kVerticesForStability);
+}
 
 /// Declaration of the list "Analysis".
 ListSpec analysis_spec();

@@ -9,7 +9,8 @@ bool is_end_of_stage(double load_factor, double end) { return std::abs(load_fact
 PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
                            const PathObserver& observer, const PathControl& control, LoadPathResult& result)
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
-  if (parameters.analysis.stability) stability_ = std::make_unique<Stability>(*problem);
+  if (looks_at_stability(parameters.analysis, problem->assembler.mesh().vertices()))
+    stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
   started_ = true;
   result.steps = control.resume->step;

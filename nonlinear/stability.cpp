@@ -31,6 +31,18 @@ SparseMatrix shifted(SparseMatrix matrix, double shift) {
   return matrix;
 }
 
+/// (A + A^T) / 2, for matrices whose structure is symmetric.
+SparseMatrix symmetric_part(const SparseMatrix& a) {
+  SparseMatrix result = a;
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      const int j = a.column[k];
+      for (int other = a.row_start[j]; other < a.row_start[j + 1]; ++other)
+        if (a.column[other] == i) result.value[k] = 0.5 * (a.value[k] + a.value[other]);
+    }
+  return result;
+}
+
 }  // namespace
 
 Stability::Stability(BeamProblem& problem) : problem_(problem), unknowns_(problem.assembler) {}
@@ -44,11 +56,20 @@ void Stability::assemble(const State& state, double load_factor) {
   unknowns_.reduce(assembler, state);
 }
 
-StabilityResult Stability::inertia() {
+/// No real eigenvalue lies below the smallest one of the symmetric part (Bendixson), and that is quickly looked at.
+bool Stability::is_positive_in_its_symmetric_part() {
+  const SparseMatrix part = symmetric_part(unknowns_.matrix());
+  if (symmetric_ == nullptr) symmetric_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, part);
+  const InertiaSolver::Signs signs = symmetric_->factorize(part);
+  return signs.negative == 0 && signs.null == 0;
+}
+
+StabilityResult Stability::inertia(bool keeps_factors) {
   StabilityResult result;
   on_root(unknowns_.root(), [&] {
     result.asymmetry = asymmetry(unknowns_.matrix());
     result.symmetric = result.asymmetry <= kSymmetric;
+    if (!result.symmetric && !keeps_factors && is_positive_in_its_symmetric_part()) return;
     const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
     std::unique_ptr<InertiaSolver>& solver = result.symmetric ? symmetric_ : general_;
     if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, unknowns_.matrix());
@@ -88,7 +109,7 @@ void Stability::count_real_negative(StabilityResult& result) {
 
 StabilityResult Stability::count(const State& state, double load_factor) {
   assemble(state, load_factor);
-  return inertia();
+  return inertia(false);
 }
 
 /// Uses the factors that inertia() left.
@@ -126,7 +147,7 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
 
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
   assemble(state, load_factor);
-  Spectrum result{inertia(), {}};
+  Spectrum result{inertia(true), {}};
   const Reduced reduced = nearest(result.stability, count);
   result.modes = corrected_modes(state, result.stability, reduced);
   for (double before : reduced.eigenvalue) result.stability.negative -= before < 0.0 ? 1 : 0;

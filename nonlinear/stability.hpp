@@ -61,7 +61,9 @@ class Stability {
   };
 
   void assemble(const State& state, double load_factor);
-  StabilityResult inertia();
+  /// `keeps_factors`: those of the tangent itself are wanted afterwards.
+  StabilityResult inertia(bool keeps_factors);
+  bool is_positive_in_its_symmetric_part();
   void count_real_negative(StabilityResult& result);
   Reduced nearest(const StabilityResult& stability, int count);
   std::vector<EigenMode> corrected_modes(const State& state, const StabilityResult& stability, const Reduced& reduced);
