@@ -42,7 +42,7 @@ std::string aligned(const std::string& text, std::size_t width) {
   return std::string(text.size() < width ? width - text.size() : 0, ' ') + text;
 }
 
-std::string trimmed(std::string line) {
+std::string without_blanks_at_end(std::string line) {
   line.erase(line.find_last_not_of(' ') + 1);
   return line;
 }
@@ -110,13 +110,13 @@ void TablePrinter::print(std::ostream& stream) const {
     heads += aligned(reference_, widths[column]) + aligned("mixbeam", widths[column + 1]);
     heads += aligned("difference  ", widths[column + 2]);
   }
-  stream << title_ << '\n' << trimmed(names) << '\n' << trimmed(heads) << '\n';
+  stream << title_ << '\n' << without_blanks_at_end(names) << '\n' << without_blanks_at_end(heads) << '\n';
   for (const auto& row : rows_) {
     std::string line = row.heading.empty() ? "" : "  " + row.heading;
     for (std::size_t column = 0; column < row.cells.size(); ++column)
       line += aligned(row.cells[column], widths[column]);
     if (row.differs) line += "  <- differs";
-    stream << trimmed(line) << '\n';
+    stream << without_blanks_at_end(line) << '\n';
   }
 }
 

@@ -3,6 +3,7 @@
 #include "apps/common/mpi_session.hpp"
 #include "apps/common/scene_file.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/text_of.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/load_cases.hpp"
 #include "discretization/mechanism_check.hpp"
@@ -10,19 +11,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 namespace mixbeam {
 
 namespace {
-
-template <class... Values>
-std::string text_of(const char* format, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 /// Bytes of the arrays that grow with the model: element equations and responses, states and vectors of an iteration,
 /// the matrix, and its factors.

@@ -1,8 +1,9 @@
 #include "apps/mixbeam/run_report.hpp"
 
+#include "apps/mixbeam/text_of.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 namespace mixbeam {
@@ -15,13 +16,6 @@ constexpr double kBalanceTolerance = 1e-10;
 
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
-
-template <class... Values>
-std::string text_of(const char* format, Values... values) {
-  char line[256];
-  std::snprintf(line, sizeof line, format, values...);
-  return line;
-}
 
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
