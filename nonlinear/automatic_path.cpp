@@ -75,7 +75,6 @@ class AutomaticPath {
   bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed);
   void accept(const Correction& found, const std::optional<StabilityResult>& stability,
               std::vector<CriticalPoint> passed);
-  void failed(const std::string& cause, double size, int iterations);
   PathDirection increments(const Correction& found) const {
     return {found.moved.clone(true), found.load_factor - load_};
   }
@@ -100,17 +99,6 @@ class AutomaticPath {
   int attempts_left_ = 0;
 };
 
-void AutomaticPath::failed(const std::string& cause, double size, int iterations) {
-  StepFailure failure;
-  failure.step = recorder_.steps() + 1;
-  failure.load_factor = load_;
-  failure.size = size;
-  failure.along_path = tangent_.has_value();
-  failure.iterations = iterations;
-  failure.cause = cause;
-  recorder_.failed(failure);
-}
-
 /// The state at the start of the stage, or what is needed to go on from a completed step.
 bool AutomaticPath::begin() {
   recorder_.enter_stage(range_.stage, range_.attempts);
@@ -130,7 +118,7 @@ bool AutomaticPath::begin() {
   if (start.converged) {
     accept(start, stability_of(start), {});
   } else {
-    failed(start.cause, 0.0, start.iterations);
+    recorder_.not_converged();
   }
   return start.converged;
 }
@@ -167,12 +155,12 @@ bool AutomaticPath::step_by_load() {
   const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
   const Correction found = corrector_.at_load({state_, target}, most);
   if (!found.converged) {
-    failed(found.cause, size, found.iterations);
+    recorder_.not_converged();
     return start_along_path();
   }
   const std::optional<StabilityResult> stability = stability_of(found);
   if (changes(stability)) {
-    failed("stability changes within the step: the path is followed by its length", size, found.iterations);
+    recorder_.rejected("stability changes within the step: the path is followed by its length", found.iterations);
     return start_along_path();
   }
   size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
@@ -207,7 +195,7 @@ bool AutomaticPath::step_by_control() {
     row.weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) = 1.0 / length;
   const Correction found = corrector_.on_row({state_, load_}, row, kMostIterationsOfLoadStep);
   if (!found.converged) {
-    failed(found.cause, size, found.iterations);
+    recorder_.not_converged();
     size_ = rule_.after_failure(size);
     return size_ >= kShortestStep;
   }
@@ -222,7 +210,7 @@ bool AutomaticPath::step_by_control() {
 bool AutomaticPath::start_along_path() {
   PathDirection tangent = path_tangent(corrector_.global(), problem_, measure_, state_, load_);
   if (!std::isfinite(tangent.load)) {
-    failed("the path has no direction here: " + problem_->last_failure, 0.0, 0);
+    recorder_.rejected("the path has no direction here: " + problem_->last_failure, 0);
     return false;
   }
   tangent_ = std::move(tangent);
@@ -262,7 +250,7 @@ bool AutomaticPath::step_along_path() {
   Correction found{false, state_, load_, problem_->assembler.create_vector()};
   double length = 0.0;
   if (!attempt(found, length)) {
-    failed(found.cause, length, found.iterations);
+    recorder_.not_converged();
     length_ = 0.5 * length;
     return length_ >= kShortestStep;
   }
@@ -270,7 +258,7 @@ bool AutomaticPath::step_along_path() {
   PathDirection next = path_tangent(corrector_.global(), problem_, measure_, found.state, found.load_factor);
   if (measure_.inner(done, next) < 0.0) next = scaled(next, -1.0);
   if (!is_believable(found, done, next)) {
-    failed("the path bends too much: another one may have been met", length, found.iterations);
+    recorder_.rejected("the path bends too much: another one may have been met", found.iterations);
     length_ = 0.5 * length;
     return length_ >= kShortestStep;
   }
@@ -288,7 +276,7 @@ bool AutomaticPath::step_along_path() {
   tangent_ = std::move(next);
   accept(found, stability, std::move(passed));
   if (std::abs(load_ - range_.to) < kLargestDetour) return true;
-  failed("the path leads away from the end of the stage", 0.0, 0);
+  recorder_.rejected("the path leads away from the end of the stage", 0);
   return false;
 }
 
@@ -297,7 +285,7 @@ std::vector<CriticalPoint> AutomaticPath::critical_points(const Correction& foun
   try {
     return finder.find({state_, load_, increments(found), row});
   } catch (const ConvergenceError& error) {
-    failed(error.what(), measure_.length(increments(found)), 0);
+    recorder_.rejected(error.what(), 0);
     return {};
   }
 }
@@ -318,7 +306,7 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
         corrector_.on_row({from.state, from.load_factor, &guess.x}, measure_.row(unit, from.load_factor, amplitude),
                           2 * kMostIterationsAlongPath);
     if (!found.converged) {
-      failed("stepping onto the branch: " + found.cause, amplitude, found.iterations);
+      recorder_.not_converged();
       continue;
     }
     const PathDirection done{found.moved.clone(true), found.load_factor - from.load_factor};

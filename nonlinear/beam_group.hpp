@@ -28,6 +28,8 @@ class BeamGroup : public LOCA::Abstract::Group {
   const State& state() const { return state_; }
   BeamProblem& problem() const { return *problem_; }
   double load_factor() const { return parameters_.getValue(kLoadFactor); }
+  /// What the rows of F are divided by.
+  const ResidualScales& scales() const { return scales_; }
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
   double equilibrium_norm() const;
   /// The beam group inside any group that NOX or LOCA hands over.

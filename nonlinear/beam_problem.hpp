@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/assembler.hpp"
+#include "nonlinear/attempt_log.hpp"
 #include "nonlinear/linear_solver.hpp"
 #include "nonlinear/solver_parameters.hpp"
 
@@ -24,6 +25,7 @@ class BeamProblem {
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;
   WorkCount work;
+  AttemptLog attempts;
   const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to
   std::string last_failure;             ///< why the last linear solve failed; empty when it did not
 };

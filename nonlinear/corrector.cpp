@@ -9,6 +9,7 @@
 #include <NOX_StatusTest_MaxIters.H>
 
 #include <cmath>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -62,7 +63,12 @@ Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int
   const auto list = Teuchos::rcp(new Teuchos::ParameterList(lists_->sublist("NOX")));
   problem_->last_failure.clear();
   const auto solver = NOX::Solver::buildSolver(group, tests, list);
-  const bool converged = solver->solve() == NOX::StatusTest::Converged;
+  bool converged = false;
+  try {
+    converged = solver->solve() == NOX::StatusTest::Converged;
+  } catch (const std::logic_error&) {  // LOCA's bordering does not go on with numbers that are none
+    problem_->attempts.failed(BeamGroup::of(*group), solver->getNumIterations());
+  }
   const BeamGroup& last = BeamGroup::of(solver->getSolutionGroup());
   Correction result{converged,
                     last.state(),

@@ -5,29 +5,12 @@
 #include "nonlinear/loca_stage.hpp"
 
 #include <cmath>
-#include <sstream>
 
 namespace mixbeam {
 
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-
-std::string failure_text(const BeamProblem& problem, const LoadPathResult& result, double smallest_step) {
-  std::ostringstream text;
-  text << "no equilibrium was found beyond load factor " << result.load_factor
-       << ": the step was reduced to its minimum of " << smallest_step << ".";
-  if (!problem.last_failure.empty()) text << " Last linear solve: " << problem.last_failure << ".";
-  const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
-  text << " Largest rotation between an element and its vertices: " << angle.angle << " rad (member \"" << angle.member
-       << "\", element " << angle.element << "; must stay below pi).";
-  text << " What to try: a smaller \"Minimum Step\" or \"Initial Step\" in \"Load Path\", a larger \"Maximum "
-          "Iterations\" or a "
-          "smaller \"Maximum Rotation\" in \"Newton\", more elements; if the tangent is singular here, the load has "
-          "reached a "
-          "limit point.";
-  return text.str();
-}
 
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted.
 void check_end_angles(const BeamProblem& problem) {
@@ -82,6 +65,7 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
                                 State& state, const PathObserver& observer, const PathControl& control) {
   LoadPathResult result;
   PathRecorder recorder(problem, parameters, state, observer, control, result);
+  problem->attempts.start_path(result.steps, control.step_failed);
   const int stages = problem->assembler.scene().stages;
   for (int stage = finished_stages(problem, state, control) + 1; stage <= stages; ++stage) {
     const int before = problem->work.newton_iterations;
@@ -91,7 +75,10 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
     result.newton_iterations += result.iterations_of_stage.back();
     if (result.interrupted) return result;
     if (!arrived) {
-      result.failure = failure_text(*problem, result, step_size_rule(problem->assembler.scene(), parameters).minimum);
+      const double minimum = step_size_rule(problem->assembler.scene(), parameters).minimum;
+      const bool used_up = result.steps + result.failed_steps >= parameters.load_path.maximum_steps;
+      result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
+      result.failure = text_of(*result.report);
       return result;
     }
     check_end_angles(*problem);

@@ -3,6 +3,7 @@
 
 #include "discretization/resume_point.hpp"
 #include "nonlinear/critical_point.hpp"
+#include "nonlinear/failure_report.hpp"
 #include "nonlinear/solver_parameters.hpp"
 
 #include <functional>
@@ -25,21 +26,11 @@ struct StepReport {
   std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
 };
 
-/// An attempt at a step that came to nothing; the path goes on with a smaller one or in another way.
-struct StepFailure {
-  int step = 0;              ///< number that the step would have had
-  double load_factor = 0.0;  ///< from which it started
-  double size = 0.0;         ///< of the load factor, or of the length of the path where `along_path`
-  bool along_path = false;
-  int iterations = 0;
-  std::string cause{};  ///< in a few words
-};
-
 /// How a path is begun and stopped from outside.
 struct PathControl {
   std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
-  std::function<void(const StepFailure&)> failed{};  ///< told of each failed attempt as it happens
+  std::function<void(const StepFailure&)> step_failed{};  ///< told of each failed attempt, on every rank
 };
 
 struct LoadPathResult {
@@ -48,7 +39,8 @@ struct LoadPathResult {
   double load_factor = 0.0;  ///< last converged
   int steps = 0, failed_steps = 0, newton_iterations = 0;
   std::vector<int> iterations_of_stage;
-  std::string failure;  ///< why the path ended early, and what to try
+  std::optional<FailureReport> report{};  ///< why the path ended early, and what to try
+  std::string failure;                    ///< the same as a page of text; empty if it did not
 };
 
 /// Called for the starting state and for each converged step; the state is that of the step.

@@ -21,12 +21,20 @@ class IterationRecorder : public NOX::Observer {
   void runPreSolve(const NOX::Solver::Generic&) override {
     ++record_.attempt;
     record_.iterations = 0;
+    problem_.last_failure.clear();
+    problem_.attempts.start_attempt();
   }
   void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
   void runPostIterate(const NOX::Solver::Generic& solver) override {
     record_.iterations = solver.getNumIterations();
     if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
     add(record_.iterations, solver.getSolutionGroup());
+    const BeamGroup* previous = record_.iterations > 0 ? &BeamGroup::of(solver.getPreviousSolutionGroup()) : nullptr;
+    problem_.attempts.iterated(BeamGroup::of(solver.getSolutionGroup()), previous, record_.iterations);
+  }
+  void runPostSolve(const NOX::Solver::Generic& solver) override {
+    if (solver.getStatus() != NOX::StatusTest::Failed) return;
+    problem_.attempts.failed(BeamGroup::of(solver.getSolutionGroup()), solver.getNumIterations());
   }
 
  private:

@@ -50,14 +50,15 @@ void PathRecorder::converged(const ConvergedStep& step) {
   counted_ = problem_->work.newton_iterations;
   started_ = true;
   record_.clear();
+  problem_->attempts.step_completed(result_.steps);
   if (observer_) observer_(report, state_);
   const bool at_end = step.load_factor >= problem_->assembler.scene().stages;
   if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
 }
 
-void PathRecorder::failed(const StepFailure& failure) {
+void PathRecorder::rejected(const std::string& cause, int iterations) {
   ++failed_in_stage_;
-  if (control_.failed) control_.failed(failure);
+  if (control_.step_failed) control_.step_failed({result_.steps + 1, result_.load_factor, iterations, cause});
 }
 
 PathPoint PathRecorder::point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const {

@@ -51,7 +51,6 @@ class PathRecorder {
 
   SolveRecord& record() { return record_; }
   double load_factor() const { return result_.load_factor; }
-  int steps() const { return result_.steps; }  ///< completed
   /// Null when the stability of states is not asked for.
   Stability* stability() { return stability_.get(); }
 
@@ -66,7 +65,10 @@ class PathRecorder {
 
   /// Throws PathInterrupted where the path is to stop here.
   void converged(const ConvergedStep& step);
-  void failed(const StepFailure& failure);
+  /// An attempt failed to converge; Newton's method has told of it already.
+  void not_converged() { ++failed_in_stage_; }
+  /// A converged attempt is not taken.
+  void rejected(const std::string& cause, int iterations);
 
  private:
   PathPoint point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const;

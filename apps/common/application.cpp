@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -49,6 +50,11 @@ int chosen_threads(const Scene& scene, const SolverParameters& parameters, int a
   return work_of(scene) < kWorkForThreads ? 1 : available;
 }
 
+/// `results/scene_failure.txt` of `results/scene.h5`.
+std::filesystem::path failure_file_of(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_failure.txt");
+}
+
 /// System, release, processor and name of the machine.
 std::string machine() {
   utsname system{};
@@ -71,17 +77,14 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
   const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
   const int steps_before = control.resume ? control.resume->step : 0;
   Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages, from);
-  PathControl reporting = control;
-  reporting.failed = [&](const StepFailure& failure) {
-    progress.report_failure(failure);
-    if (control.failed) control.failed(failure);
-  };
+  PathControl watched = control;
+  watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
   simulation.run(
       [&](const StepReport& report, const State&) {
         progress.report(report);
         if (observer) observer(simulation, report);
       },
-      reporting);
+      watched);
   summary.load_steps += simulation.result().steps - steps_before;
   summary.newton_iterations += simulation.result().newton_iterations - iterations_before;
   for (const auto& [phase, seconds] : simulation.times()) summary.seconds[phase] += seconds;
@@ -122,8 +125,18 @@ Simulation Application::solve(const Scene& solved, const SolverParameters& param
     results.append_step(last_record);
     results.close();
   }
-  throw ConvergenceError((label.empty() ? "" : label + ": ") + simulation.result().failure +
-                         " The last converged state is in " + file.string() + ".");
+  give_up(simulation, label, "The last converged state is in " + file.string() + ".", file);
+}
+
+void Application::give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
+                          const std::filesystem::path& results) const {
+  const std::filesystem::path file = failure_file_of(results);
+  const std::string page = (label.empty() ? "" : label + ": ") + simulation.result().failure + where_state;
+  if (!writes_files()) throw ConvergenceError(page);
+  std::ofstream text(file);
+  text << page << "\n";
+  text.close();
+  throw ConvergenceError(page + (text ? " This page is in " + file.string() + "." : ""));
 }
 
 Simulation Application::solve_and_record(const Scene& solved, const SolverParameters& parameters,
@@ -183,6 +196,8 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
   std::unique_ptr<ResultFile> results;
   std::optional<MonitorTable> monitor;
   if (writes_files()) {
+    std::error_code ignored;
+    std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
     results = recording.resume != nullptr
                   ? std::make_unique<ResultFile>(*recording.resume)
                   : std::make_unique<ResultFile>(recording.file, header(solved, recording.properties));
@@ -212,8 +227,8 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
   }
   if (results != nullptr) results->close();
   if (simulation.result().finished || simulation.result().interrupted) return simulation;
-  throw ConvergenceError(recording.file.stem().string() + ": " + simulation.result().failure +
-                         " The last converged state is the last step in " + recording.file.string() + ".");
+  give_up(simulation, recording.file.stem().string(),
+          "The last converged state is the last step in " + recording.file.string() + ".", recording.file);
 }
 
 ResultHeader Application::header(const Scene& solved, const std::map<std::string, std::string>& properties) const {

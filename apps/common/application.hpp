@@ -55,12 +55,14 @@ class Application {
   /// Solves a scene; counts its steps, iterations and times in the summary. `label` starts each progress line (none:
   /// silent). Scenes too small to profit from threads run on one, unless the user chose a number; results are the same
   /// bits. `observer` is called with the simulation after each converged step. When no equilibrium is found, the last
-  /// converged state is written to <output>/<label>_last_converged.h5 and ConvergenceError is thrown.
+  /// converged state is written to <output>/<label>_last_converged.h5, the report of the failure beside it to
+  /// <label>_last_converged_failure.txt, and ConvergenceError is thrown.
   Simulation solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                    const RunObserver& observer = {});
   Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
 
-  /// As solve(), and writes every step to a result file; then the last converged state is in that file. A run that was
+  /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
+  /// of a failure beside it in <name of the file>_failure.txt. A run that was
   /// stopped ends like any other, and result().interrupted tells.
   Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording);
 
@@ -85,6 +87,9 @@ class Application {
   Simulation walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                   const PathControl& control, const std::function<void(Simulation&)>& prepare,
                   const RunObserver& observer);
+  /// Writes the report to <stem of `results`>_failure.txt beside `results` and throws it as ConvergenceError.
+  [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
+                            const std::filesystem::path& results) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
 
   std::set<std::string> compared_;  ///< names of expected values

@@ -30,11 +30,11 @@ void Progress::report_critical(const CriticalPoint& point) {
   out_ << line;
 }
 
-void Progress::report_failure(const StepFailure& failure) {
-  char line[120];
-  std::snprintf(line, sizeof line, "%s: step %3d  given up, %s %.3g from load factor %.5f: ", label_.c_str(),
-                failure.step, failure.along_path ? "path length" : "load step", failure.size, failure.load_factor);
-  out_ << line << failure.cause << '\n' << std::flush;
+void Progress::report(const StepFailure& failure) {
+  char line[100];
+  std::snprintf(line, sizeof line, ": step %3d  load factor %8.5f of %d  iterations %3d  FAILED: ", failure.step,
+                failure.load_factor, stages_, failure.iterations);
+  out_ << label_ << line << failure.cause << "\n" << std::flush;
 }
 
 }  // namespace mixbeam

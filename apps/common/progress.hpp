@@ -1,4 +1,5 @@
-/// One line for each load step: where the path is, what the step cost, how long the rest may take.
+/// One line for each load step, failed attempts included: where the path is, what the step cost, how long the rest may
+/// take.
 #pragma once
 
 #include "nonlinear/load_path.hpp"
@@ -14,8 +15,8 @@ class Progress {
   /// `from`: load factor at which the path starts or is resumed.
   Progress(std::ostream& out, std::string label, int stages, double from = 0.0);
   void report(const StepReport& report);
-  /// One line for an attempt that came to nothing.
-  void report_failure(const StepFailure& failure);
+  /// A failed attempt and its cause, in one line.
+  void report(const StepFailure& failure);
 
  private:
   void report_critical(const CriticalPoint& point);

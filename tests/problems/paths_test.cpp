@@ -24,7 +24,7 @@ struct Walk {
 Walk walk(Simulation& simulation) {
   Walk walk;
   PathControl control;
-  control.failed = [&](const StepFailure& failure) { walk.failures.push_back(failure); };
+  control.step_failed = [&](const StepFailure& failure) { walk.failures.push_back(failure); };
   walk.result = simulation.run(
       [&](const StepReport& report, const State&) {
         walk.steps.push_back(report);
