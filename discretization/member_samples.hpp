@@ -76,6 +76,20 @@ struct RecordedBalance {
   double moment_error = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// A limit point or bifurcation between two steps; see CriticalPoint. Fields at the samples of all members, one after
+/// the other, spatial.
+struct RecordedCriticalPoint {
+  std::string kind{};  ///< "limit point", "bifurcation"
+  double load_factor = 0.0;
+  int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
+  int modes = 1;                                ///< that become singular together
+  std::vector<Vector3> position{}, displacement{};
+  std::vector<Vector3> mode{};  ///< displacement of the critical mode, per unit of its largest |du_i|/L or |dtheta_i|
+  std::vector<MonitoredQuantity> monitored{};  ///< as in the step
+  std::vector<RecordedReaction> reactions{};
+  StateSnapshot state{};
+};
+
 /// A converged configuration and how it was reached.
 struct StepRecord {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
@@ -89,9 +103,11 @@ struct StepRecord {
   std::vector<MonitoredQuantity> monitored;   ///< same names in every record of a run
   std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
   RecordedBalance balance{};
-  std::vector<NewtonIteration> history{};  ///< of all attempts at this step
-  StateSnapshot state{};                   ///< for resuming; empty: this record cannot be resumed from
-  PathPoint point{};                       ///< of the state
+  int negative_eigenvalues = -1;  ///< of the tangent: 0 where the state is stable; -1: not counted
+  std::vector<RecordedCriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
+  std::vector<NewtonIteration> history{};                ///< of all attempts at this step
+  StateSnapshot state{};                                 ///< for resuming; empty: this record cannot be resumed from
+  PathPoint point{};                                     ///< of the state
 };
 
 }  // namespace mixbeam

@@ -157,6 +157,12 @@ void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) 
 
 void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
 
+std::vector<double> numbers_of(const std::vector<Vector3>& vectors) {
+  std::vector<double> numbers;
+  for (const Vector3& v : vectors) append(numbers, v);
+  return numbers;
+}
+
 void write_reactions(hid_t group, const StepRecord& record) {
   std::vector<double> numbers;
   for (const auto& reaction : record.reactions) {
@@ -183,17 +189,51 @@ void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
   hdf5::write_dataset(group, "residual_history", rows, 3);
 }
 
-void write_state(hid_t step, const StateSnapshot& state, const PathPoint& point) {
-  const auto group = hdf5::create_group(step, "state");
+void write_snapshot(hid_t group, const StateSnapshot& state) {
   hdf5::write_dataset(group, "vertex_displacement", state.vertex_displacement, 3);
   hdf5::write_dataset(group, "vertex_rotation", state.vertex_rotation, 4);
   hdf5::write_dataset(group, "element_triad", state.element_triad, 4);
   hdf5::write_dataset(group, "interior", state.interior, 1);
+}
+
+void write_state(hid_t step, const StateSnapshot& state, const PathPoint& point) {
+  const auto group = hdf5::create_group(step, "state");
+  write_snapshot(group, state);
+  hdf5::write_attribute(group, "stage", point.stage);
   hdf5::write_attribute(group, "step_size", point.step_size);
   hdf5::write_attribute(group, "iterations", point.iterations);
   hdf5::write_attribute(group, "attempts_left", point.attempts_left);
   hdf5::write_attribute(group, "failed_steps", point.failed_steps);
   hdf5::write_attribute(group, "newton_iterations", point.newton_iterations);
+  hdf5::write_attribute(group, "critical_points", point.critical_points);
+  hdf5::write_attribute(group, "path_length", point.path_length);
+  hdf5::write_attribute(group, "direction", point.direction);
+  hdf5::write_attribute(group, "negative", point.negative);
+  hdf5::write_attribute(group, "branched", point.branched ? 1 : 0);
+}
+
+void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
+  hdf5::write_attribute(group, "kind", point.kind);
+  hdf5::write_attribute(group, "load_factor", point.load_factor);
+  hdf5::write_attribute(group, "negative_before", point.negative_before);
+  hdf5::write_attribute(group, "negative_after", point.negative_after);
+  hdf5::write_attribute(group, "modes", point.modes);
+  hdf5::write_dataset(group, "position", numbers_of(point.position), 3);
+  hdf5::write_dataset(group, "displacement", numbers_of(point.displacement), 3);
+  hdf5::write_dataset(group, "mode", numbers_of(point.mode), 3);
+  const auto monitor = hdf5::create_group(group, "monitor");
+  for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
+  if (!point.state.empty()) write_snapshot(hdf5::create_group(group, "state"), point.state);
+}
+
+void write_stability(hid_t step, const StepRecord& record) {
+  if (record.negative_eigenvalues >= 0)
+    hdf5::write_attribute(step, "negative_eigenvalues", record.negative_eigenvalues);
+  if (record.critical_points.empty()) return;
+  const auto points = hdf5::create_group(step, "critical_points");
+  int number = 0;
+  for (const auto& point : record.critical_points)
+    write_critical_point(hdf5::create_group(points, std::to_string(number++)), point);
 }
 
 void write_step(hid_t file, const StepRecord& record) {
@@ -209,6 +249,7 @@ void write_step(hid_t file, const StepRecord& record) {
   write_fields(group, record.members);
   write_reactions(group, record);
   write_history(group, record.history);
+  write_stability(group, record);
   if (!record.state.empty()) write_state(group, record.state, record.point);
 
   const auto monitor = hdf5::open_group(file, "monitor");
@@ -222,15 +263,21 @@ void write_step(hid_t file, const StepRecord& record) {
   for (const auto& quantity : record.monitored) hdf5::append_row(monitor, quantity.name, quantity.components);
 }
 
+std::size_t bytes_of(const StateSnapshot& state) {
+  return sizeof(double) * (state.vertex_displacement.size() + state.vertex_rotation.size() +
+                           state.element_triad.size() + state.interior.size());
+}
+
 // Upper bound of what a record adds to a file, in bytes.
 std::size_t bytes_of(const StepRecord& record) {
   constexpr std::size_t kDoublesPerSample = 48;  // 37 for a step, 5 for the sampling, the rest in hand
   std::size_t bytes = kOverheadPerStep;
   for (const auto& member : record.members)
     bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
-  for (const auto* numbers : {&record.state.vertex_displacement, &record.state.vertex_rotation,
-                              &record.state.element_triad, &record.state.interior})
-    bytes += numbers->size() * sizeof(double);
+  bytes += bytes_of(record.state);
+  for (const auto& point : record.critical_points)
+    bytes += kOverheadPerStep + bytes_of(point.state) + point.mode.size() * 3 * sizeof(Vector3) +
+             point.monitored.size() * 4096;
   bytes += record.reactions.size() * (6 * sizeof(double) + 2048);
   bytes += record.history.size() * sizeof(NewtonIteration) * 2;
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;

@@ -17,6 +17,11 @@
 ///                               iteration, scaled maximum norm); reactions (supports,6: force, moment), balance
 ///                               (2,6: applied force and moment, those of the reactions) and attributes
 ///                               force_balance_error, moment_balance_error
+///                               where stability is looked at: attribute negative_eigenvalues
+///     /steps/000001/critical_points/0, 1, ...
+///                               limit points and bifurcations since the step before: attributes kind, load_factor,
+///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:
+///                               what is monitored there; state
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
 ///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)

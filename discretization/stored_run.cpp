@@ -4,6 +4,7 @@
 #include "discretization/hdf5_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace mixbeam {
@@ -11,6 +12,9 @@ namespace mixbeam {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Load factors at the end of a stage are sums of rounded steps.
+constexpr double kSameLoadFactor = 1e-12;
 
 /// Time series that every result file has; the others are monitored quantities of the scene.
 const std::set<std::string> kOwnSeries = {"step",          "load_factor",  "newton_iterations", "residual",
@@ -32,12 +36,24 @@ ResultHeader read_header(hid_t file) {
   return header;
 }
 
+int whole(hid_t object, const char* attribute) { return static_cast<int>(hdf5::read_number(object, attribute)); }
+
+/// What files of versions that followed no path by its length do not tell keeps its default.
+void read_point_along_path(hid_t state, PathPoint& point) {
+  point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
+  const auto attributes = hdf5::attribute_names(state);
+  if (std::find(attributes.begin(), attributes.end(), "path_length") == attributes.end()) return;
+  point.stage = whole(state, "stage");
+  point.critical_points = whole(state, "critical_points");
+  point.path_length = hdf5::read_number(state, "path_length");
+  point.direction = whole(state, "direction");
+  point.negative = whole(state, "negative");
+  point.branched = whole(state, "branched") != 0;
+}
+
 PathPoint read_point(hid_t steps, const std::string& name) {
   const auto step = hdf5::open_group(steps, name);
   const auto state = hdf5::open_group(step, "state");
-  const auto whole = [](hid_t object, const char* attribute) {
-    return static_cast<int>(hdf5::read_number(object, attribute));
-  };
   PathPoint point;
   point.step = whole(step, "step");
   point.load_factor = hdf5::read_number(step, "load_factor");
@@ -46,6 +62,23 @@ PathPoint read_point(hid_t steps, const std::string& name) {
   point.attempts_left = whole(state, "attempts_left");
   point.failed_steps = whole(state, "failed_steps");
   point.newton_iterations = whole(state, "newton_iterations");
+  read_point_along_path(state, point);
+  return point;
+}
+
+StateSnapshot read_snapshot(hid_t group) {
+  return {hdf5::read_dataset(group, "vertex_displacement"), hdf5::read_dataset(group, "vertex_rotation"),
+          hdf5::read_dataset(group, "element_triad"), hdf5::read_dataset(group, "interior")};
+}
+
+RecordedCriticalPoint read_critical_point(hid_t group) {
+  RecordedCriticalPoint point;
+  point.kind = hdf5::read_text_attribute(group, "kind");
+  point.load_factor = hdf5::read_number(group, "load_factor");
+  point.negative_before = whole(group, "negative_before");
+  point.negative_after = whole(group, "negative_after");
+  point.modes = whole(group, "modes");
+  point.state = read_snapshot(hdf5::open_group(group, "state"));
   return point;
 }
 
@@ -126,9 +159,26 @@ StateSnapshot StoredRun::state(std::size_t position) const {
     const auto file = hdf5::open_file_to_read(path_);
     const auto steps = hdf5::open_group(file, "steps");
     const auto step = hdf5::open_group(steps, groups_.at(position));
-    const auto group = hdf5::open_group(step, "state");
-    return {hdf5::read_dataset(group, "vertex_displacement"), hdf5::read_dataset(group, "vertex_rotation"),
-            hdf5::read_dataset(group, "element_triad"), hdf5::read_dataset(group, "interior")};
+    return read_snapshot(hdf5::open_group(step, "state"));
+  } catch (const hdf5::Error& error) {
+    throw InputError(path_.string() + ": " + error.what());
+  }
+}
+
+std::vector<RecordedCriticalPoint> StoredRun::critical_points(std::size_t position) const {
+  const hdf5::QuietScope quiet;
+  try {
+    const auto file = hdf5::open_file_to_read(path_);
+    const auto steps = hdf5::open_group(file, "steps");
+    const auto step = hdf5::open_group(steps, groups_.at(position));
+    const auto names = hdf5::link_names(step);
+    std::vector<RecordedCriticalPoint> points;
+    if (std::find(names.begin(), names.end(), "critical_points") == names.end()) return points;
+    const auto group = hdf5::open_group(step, "critical_points");
+    const std::size_t count = hdf5::count_links(group);
+    for (std::size_t i = 0; i < count; ++i)
+      points.push_back(read_critical_point(hdf5::open_group(group, std::to_string(i))));
+    return points;
   } catch (const hdf5::Error& error) {
     throw InputError(path_.string() + ": " + error.what());
   }

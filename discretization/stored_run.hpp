@@ -42,6 +42,10 @@ class StoredRun {
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;
 
+  /// Critical points between the step before and the one at this position: what they are, and their states; without
+  /// fields at samples and monitored quantities.
+  std::vector<RecordedCriticalPoint> critical_points(std::size_t position) const;
+
  private:
   std::filesystem::path path_;
   ResultHeader header_;

@@ -17,6 +17,7 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
   result.load_factor = control.resume->load_factor;
   result.failed_steps = control.resume->failed_steps;
   result.newton_iterations = control.resume->newton_iterations;
+  critical_points_ = control.resume->critical_points;
 }
 
 void PathRecorder::enter_stage(int stage, int attempts) {
@@ -45,6 +46,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
   report.stability = step.stability;
   if (stability_ != nullptr && !report.stability) report.stability = stability_->count(state_, step.load_factor);
   report.critical_points = step.critical_points;
+  critical_points_ += static_cast<int>(step.critical_points.size());
   report.point = point(step, report.stability);
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;
@@ -76,6 +78,7 @@ PathPoint PathRecorder::point(const ConvergedStep& step, const std::optional<Sta
   point.direction = step.direction;
   point.negative = stability ? stability->negative : -1;
   point.branched = step.branched;
+  point.critical_points = critical_points_;
   return point;
 }
 

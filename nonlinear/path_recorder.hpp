@@ -83,6 +83,7 @@ class PathRecorder {
   int stage_ = 1;
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;
+  int critical_points_ = 0;  ///< on the whole path so far
   bool started_ = false;
 };
 

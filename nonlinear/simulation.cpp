@@ -4,6 +4,14 @@
 
 namespace mixbeam {
 
+namespace {
+
+/// Of a mode whose largest entry is one, for a central difference: its error is about 1e-10, from the third derivative
+/// as from rounding.
+constexpr double kModeAmplitude = 1e-5;
+
+}  // namespace
+
 Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
     : parameters_(parameters) {
   if (parameters.threads > 0) set_number_of_threads(parameters.threads);
@@ -23,6 +31,13 @@ const LoadPathResult& Simulation::run(const PathObserver& observer, const PathCo
 void Simulation::restore(const StateSnapshot& snapshot, double load_factor) {
   state_ = mixbeam::restore(assembler(), snapshot);
   load_factor_ = load_factor;
+}
+
+Simulation Simulation::at(const State& state, double load_factor) const {
+  Simulation other = *this;
+  other.state_ = state;
+  other.load_factor_ = load_factor;
+  return other;
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {
@@ -64,17 +79,67 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.state = snapshot_of(assembler(), state_);
   record.point = report.point;
   record.members = samples(points_per_element);
-  for (const Reaction& reaction : reactions())
-    record.reactions.push_back({reaction.point, reaction.force, reaction.moment});
+  record.reactions = recorded_reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
-  for (const std::string& point : monitored_points) {
-    const Vector3 u = displacement(point), theta = rotation(point);
-    record.monitored.push_back({point + ".displacement", {u[0], u[1], u[2]}});
-    record.monitored.push_back({point + ".rotation", {theta[0], theta[1], theta[2]}});
-  }
+  record.monitored = motions(monitored_points);
+  if (report.stability) record.negative_eigenvalues = report.stability->negative;
+  for (const CriticalPoint& point : report.critical_points)
+    record.critical_points.push_back(
+        at(point.state, point.load_factor).record(point, points_per_element, monitored_points));
   return record;
+}
+
+RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_per_element,
+                                         const std::vector<std::string>& monitored_points) const {
+  RecordedCriticalPoint record;
+  record.kind = name_of(point.kind);
+  record.load_factor = point.load_factor;
+  record.negative_before = point.negative_before;
+  record.negative_after = point.negative_after;
+  record.modes = point.modes;
+  for (const MemberSamples& member : samples(points_per_element)) {
+    record.position.insert(record.position.end(), member.position.begin(), member.position.end());
+    record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
+  }
+  record.mode = displacement_of_mode(point.mode, points_per_element);
+  record.monitored = motions(monitored_points);
+  record.reactions = recorded_reactions();
+  record.state = snapshot_of(assembler(), state_);
+  return record;
+}
+
+/// Derivative of the positions along the mode, by a central difference.
+std::vector<Vector3> Simulation::displacement_of_mode(const MixedVector& mode, int points_per_element) const {
+  const auto moved = [&](double amplitude) {
+    std::vector<Vector3> positions;
+    const State state = problem_->assembler.apply(state_, mode, amplitude);
+    for (const MemberSamples& member : sample_members(scene(), assembler(), state, points_per_element))
+      positions.insert(positions.end(), member.position.begin(), member.position.end());
+    return positions;
+  };
+  std::vector<Vector3> difference = moved(kModeAmplitude);
+  const std::vector<Vector3> back = moved(-kModeAmplitude);
+  for (size_t i = 0; i < difference.size(); ++i)
+    for (size_t j = 0; j < 3; ++j) difference[i][j] = (difference[i][j] - back[i][j]) / (2.0 * kModeAmplitude);
+  return difference;
+}
+
+std::vector<MonitoredQuantity> Simulation::motions(const std::vector<std::string>& points) const {
+  std::vector<MonitoredQuantity> quantities;
+  for (const std::string& point : points) {
+    const Vector3 u = displacement(point), theta = rotation(point);
+    quantities.push_back({point + ".displacement", {u[0], u[1], u[2]}});
+    quantities.push_back({point + ".rotation", {theta[0], theta[1], theta[2]}});
+  }
+  return quantities;
+}
+
+std::vector<RecordedReaction> Simulation::recorded_reactions() const {
+  std::vector<RecordedReaction> recorded;
+  for (const Reaction& reaction : reactions()) recorded.push_back({reaction.point, reaction.force, reaction.moment});
+  return recorded;
 }
 
 }  // namespace mixbeam

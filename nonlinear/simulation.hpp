@@ -21,6 +21,9 @@ class Simulation {
   /// std::invalid_argument when the snapshot is not one of this mesh. Collective.
   void restore(const StateSnapshot& snapshot, double load_factor);
 
+  /// The same structure in another state, with the same result().
+  Simulation at(const State& state, double load_factor) const;
+
   const LoadPathResult& result() const { return result_; }
   const State& state() const { return state_; }
   /// Load factor of state(), also inside an observer.
@@ -55,6 +58,11 @@ class Simulation {
 
  private:
   std::array<double, 6> motion(const std::string& point) const;
+  RecordedCriticalPoint record(const CriticalPoint& point, int points_per_element,
+                               const std::vector<std::string>& monitored_points) const;
+  std::vector<MonitoredQuantity> motions(const std::vector<std::string>& points) const;
+  std::vector<RecordedReaction> recorded_reactions() const;
+  std::vector<Vector3> displacement_of_mode(const MixedVector& mode, int points_per_element) const;
 
   SolverParameters parameters_;
   Teuchos::RCP<BeamProblem> problem_;

@@ -178,6 +178,102 @@ TEST_F(ResultFileTest, StepsCarryAttributesAndTimeSeries) {
   EXPECT_EQ(shape, (std::vector<hsize_t>{200}));
 }
 
+StateSnapshot sample_state() { return {{1, 2, 3}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0.5, 0.25}}; }
+
+/// A step behind a limit point, on a path that is followed by its length.
+StepRecord step_behind_limit_point(int step) {
+  StepRecord record = sample_step(step);
+  record.negative_eigenvalues = 1;
+  RecordedCriticalPoint point;
+  point.kind = "limit point";
+  point.load_factor = 0.75;
+  point.negative_after = 1;
+  for (std::size_t i = 0; i < 5; ++i) {
+    point.position.push_back(vector_of(1, 2, i, step));
+    point.displacement.push_back(vector_of(2, 2, i, step));
+    point.mode.push_back(vector_of(3, 2, i, step));
+  }
+  point.monitored = {{"tip.displacement", {4, 5, 6}}, {"reaction", {8}}};
+  point.state = sample_state();
+  record.critical_points = {point};
+  record.state = sample_state();
+  record.point.step = step;
+  record.point.stage = 3;
+  record.point.load_factor = record.load_factor;
+  record.point.path_length = 0.125;
+  record.point.direction = -1;
+  record.point.negative = 1;
+  record.point.branched = true;
+  record.point.critical_points = 4;
+  return record;
+}
+
+TEST_F(ResultFileTest, CriticalPointsStandInTheStepBehindThem) {
+  ResultFile result(file_, sample_header());
+  result.append_step(sample_step(0));
+  result.append_step(step_behind_limit_point(1));
+  result.close();
+  EXPECT_EQ(read_number(file_, "/steps/000001", "negative_eigenvalues"), 1);
+  const std::string point = "/steps/000001/critical_points/0";
+  EXPECT_EQ(read_number(file_, point, "load_factor"), 0.75);
+  EXPECT_EQ(read_number(file_, point, "negative_before"), 0);
+  EXPECT_EQ(read_number(file_, point, "negative_after"), 1);
+  EXPECT_EQ(read_number(file_, point, "modes"), 1);
+  std::vector<hsize_t> shape;
+  for (const auto& [name, field] : {std::pair("position", 1), std::pair("displacement", 2), std::pair("mode", 3)}) {
+    const std::vector<double> values = read_doubles(file_, point + "/" + name, &shape);
+    EXPECT_EQ(shape, (std::vector<hsize_t>{5, 3})) << name;
+    ASSERT_EQ(values.size(), 15U);
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_EQ(values[i], vector_of(field, 2, i / 3, 1)[i % 3]) << name;
+  }
+  EXPECT_EQ(read_doubles(file_, point + "/monitor/tip.displacement"), (std::vector<double>{4, 5, 6}));
+}
+
+TEST_F(ResultFileTest, WhatResumingNeedsComesBack) {
+  StepRecord first = step_behind_limit_point(0);
+  first.critical_points.clear();
+  const StepRecord last = step_behind_limit_point(1);
+  ResultFile result(file_, sample_header());
+  result.append_step(first);
+  result.append_step(last);
+  result.close();
+  const StoredRun run(file_);
+  const PathPoint point = run.steps().at(1);
+  EXPECT_EQ(point.stage, 3);
+  EXPECT_EQ(point.path_length, 0.125);
+  EXPECT_EQ(point.direction, -1);
+  EXPECT_EQ(point.negative, 1);
+  EXPECT_TRUE(point.branched);
+  EXPECT_EQ(point.critical_points, 4);
+  EXPECT_TRUE(run.critical_points(0).empty());
+  const std::vector<RecordedCriticalPoint> critical = run.critical_points(1);
+  ASSERT_EQ(critical.size(), 1U);
+  EXPECT_EQ(critical[0].kind, "limit point");
+  EXPECT_EQ(critical[0].load_factor, 0.75);
+  EXPECT_EQ(critical[0].state.interior, sample_state().interior);
+}
+
+/// Files of versions that did not follow paths by their length lack its attributes.
+TEST_F(ResultFileTest, OlderFilesAreRead) {
+  StepRecord record = step_behind_limit_point(0);
+  record.critical_points.clear();
+  record.load_factor = record.point.load_factor = 1.5;
+  ResultFile(file_, sample_header()).append_step(record);
+  const hid_t file = H5Fopen(file_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t state = H5Gopen2(file, "/steps/000000/state", H5P_DEFAULT);
+  for (const char* name : {"stage", "critical_points", "path_length", "direction", "negative", "branched"})
+    ASSERT_GE(H5Adelete(state, name), 0) << name;
+  H5Gclose(state);
+  H5Fclose(file);
+  const PathPoint point = StoredRun(file_).steps().at(0);
+  EXPECT_EQ(point.stage, 2);
+  EXPECT_EQ(point.path_length, 0.0);
+  EXPECT_EQ(point.direction, 1);
+  EXPECT_EQ(point.negative, -1);
+  EXPECT_FALSE(point.branched);
+  EXPECT_EQ(point.critical_points, 0);
+}
+
 TEST_F(ResultFileTest, SceneIsStoredWordForWord) {
   auto header = sample_header();
   header.scene_xml = std::string(100000, 'x') + "\n\xc3\xa4 end";  // larger than an HDF5 attribute can be

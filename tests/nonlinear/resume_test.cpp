@@ -60,6 +60,15 @@ void expect_same(const StateSnapshot& a, const StateSnapshot& b) {
   EXPECT_TRUE(same(a.interior, b.interior));
 }
 
+void expect_same(const CriticalPoint& a, const CriticalPoint& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.load_factor, b.load_factor);
+  EXPECT_EQ(a.negative_before, b.negative_before);
+  EXPECT_EQ(a.negative_after, b.negative_after);
+  EXPECT_TRUE(same_bits(a.state, b.state));
+  EXPECT_TRUE(same_bits(a.mode, b.mode));
+}
+
 void expect_same(const StepReport& a, const StepReport& b) {
   EXPECT_EQ(a.step, b.step);
   EXPECT_EQ(a.load_factor, b.load_factor);
@@ -70,6 +79,14 @@ void expect_same(const StepReport& a, const StepReport& b) {
   EXPECT_EQ(a.point.attempts_left, b.point.attempts_left);
   EXPECT_EQ(a.point.failed_steps, b.point.failed_steps);
   EXPECT_EQ(a.point.newton_iterations, b.point.newton_iterations);
+  EXPECT_EQ(a.point.stage, b.point.stage);
+  EXPECT_EQ(a.point.critical_points, b.point.critical_points);
+  EXPECT_EQ(a.point.path_length, b.point.path_length);
+  EXPECT_EQ(a.point.direction, b.point.direction);
+  EXPECT_EQ(a.point.negative, b.point.negative);
+  EXPECT_EQ(a.point.branched, b.point.branched);
+  ASSERT_EQ(a.critical_points.size(), b.critical_points.size());
+  for (size_t i = 0; i < a.critical_points.size(); ++i) expect_same(a.critical_points[i], b.critical_points[i]);
   ASSERT_EQ(a.history.size(), b.history.size());
   for (size_t i = 0; i < a.history.size(); ++i) {
     EXPECT_EQ(a.history[i].attempt, b.history[i].attempt);
@@ -106,6 +123,74 @@ TEST(Resume, AdaptiveStepsWithFailures) {
   whole.run();
   EXPECT_GT(whole.result().failed_steps, 0) << "the example is meant to have failed steps";
   expect_resumable_everywhere(two_stages(), eventful());
+}
+
+/// Lee's frame, coarse: three critical points, two of them limit points with a snap-back between them.
+Scene snapping_frame() {
+  Scene scene;
+  scene.sections = {section(4320.0, kRigid, 1440.0, 1440.0)};
+  scene.points = {{"foot", {0, 0, 0}}, {"corner", {0, 120, 0}}, {"loaded", {24, 120, 0}}, {"end", {120, 120, 0}}};
+  const std::vector<std::string> way = {"foot", "corner", "loaded", "end"};
+  for (size_t i = 0; i + 1 < way.size(); ++i) {
+    Member member;
+    member.name = way[i];
+    member.start_point = way[i];
+    member.end_point = way[i + 1];
+    member.section = scene.sections[0].name;
+    member.order = 3;
+    member.elements = i == 1 ? 2 : 5;
+    scene.members.push_back(member);
+  }
+  for (const char* point : {"foot", "end"}) {
+    Support hinge;
+    hinge.point = point;
+    hinge.displacement_fixed = {true, true, true};
+    hinge.rotation_fixed = {true, true, false};
+    scene.supports.push_back(hinge);
+  }
+  scene.point_loads = {dead_load("loaded", {0, -3, 0})};
+  return scene;
+}
+
+TEST(Resume, PathThroughLimitPoints) {
+  Simulation whole(snapping_frame(), {}, this_rank());
+  int limit_points = 0, steps_along_path = 0;
+  whole.run([&](const StepReport& report, const State&) {
+    for (const CriticalPoint& point : report.critical_points) limit_points += point.kind == CriticalKind::limit_point;
+    steps_along_path += report.point.path_length > 0.0;
+  });
+  EXPECT_EQ(limit_points, 2);
+  EXPECT_GT(steps_along_path, 5);
+  expect_resumable_everywhere(snapping_frame(), {});
+}
+
+TEST(Resume, BranchBehindABifurcation) {
+  Scene column = cantilever(section(kRigid, kRigid, 1.0, 2.0), 1.0, 3, 6);
+  Support plane;  // in which it buckles, else it could choose
+  plane.point = "tip";
+  plane.displacement_fixed = {false, false, true};
+  plane.rotation_fixed = {true, true, false};
+  column.supports.push_back(plane);
+  column.point_loads = {dead_load("tip", {-6, 0, 0})};
+  SolverParameters parameters;
+  parameters.analysis.branch = Branch::positive;
+  expect_resumable_everywhere(column, parameters);
+}
+
+/// A point of a path that has not branched yet is not one behind a branch: what is kept for resuming matters.
+TEST(Resume, NoticesAnotherDirection) {
+  Simulation whole(snapping_frame(), {}, this_rank());
+  const std::vector<Step> steps = steps_of(whole);
+  ASSERT_GT(steps.size(), 6u);
+  const Step& from = steps[5];
+  ASSERT_GT(from.report.point.path_length, 0.0);
+  Simulation rest(snapping_frame(), {}, this_rank());
+  rest.restore(from.state, from.report.load_factor);
+  PathPoint other = from.report.point;
+  other.direction = -other.direction;
+  const std::vector<Step> later = steps_of(rest, {other, {}});
+  ASSERT_FALSE(later.empty());
+  EXPECT_NE(later[0].report.load_factor, steps[6].report.load_factor);
 }
 
 TEST(Resume, FixedStepsAndAUsersLists) {
