@@ -28,10 +28,10 @@ struct QuantityKind {
 
 const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
 const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
-const std::map<std::string, QuantityKind> kKinds = {{"displacement", kOfPoint},      {"position", kOfPoint},
-                                                    {"rotation", kOfPoint},          {"reaction force", kOfPoint},
-                                                    {"reaction moment", kOfPoint},   {"material force", kOfSection},
-                                                    {"material moment", kOfSection}, {"strain energy", {{}, {}}}};
+const std::map<std::string, QuantityKind> kKinds = {
+    {"displacement", kOfPoint},      {"position", kOfPoint},        {"rotation", kOfPoint},
+    {"reaction force", kOfPoint},    {"reaction moment", kOfPoint}, {"material force", kOfSection},
+    {"material moment", kOfSection}, {"strain energy", {{}, {}}},   {"load factor", {{}, {}}}};
 
 bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -84,6 +84,10 @@ ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& na
   expected.component = get_text_or_empty(list, "Component");
   expected.load_case = get_text_or_empty(list, "Case");
   if (list.isParameter("Load Factor")) expected.load_factor = list.get<double>("Load Factor");
+  if (list.isParameter("Critical Point")) expected.critical_point = list.get<int>("Critical Point");
+  if (expected.critical_point && expected.load_factor)
+    throw source.error(child(path, "Load Factor"),
+                       R"(given besides "Critical Point", which has its own; allowed: one of them)");
   expected.value = list.get<double>("Value");
   expected.source = list.get<std::string>("Source");
   read_tolerance(list, source, path, expected);
@@ -116,7 +120,7 @@ void check_supported(const ExpectedValue& value, const Scene& scene, const Param
 const std::vector<std::string>& common_quantities() {
   static const std::vector<std::string> quantities = {"displacement",    "position",        "rotation",
                                                       "reaction force",  "reaction moment", "material force",
-                                                      "material moment", "strain energy"};
+                                                      "material moment", "strain energy",   "load factor"};
   return quantities;
 }
 
@@ -138,6 +142,10 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
                      "in the axes of the section, or the norm."));
   one.add(text("Case").means("Load case in which it is compared; needed where the scene has load cases."));
   one.add(real("Load Factor").at_least(0.0).means("When it is compared; at the end of the run if absent."));
+  one.add(integer("Critical Point")
+              .at_least(1)
+              .means("The value belongs to the state at the critical point (limit point or bifurcation) of this number "
+                     "on the path, counted from 1."));
   one.add(real("Value").required().means("The expected value, in the scene's units."));
   one.add(real("Absolute Tolerance").above(0.0).means("Largest difference, in the units of the value."));
   one.add(real("Relative Tolerance").above(0.0).means("Largest difference, as a share of the value."));

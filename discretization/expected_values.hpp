@@ -32,6 +32,8 @@ struct ExpectedValue {
   std::string member{};     ///< of a section's force or moment
   double position = 0.0;    ///< relative arc length along that member, 0 to 1
   std::string load_case{};  ///< in which it is compared; empty: the scene has none
+  /// The value belongs to the n-th critical point of the path, from 1; none: to a step.
+  std::optional<int> critical_point{};
 };
 
 struct ExpectationResult {
@@ -41,7 +43,7 @@ struct ExpectationResult {
 
 /// Quantities that every application provides: of a point (displacement, position, rotation, reaction force, reaction
 /// moment; "Point" and a spatial "Component"), of a section (material force, material moment; "Member", "Position" and
-/// a material "Component"), of the whole structure (strain energy).
+/// a material "Component"), of the whole structure (strain energy), of the path (load factor).
 const std::vector<std::string>& common_quantities();
 
 /// Declaration of the list "Expected"; `own_quantities` are those of the application besides common_quantities().

@@ -91,20 +91,48 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
   return simulation;
 }
 
+namespace {
+
+/// With their states, which is all that expected values ask for; no modes.
+std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position) {
+  std::vector<CriticalPoint> points;
+  for (const RecordedCriticalPoint& stored : run.critical_points(position)) {
+    simulation.restore(stored.state, stored.load_factor);
+    CriticalPoint point{CriticalKind::limit_point,
+                        stored.load_factor,
+                        stored.negative_before,
+                        stored.negative_after,
+                        simulation.state(),
+                        simulation.assembler().create_vector(),
+                        stored.modes};
+    if (stored.kind == name_of(CriticalKind::bifurcation)) point.kind = CriticalKind::bifurcation;
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace
+
 /// Brings the simulation to the last step of a stored run; on the way, shows the observer those of its steps to which
 /// expected values belong.
 void Application::replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const {
   for (std::size_t i = 0; i < run.steps().size(); ++i) {
     const PathPoint& point = run.steps()[i];
+    const bool is_last = i + 1 == run.steps().size();
+    const bool is_critical = point.critical_points > (i == 0 ? 0 : run.steps()[i - 1].critical_points);
     const auto belongs_here = [&](const ExpectedValue& value) {
+      if (value.critical_point) return is_critical;
+      if (!value.load_factor && solver.analysis.control) return is_last;
       return std::abs(value.load_factor.value_or(simulation.scene().stages) - point.load_factor) <= kSameLoadFactor;
     };
     const bool is_expected = std::any_of(expected.begin(), expected.end(), belongs_here);
-    if (!is_expected && i + 1 < run.steps().size()) continue;
-    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor);
+    if (!is_expected && !is_last) continue;
     StepReport report;
     report.step = point.step;
     report.load_factor = point.load_factor;
+    report.point = point;
+    if (is_expected && is_critical) report.critical_points = stored_critical_points(simulation, run, i);
+    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor);
     if (is_expected && observer) observer(simulation, report);
   }
 }
@@ -166,9 +194,10 @@ std::vector<std::string> followed_points(const Scene& scene) {
 }
 
 /// Forces and moments of the supports among the followed points, as time series.
-void follow_reactions(const std::vector<std::string>& points, StepRecord& record) {
+void follow_reactions(const std::vector<std::string>& points, const std::vector<RecordedReaction>& reactions,
+                      std::vector<MonitoredQuantity>& monitored) {
   std::map<std::string, std::array<Vector3, 2>> at;
-  for (const RecordedReaction& reaction : record.reactions) {
+  for (const RecordedReaction& reaction : reactions) {
     if (!std::binary_search(points.begin(), points.end(), reaction.point)) continue;
     std::array<Vector3, 2>& sum = at[reaction.point];
     for (int i = 0; i < 3; ++i) {
@@ -177,9 +206,15 @@ void follow_reactions(const std::vector<std::string>& points, StepRecord& record
     }
   }
   for (const auto& [point, sum] : at) {
-    record.monitored.push_back({point + ".reaction_force", {sum[0].begin(), sum[0].end()}});
-    record.monitored.push_back({point + ".reaction_moment", {sum[1].begin(), sum[1].end()}});
+    monitored.push_back({point + ".reaction_force", {sum[0].begin(), sum[0].end()}});
+    monitored.push_back({point + ".reaction_moment", {sum[1].begin(), sum[1].end()}});
   }
+}
+
+void follow_reactions(const std::vector<std::string>& points, StepRecord& record) {
+  follow_reactions(points, record.reactions, record.monitored);
+  for (RecordedCriticalPoint& point : record.critical_points)
+    follow_reactions(points, point.reactions, point.monitored);
 }
 
 PathControl control_of(const Recording& recording) {
@@ -245,20 +280,48 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
   return result;
 }
 
+void Application::compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity) {
+  std::optional<double> actual = present_value(simulation, value);
+  if (!actual && own_quantity) actual = own_quantity(value);
+  if (!actual) return;
+  compared_.insert(value.name);
+  if (value.kind == ToleranceKind::absolute)
+    summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
+  else
+    summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+}
+
+bool Application::is_end_of_path(const Simulation& simulation, double load_factor) const {
+  if (!solver.analysis.control) return std::abs(simulation.scene().stages - load_factor) <= kSameLoadFactor;
+  const MonitoredComponent& control = *solver.analysis.control;
+  const double rest = control.target - simulation.displacement(control.point)[control.component];
+  return std::abs(rest) <= kSameLoadFactor * simulation.assembler().structure().length;
+}
+
 void Application::check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity) {
+  const bool is_end = is_end_of_path(simulation, load_factor);
   for (const ExpectedValue& value : expected) {
-    const double wanted = value.load_factor.value_or(simulation.scene().stages);
-    if (std::abs(wanted - load_factor) > kSameLoadFactor) continue;
-    if (value.load_case != load_case) continue;
-    std::optional<double> actual = present_value(simulation, value);
-    if (!actual && own_quantity) actual = own_quantity(value);
-    if (!actual) continue;
-    compared_.insert(value.name);
-    if (value.kind == ToleranceKind::absolute)
-      summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
-    else
-      summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+    if (value.load_case != load_case || value.critical_point) continue;
+    if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kSameLoadFactor : is_end)
+      compare(simulation, value, own_quantity);
   }
+}
+
+void Application::check_expected(const Simulation& simulation, const StepReport& report,
+                                 const OwnQuantity& own_quantity) {
+  int number = report.point.critical_points - static_cast<int>(report.critical_points.size());
+  for (const CriticalPoint& point : report.critical_points) {
+    critical_points_[load_case] = ++number;
+    for (const ExpectedValue& value : expected)
+      if (value.load_case == load_case && value.critical_point == number)
+        compare(simulation.at(point.state, point.load_factor), value, {});
+  }
+  check_expected(simulation, report.load_factor, own_quantity);
+}
+
+int Application::critical_points(const std::string& of_case) const {
+  const auto found = critical_points_.find(of_case);
+  return found == critical_points_.end() ? 0 : found->second;
 }
 
 std::vector<ExpectedValue> Application::not_compared() const {

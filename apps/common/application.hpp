@@ -74,12 +74,16 @@ class Application {
   /// of the path. `own_quantity` evaluates the application's own quantities, which are left out without it.
   using OwnQuantity = std::function<double(const ExpectedValue&)>;
   void check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity = {});
+  /// Likewise, and those that belong to the critical points since the step before.
+  void check_expected(const Simulation& simulation, const StepReport& report, const OwnQuantity& own_quantity = {});
   /// At the end of a run.
   void check_expected(const Simulation& simulation, const OwnQuantity& own_quantity = {}) {
     check_expected(simulation, simulation.result().load_factor, own_quantity);
   }
   /// Expected values that no check_expected() has compared so far.
   std::vector<ExpectedValue> not_compared() const;
+  /// Critical points on the paths that were followed, by load case, as far as check_expected() was told of them.
+  int critical_points(const std::string& of_case) const;
 
  private:
   ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
@@ -91,8 +95,11 @@ class Application {
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
                             const std::filesystem::path& results) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
+  bool is_end_of_path(const Simulation& simulation, double load_factor) const;
+  void compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity);
 
-  std::set<std::string> compared_;  ///< names of expected values
+  std::set<std::string> compared_;              ///< names of expected values
+  std::map<std::string, int> critical_points_;  ///< by load case
 };
 
 struct ApplicationDefinition {

@@ -34,6 +34,7 @@ std::optional<double> present_value(const Simulation& simulation, const Expected
     return component(to_array(simulation.sample(wanted.member, wanted.position).force), wanted.component);
   if (quantity == "material moment")
     return component(to_array(simulation.sample(wanted.member, wanted.position).moment), wanted.component);
+  if (quantity == "load factor") return simulation.load_factor();
   if (quantity != "strain energy") return std::nullopt;
   const StrainEnergy energy = simulation.strain_energy();
   return energy.force + energy.moment;

@@ -29,10 +29,9 @@ void set_up(Application& app, const CommandLine& line, const ApplicationDefiniti
 }
 
 void run_single(Application& app) {
-  app.solve_and_record(app.scene, app.solver, "single", kPointsByOrder,
-                       [&app](const Simulation& simulation, const StepReport& report) {
-                         app.check_expected(simulation, report.load_factor);
-                       });
+  app.solve_and_record(
+      app.scene, app.solver, "single", kPointsByOrder,
+      [&app](const Simulation& simulation, const StepReport& report) { app.check_expected(simulation, report); });
 }
 
 void say_what_was_not_compared(const Application& app) {

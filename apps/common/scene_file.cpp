@@ -23,6 +23,23 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   return root;
 }
 
+namespace {
+
+/// Values at critical points need a path on which these are looked for.
+void check_critical_points_are_found(const Application& app) {
+  for (const ExpectedValue& value : app.expected) {
+    if (!value.critical_point) continue;
+    const ParameterPath path = {"Expected", value.name, "Critical Point"};
+    if (!app.solver.analysis.stability)
+      throw app.xml.source.error(path, R"(given, but critical points are not looked for with "Stability" = false)");
+    if (app.solver.load_path.method != LoadPathMethod::automatic)
+      throw app.xml.source.error(
+          path, R"(given, but critical points are located only with "Method" = "automatic" in "Solver / Load Path")");
+  }
+}
+
+}  // namespace
+
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
   validate(*app.xml.list, root_spec(definition), app.xml.source);
@@ -34,6 +51,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
   check_expected_values(app.expected, app.scene, app.xml.source);
+  check_critical_points_are_found(app);
 }
 
 void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {
@@ -68,6 +86,10 @@ void prepare_summary(const std::filesystem::path& file) {
 void require_all_compared(const Application& app, const std::vector<std::string>& cases) {
   for (const ExpectedValue& value : app.not_compared()) {
     if (std::find(cases.begin(), cases.end(), value.load_case) == cases.end()) continue;
+    if (value.critical_point)
+      throw app.xml.source.error({"Expected", value.name, "Critical Point"},
+                                 "value " + std::to_string(*value.critical_point) + "; critical points on the path: " +
+                                     std::to_string(app.critical_points(value.load_case)));
     const ParameterPath path = {"Expected", value.name, "Load Factor"};
     if (!value.load_factor) throw app.xml.source.error(path, "the run did not compare this value");
     throw app.xml.source.error(path, "value " + shortest(*value.load_factor) +

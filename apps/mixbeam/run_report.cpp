@@ -26,6 +26,16 @@ bool stays(const MonitoredQuantity& displacement) {
   return displacement.components == std::vector<double>(displacement.components.size(), 0.0);
 }
 
+RecordedCriticalPoint without_fields(const RecordedCriticalPoint& point) {
+  RecordedCriticalPoint kept;
+  kept.kind = point.kind;
+  kept.load_factor = point.load_factor;
+  kept.negative_before = point.negative_before;
+  kept.negative_after = point.negative_after;
+  kept.modes = point.modes;
+  return kept;
+}
+
 void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
@@ -39,6 +49,13 @@ void RunReport::add(const StepRecord& record) {
   last_ = record;
   last_.members.clear();
   last_.state = {};
+  last_.critical_points.clear();
+  for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_fields(point));
+}
+
+void RunReport::add_critical_points(const StoredRun& run) {
+  for (std::size_t i = 0; i < run.steps().size(); ++i)
+    for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_fields(point));
 }
 
 void RunReport::check_balance(Application& app, const std::string& run) const {
@@ -49,7 +66,21 @@ void RunReport::check_balance(Application& app, const std::string& run) const {
                                 kBalanceTolerance, source);
 }
 
+void RunReport::print_stability(std::ostream& out) const {
+  for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
+    const RecordedCriticalPoint& point = critical_[i];
+    out << text_of("  critical point %zu: %s at load factor %.10g, negative eigenvalues %d before, %d after\n", i + 1,
+                   point.kind.c_str(), point.load_factor, point.negative_before, point.negative_after);
+  }
+  print_left_out(out, critical_.size());
+  const int negative = last_.negative_eigenvalues;
+  if (negative == 0 && !critical_.empty()) out << "  the last state is stable\n";
+  if (negative > 0)
+    out << text_of("  the last state is UNSTABLE: %d negative eigenvalue%s\n", negative, negative == 1 ? "" : "s");
+}
+
 void RunReport::print(std::ostream& out) const {
+  print_stability(out);
   const std::string displacement = ".displacement";
   std::size_t points = 0;
   for (const MonitoredQuantity& quantity : last_.monitored) {

@@ -10,6 +10,9 @@ class RunReport {
  public:
   void add(const StepRecord& record);
 
+  /// Critical points that a run passed before it was stopped, when it is resumed.
+  void add_critical_points(const StoredRun& run);
+
   /// Adds the checks of the balance to the summary of the run.
   void check_balance(Application& app, const std::string& run) const;
 
@@ -17,7 +20,10 @@ class RunReport {
   void print(std::ostream& out) const;
 
  private:
-  StepRecord last_;  ///< without its samples and state
+  void print_stability(std::ostream& out) const;
+
+  StepRecord last_;                              ///< without its samples and state
+  std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without fields
   double force_error_ = 0.0, moment_error_ = 0.0;
 };
 

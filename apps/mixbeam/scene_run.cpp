@@ -20,8 +20,8 @@ std::string counted(int number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
-void check_expected(Application& app, const Simulation& simulation, double load_factor) {
-  app.check_expected(simulation, load_factor, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
+void check_expected(Application& app, const Simulation& simulation, const StepReport& step) {
+  app.check_expected(simulation, step, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
 }
 
 void say_how_to_resume(Application& app, const SolverParameters& solver, const Simulation& simulation,
@@ -48,6 +48,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   const Scene scene = scene_of_case(app.scene, load_case);
   app.load_case = load_case;
   RunReport report;
+  if (resume != nullptr) report.add_critical_points(*resume);
   Recording recording;
   recording.file = file;
   recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
@@ -56,7 +57,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.stop = [&app] { return interrupt_requested(app.communicator); };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
-    check_expected(app, simulation, step.load_factor);
+    check_expected(app, simulation, step);
   };
   const Simulation simulation = app.record(scene, app.solver, recording);
   app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "

@@ -317,6 +317,46 @@ TEST_F(Mixbeam, ResumesWithoutTheImportedFiles) {
   EXPECT_NE(differences(*whole, *contents_of(folder_ / "other" / "scene.h5")), "");  // the change does matter to a run
 }
 
+/// A path through limit points goes on with the same bits, and values at critical points before the stop are compared.
+TEST_F(Mixbeam, ResumesAPathThroughLimitPoints) {
+  const std::string scene = write_scene(text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/verification/lee_frame.xml"));
+  const fs::path cut = folder_ / "cut";
+  const Ended ended = run({"run", scene, "--output", (folder_ / "whole").string()});
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out, {"critical point 2: limit point at load factor 0.618557", "the last state is UNSTABLE"});
+  const auto whole = contents_of(folder_ / "whole" / "scene.h5");
+  ASSERT_TRUE(whole);
+  for (const int steps : {3, 8}) {
+    SCOPED_TRACE("killed behind step " + std::to_string(steps));
+    fs::remove_all(cut);
+    const pid_t process = start_process(program("mixbeam"), {"run", scene, "--output", cut.string()}, folder_.path());
+    wait_for_steps(cut / "scene-monitor.csv", steps + 1);
+    kill(process, SIGKILL);
+    end_of(process, folder_.path());
+    const Ended resumed = run({"resume", (cut / "scene.h5").string()});
+    EXPECT_EQ(resumed.exit_code, kOk) << resumed.err << resumed.out;
+    expect_in(resumed.out, {"critical point 1: bifurcation", "8 of 8 checks passed"});
+    const auto contents = contents_of(cut / "scene.h5");
+    ASSERT_TRUE(contents);
+    EXPECT_EQ(differences(*whole, *contents), "");
+  }
+}
+
+TEST_F(Mixbeam, CriticalPointsThatAreExpectedMustBeThere) {
+  const std::string text = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/verification/lee_frame.xml");
+  const std::string number = "\"Critical Point\" type=\"int\" value=\"2\"";
+  const std::string scene = write_scene(changed(text, number, "\"Critical Point\" type=\"int\" value=\"7\""));
+  const Ended ended = run({"run", scene, "--output", folder_.path().string(), "--quiet"});
+  EXPECT_EQ(ended.exit_code, kBadInput);
+  expect_in(ended.err, {"Critical Point", "value 7", "critical points on the path: 3"});
+  const std::string blind =
+      "<ParameterList name=\"Analysis\"><Parameter name=\"Stability\" type=\"bool\" "
+      "value=\"false\"/></ParameterList><ParameterList name=\"Expected\">";
+  const Ended refused = run({"check", write_scene(changed(text, "<ParameterList name=\"Expected\">", blind))});
+  EXPECT_EQ(refused.exit_code, kBadInput);
+  expect_in(refused.err, {"Critical Point", "\"Stability\" = false"});
+}
+
 TEST_F(Mixbeam, RefusesToResumeWhatRemembersMore) {
   const std::string solver =
       "<ParameterList name=\"Solver\"><ParameterList name=\"LOCA\"><ParameterList name=\"Predictor\">"

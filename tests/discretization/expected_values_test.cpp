@@ -104,6 +104,22 @@ TEST(ExpectedValues, KnowTheQuantitiesOfSectionsAndOfTheStructure) {
                {"check / Component", "\"1\"", "\"x\", \"y\", \"z\", \"norm\""});
 }
 
+TEST(ExpectedValues, MayBelongToACriticalPoint) {
+  const std::string second = "<Parameter name=\"Critical Point\" type=\"int\" value=\"2\"/>";
+  const ExpectedValue load = expected_from(check_of(word("Quantity", "load factor") + second))[0];
+  EXPECT_EQ(load.critical_point, 2);
+  EXPECT_FALSE(load.load_factor.has_value());
+  EXPECT_FALSE(expected_from(kTip)[0].critical_point.has_value());
+  const auto refusal = [&](const std::string& description) {
+    return message_of([&] { expected_from(check_of(word("Quantity", "load factor") + description)); });
+  };
+  expect_parts(refusal(second + "<Parameter name=\"Load Factor\" type=\"double\" value=\"1\"/>"),
+               {"Load Factor", "Critical Point", "one of them"});
+  expect_parts(refusal("<Parameter name=\"Critical Point\" type=\"int\" value=\"0\"/>"), {"value >= 1"});
+  expect_parts(refusal("<Parameter name=\"Critical Piont\" type=\"int\" value=\"1\"/>"),
+               {"did you mean \"Critical Point\"?"});
+}
+
 TEST(ExpectedValues, MustBelongToTheScene) {
   const Scene scene = scene_from(kBowScene);
   Scene with_cases = scene;
