@@ -8,11 +8,18 @@ import style
 MOST_QUANTITIES, MOST_DISPLACEMENTS = 9, 6
 MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothing is monitored
 MOST_HISTORIES = 60
+MOST_NAMED = 6      # critical points with their load factor beside them
+MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE)}
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
 def load_displacement_figure(view):
-    """Monitored quantities over the load factor; without any, the displacement of the point that moved farthest."""
+    """Monitored quantities over the load factor; without any, the displacement of the point that moved farthest.
+
+    A path with critical points turns back: there the load factor stands over the quantities.
+    """
+    if view.run.critical_points() and _monitored(view):
+        return _critical_path_figure(view)
     curves = _monitored(view) or _farthest(view)
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
@@ -37,6 +44,77 @@ def load_displacement_figure(view):
     return canvas
 
 
+def _critical_path_figure(view):
+    """The path through its critical points, dashed where the equilibrium is unstable."""
+    curves = [curve for curve in _monitored(view) if curve[3] in ("u", r"\theta")] or _monitored(view)
+    columns = min(3, len(curves))
+    rows = -(-len(curves) // columns)
+    canvas, panels = style.figure(max(4.6 * columns, 6.6), 4.2 * rows + 0.5, rows, columns, squeeze=False)
+    for axes in panels.flat[len(curves):]:
+        axes.set_visible(False)
+    for axes, (title, _, values, symbol) in zip(panels.flat, curves):
+        _draw_critical_path(axes, view, title, values, symbol)
+    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(view.run.steps)} steps; dashed: unstable", fontsize=13)
+    return canvas
+
+
+def _draw_critical_path(axes, view, title, values, symbol):
+    factor, path, unstable, points = _through_critical_points(view, title, values)
+    exponent = fields.power_of_ten(np.nanmax(np.abs(path), initial=0.0))
+    path = path / 10.0 ** exponent
+    moving = [i for i in range(path.shape[1]) if np.ptp(path[:, i]) > 1e-6 * np.ptp(path, axis=0).max()]
+    for i in moving:
+        color = style.COMPONENT_COLORS[i % 3]
+        for first, last in _runs(unstable):
+            axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=(0, (4, 2)) if unstable[first] else "-")
+        axes.plot([], [], color=color, label=f"${symbol}_{i + 1}$")
+        steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
+        axes.plot(path[steps, i], factor[steps], ".", color=color, markersize=4)
+    for number, (at, point) in enumerate(points):
+        marker, color = MARKERS[point.kind]
+        axes.plot(path[at, moving], np.full(len(moving), factor[at]), marker, color=color, markersize=6.5, zorder=5,
+                  markeredgecolor=style.BLACK, linestyle="", label=None if point.kind in axes.get_legend_handles_labels()[1] else point.kind)
+        if number < MOST_NAMED:
+            axes.annotate(f"{factor[at]:.6g}", (path[at, moving[-1]], factor[at]), xytext=(6, 5), textcoords="offset points", fontsize=9.5)
+    axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    axes.set(xlabel=title + fields.times(exponent), ylabel="load factor")
+    axes.legend(loc="best")
+
+
+def _through_critical_points(view, title, values):
+    """Load factors and values of steps and critical points in their order on the path; whether each piece that begins
+    there is unstable; (place, critical point) of the latter."""
+    name = next(name for name in view.run.monitor() if _title(name) == title)
+    factor, path, unstable, points = [], [], [], []
+    for step, value in zip(view.run.steps, values):
+        for point in step.critical_points():
+            there = point.monitored(name)
+            if there is None:
+                continue
+            unstable[-1:] = [point.negative_before > 0]
+            points.append((len(factor), point))
+            factor.append(point.load_factor)
+            path.append(there)
+            unstable.append(point.negative_after > 0)
+        factor.append(step.load_factor)
+        path.append(np.atleast_1d(value))
+        unstable.append(step.negative > 0)
+    return np.array(factor), np.array(path).reshape(len(path), -1), unstable, points
+
+
+def _runs(flags):
+    """(first, last) nodes of the runs of pieces with the same flag; piece i goes from node i to i + 1."""
+    first = 0
+    for i in range(1, len(flags)):
+        if i == len(flags) - 1 or flags[i] != flags[first]:
+            yield first, i
+            first = i
+
+
+def _title(name):
+    return name.replace(".", ": ").replace("_", " ")
+
+
 def _monitored(view):
     """[(title, load factors, values, symbol)] of monitored quantities that change, the largest first where many."""
     monitor = view.run.monitor()
@@ -52,7 +130,7 @@ def _monitored(view):
         kind = name.rsplit(".", 1)[-1]
         symbol = {"rotation": r"\theta", "reaction_force": "R", "reaction_moment": "M"}.get(kind, "u")
         if np.ptp(values, axis=0).max() > STILL * scale[symbol]:
-            curves.append((name.replace(".", ": ").replace("_", " "), factor, values, symbol))
+            curves.append((_title(name), factor, values, symbol))
     if len(factor) < 2:
         return []
     largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max() / (scale[curve[3]] or 1.0))

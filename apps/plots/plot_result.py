@@ -9,7 +9,8 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "fields": "bending, torsion, axial force, shear and strains in the best plane",
          "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
          "diagrams": "the same drawn on the structure",
-         "load_path": "monitored quantities over the load factor",
+         "load_path": "monitored quantities over the load factor; with critical points: load factor over them",
+         "critical_modes": "structure and mode at limit points and bifurcations",
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
 OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams")
@@ -73,6 +74,7 @@ def _draw(options, style):
 
 def _figures(kind, run, view, chosen, options):
     """(name, figure) of every picture of a kind; nothing where the file has nothing to show."""
+    import critical_figures
     import diagram_figures
     import fields
     import path_figures
@@ -86,6 +88,10 @@ def _figures(kind, run, view, chosen, options):
                 "diagrams": lambda step: diagram_figures.on_structure_figure(view, step)}[kind]
         for step in chosen:
             yield kind if options.step == "last" else f"{kind}_{step.number:06d}", draw(step)
+    elif kind == "critical_modes":
+        points = run.critical_points()
+        if points:
+            yield kind, critical_figures.modes_figure(view, points)
     elif kind == "iterations":
         yield kind, path_figures.iteration_figure(view)
     elif len(run.steps) > 1 and kind == "load_path":

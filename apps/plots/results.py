@@ -96,6 +96,26 @@ class Member:
         return np.concatenate(([0], ends + 1, [len(self.element) - 1]))
 
 
+class CriticalPoint:
+    """A limit point or bifurcation between two steps; fields as those of a step, and the critical mode."""
+
+    def __init__(self, group):
+        self.kind = _text(group.attrs["kind"])
+        self.load_factor = float(group.attrs["load_factor"])
+        self.negative_before = int(group.attrs["negative_before"])
+        self.negative_after = int(group.attrs["negative_after"])
+        self.modes = int(group.attrs["modes"])
+        self._group = group
+
+    def field(self, name):
+        return self._group[name][:]
+
+    def monitored(self, name):
+        """Components of a monitored quantity, None where the file has none of that name."""
+        group = self._group.get("monitor", {})
+        return group[name][:] if name in group else None
+
+
 class Step:
     """One converged configuration; `fields[name]` holds a row per sample of all members."""
 
@@ -103,7 +123,13 @@ class Step:
         self.number = int(group.attrs["step"])
         self.load_factor = float(group.attrs["load_factor"])
         self.newton_iterations = int(group.attrs.get("newton_iterations", 0))
+        self.negative = int(group.attrs.get("negative_eigenvalues", -1))  # -1: not counted
         self._group = group
+
+    def critical_points(self):
+        """Those that the path passed since the step before."""
+        group = self._group.get("critical_points", {})
+        return [CriticalPoint(group[name]) for name in sorted(group, key=int)]
 
     def field(self, name, member=None):
         values = self._group[name]
@@ -168,6 +194,10 @@ class Run:
     def step_at(self, load_factor):
         """The step whose load factor is nearest."""
         return min(self.steps, key=lambda step: abs(step.load_factor - load_factor))
+
+    def critical_points(self):
+        """All on the path, in its order."""
+        return [point for step in self.steps for point in step.critical_points()]
 
     def reference(self):
         """Undeformed positions of all samples, (n, 3)."""

@@ -75,6 +75,36 @@ TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
   expect_in(text_of(picture("run_section_forces.svg")), {"zero everywhere"});  // there is a moment and nothing else
 }
 
+TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
+  const fs::path path = folder_ / "run.h5";
+  ResultFile file(path, {"cantilever", "<ParameterList name=\"cantilever\"/>", "1.0", {}});
+  for (int step = 0; step < 4; ++step) {
+    StepRecord record;
+    record.step = step;
+    record.load_factor = step < 3 ? 0.5 * step : 0.75;
+    record.members = {bent_member(step)};
+    record.monitored = {{"tip.displacement", {0, -0.1 * step, 0}}};
+    record.negative_eigenvalues = step < 3 ? 0 : 1;
+    if (step == 3) {
+      RecordedCriticalPoint point;
+      point.kind = "limit point";
+      point.load_factor = 1.0625;
+      point.negative_after = 1;
+      point.position = bent_member(2.5).position;
+      point.displacement = point.mode = bent_member(2.5).displacement;
+      point.monitored = {{"tip.displacement", {0, -0.25, 0}}};
+      record.critical_points = {point};
+    }
+    file.append_step(record);
+  }
+  file.close();
+  const Ended ended = plot(path, {"--format", "svg", "--picture", "load_path", "critical_modes"});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(ended.err, "");
+  expect_in(text_of(picture("run_load_path.svg")), {"dashed: unstable", "limit point", "1.0625"});
+  expect_in(text_of(picture("run_critical_modes.svg")), {"1: limit point, load factor 1.0625"});
+}
+
 TEST_F(PlotResult, DrawsTheStepAndTheFormatAskedFor) {
   const fs::path file = write_result();
   const Ended ended = plot(file, {"--step", "1", "--format", "svg", "--picture", "shape", "--field", "moment"});

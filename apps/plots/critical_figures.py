@@ -1,0 +1,56 @@
+"""The critical points of a path: structure and mode at each of them."""
+
+import numpy as np
+
+import style
+from structure import add_lines, line_width, tangents
+
+MOST_POINTS = 6
+MODE_SHARE = 0.12     # largest displacement of the mode in the picture over the size of the structure
+MOST_ACROSS = 0.5     # a mode that moves more than this share out of the plane is drawn at an angle to it
+TURN, TILT = 0.6, 0.5  # of that angle [rad]: about the vertical of the picture, then about its horizontal
+
+
+def modes_figure(view, points):
+    """Grey: undeformed; black: at the critical point; red: moved by the mode to one side, dashed to the other."""
+    shown = points[:MOST_POINTS]
+    columns = min(3, len(shown))
+    rows = -(-len(shown) // columns)
+    canvas, panels = style.figure(4.4 * columns, 4.2 * rows + 0.5, rows, columns, squeeze=False)
+    for axes in panels.flat:
+        axes.set_axis_off()
+    for axes, (number, point) in zip(panels.flat, enumerate(shown, start=1)):
+        _draw_mode(axes, view, point)
+        together = f", {point.modes} modes" if point.modes > 1 else ""
+        axes.set_title(f"{number}: {point.kind}{together}, load factor {point.load_factor:.6g}\n"
+                       f"negative eigenvalues {point.negative_before} before, {point.negative_after} after")
+    left_out = f"; the first {MOST_POINTS} of {len(points)}" if len(points) > MOST_POINTS else ""
+    canvas.suptitle(f"{view.run.scene_name[:60]}: critical modes (red), amplitude arbitrary{left_out}", fontsize=13)
+    return canvas
+
+
+def _draw_mode(axes, view, point):
+    position, mode = point.field("position"), point.field("mode")
+    plane = _projection(view.plane, mode)
+    largest = np.linalg.norm(mode, axis=1).max(initial=0.0)
+    mode = mode * (MODE_SHARE * view.size / largest if largest else 0.0)
+    width = 0.8 * line_width(view.structure)
+    for points, color, line in ((view.structure.reference, style.GREY, "-"), (position, style.BLACK, "-"),
+                                (position - mode, style.RED, (0, (4, 2))), (position + mode, style.RED, "-")):
+        lines, _ = view.lines(points, slopes=tangents(points, view.structure.starts))
+        faint = color == style.GREY or line != "-"
+        add_lines(axes, lines @ plane.T, color=color, width=max(0.4 * width, 0.5) if faint else width)
+        axes.collections[-1].set_linestyle(line)
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.margins(0.06)
+
+
+def _projection(plane, mode):
+    """The plane of the picture, turned where it would hide the mode."""
+    normal = np.cross(plane[0], plane[1])
+    if np.abs(mode @ normal).max(initial=0.0) <= MOST_ACROSS * np.linalg.norm(mode, axis=1).max(initial=0.0):
+        return plane
+    right = np.cos(TURN) * plane[0] + np.sin(TURN) * normal
+    toward = np.cos(TURN) * normal - np.sin(TURN) * plane[0]
+    return np.array([right, np.cos(TILT) * plane[1] - np.sin(TILT) * toward])
