@@ -90,6 +90,12 @@ struct RecordedCriticalPoint {
   StateSnapshot state{};
 };
 
+/// A mode of the linear buckling analysis of the undeformed structure.
+struct RecordedBucklingMode {
+  double load_factor = 0.0;     ///< negative: under the reversed load
+  std::vector<Vector3> mode{};  ///< displacement at the samples of all members, scaled as that of a critical point
+};
+
 /// A converged configuration and how it was reached.
 struct StepRecord {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
@@ -105,6 +111,7 @@ struct StepRecord {
   RecordedBalance balance{};
   int negative_eigenvalues = -1;  ///< of the tangent: 0 where the state is stable; -1: not counted
   std::vector<RecordedCriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
+  std::vector<RecordedBucklingMode> buckling{};          ///< in at most one record of a run: nearest to zero first
   std::vector<NewtonIteration> history{};                ///< of all attempts at this step
   StateSnapshot state{};                                 ///< for resuming; empty: this record cannot be resumed from
   PathPoint point{};                                     ///< of the state

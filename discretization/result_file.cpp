@@ -236,7 +236,19 @@ void write_stability(hid_t step, const StepRecord& record) {
     write_critical_point(hdf5::create_group(points, std::to_string(number++)), point);
 }
 
+void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) {
+  if (modes.empty()) return;
+  const auto buckling = hdf5::create_group(file, "buckling");
+  int number = 0;
+  for (const auto& mode : modes) {
+    const auto group = hdf5::create_group(buckling, std::to_string(number++));
+    hdf5::write_attribute(group, "load_factor", mode.load_factor);
+    hdf5::write_dataset(group, "mode", numbers_of(mode.mode), 3);
+  }
+}
+
 void write_step(hid_t file, const StepRecord& record) {
+  write_buckling(file, record.buckling);
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
   hdf5::write_attribute(group, "step", record.step);
@@ -278,6 +290,7 @@ std::size_t bytes_of(const StepRecord& record) {
   for (const auto& point : record.critical_points)
     bytes += kOverheadPerStep + bytes_of(point.state) + point.mode.size() * 3 * sizeof(Vector3) +
              point.monitored.size() * 4096;
+  for (const auto& mode : record.buckling) bytes += 4096 + mode.mode.size() * sizeof(Vector3);
   bytes += record.reactions.size() * (6 * sizeof(double) + 2048);
   bytes += record.history.size() * sizeof(NewtonIteration) * 2;
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;

@@ -23,6 +23,7 @@
 ///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:
 ///                               what is monitored there; state
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
+///     /buckling/0, 1, ...       linear buckling, where asked for: attribute load_factor; mode (n,3)
 ///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)
 ///

@@ -1,6 +1,8 @@
 #include "nonlinear/simulation.hpp"
 
 #include "kernels/execution_space.hpp"
+#include "nonlinear/linear_buckling.hpp"
+#include "nonlinear/linear_solver.hpp"
 
 namespace mixbeam {
 
@@ -108,6 +110,18 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   record.reactions = recorded_reactions();
   record.state = snapshot_of(assembler(), state_);
   return record;
+}
+
+std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int points_per_element) const {
+  const Simulation undeformed = at(assembler().reference_state(), 0.0);
+  std::vector<RecordedBucklingMode> recorded;
+  try {
+    for (const EigenMode& mode : linear_buckling(*problem_, count))
+      recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element)});
+  } catch (const LinearSolverError&) {
+    return {};
+  }
+  return recorded;
 }
 
 /// Derivative of the positions along the mode, by a central difference.

@@ -56,6 +56,9 @@ class Simulation {
   StepRecord record(const StepReport& report, int points_per_element,
                     const std::vector<std::string>& monitored_points) const;
 
+  /// The first `count` modes of linear_buckling(), and none when the undeformed structure is not stable.
+  std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
+
  private:
   std::array<double, 6> motion(const std::string& point) const;
   RecordedCriticalPoint record(const CriticalPoint& point, int points_per_element,

@@ -245,6 +245,8 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
     recorded = true;
     StepRecord step = running.record(report, recording.points_per_element, points);
     follow_reactions(points, step);
+    if (report.step == 0 && parameters.analysis.buckling_modes > 0)
+      step.buckling = running.buckling_modes(parameters.analysis.buckling_modes, recording.points_per_element);
     if (results != nullptr) results->append_step(step);
     if (monitor) monitor->add(step);
     if (recording.record_observer) recording.record_observer(step);

@@ -50,6 +50,8 @@ void RunReport::add(const StepRecord& record) {
   last_.members.clear();
   last_.state = {};
   last_.critical_points.clear();
+  last_.buckling.clear();
+  for (const RecordedBucklingMode& mode : record.buckling) buckling_.push_back(mode.load_factor);
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_fields(point));
 }
 
@@ -66,6 +68,13 @@ void RunReport::check_balance(Application& app, const std::string& run) const {
                                 kBalanceTolerance, source);
 }
 
+void RunReport::print_buckling(std::ostream& out) const {
+  if (buckling_.empty()) return;
+  out << "  linear buckling of the undeformed structure at load factors";
+  for (const double factor : buckling_) out << text_of(" %.6g", factor);
+  out << '\n';
+}
+
 void RunReport::print_stability(std::ostream& out) const {
   for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
     const RecordedCriticalPoint& point = critical_[i];
@@ -80,6 +89,7 @@ void RunReport::print_stability(std::ostream& out) const {
 }
 
 void RunReport::print(std::ostream& out) const {
+  print_buckling(out);
   print_stability(out);
   const std::string displacement = ".displacement";
   std::size_t points = 0;

@@ -20,10 +20,12 @@ class RunReport {
   void print(std::ostream& out) const;
 
  private:
+  void print_buckling(std::ostream& out) const;
   void print_stability(std::ostream& out) const;
 
   StepRecord last_;                              ///< without its samples and state
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without fields
+  std::vector<double> buckling_;                 ///< load factors of linear buckling
   double force_error_ = 0.0, moment_error_ = 0.0;
 };
 
