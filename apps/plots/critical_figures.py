@@ -12,7 +12,7 @@ TURN, TILT = 0.6, 0.5  # of that angle [rad]: about the vertical of the picture,
 
 
 def modes_figure(view, points):
-    """Grey: undeformed; black: at the critical point; red: moved by the mode to one side, dashed to the other."""
+    """Grey: undeformed; black: at the critical point; red: moved by the mode to one side, thin: to the other."""
     shown = points[:MOST_POINTS]
     columns = min(3, len(shown))
     rows = -(-len(shown) // columns)
@@ -35,12 +35,11 @@ def _draw_mode(axes, view, point):
     largest = np.linalg.norm(mode, axis=1).max(initial=0.0)
     mode = mode * (MODE_SHARE * view.size / largest if largest else 0.0)
     width = 0.8 * line_width(view.structure)
-    for points, color, line in ((view.structure.reference, style.GREY, "-"), (position, style.BLACK, "-"),
-                                (position - mode, style.RED, (0, (4, 2))), (position + mode, style.RED, "-")):
+    thin = max(0.4 * width, 0.5)
+    for points, color, thickness in ((view.structure.reference, style.GREY, thin), (position, style.BLACK, width),
+                                     (position - mode, style.RED, thin), (position + mode, style.RED, width)):
         lines, _ = view.lines(points, slopes=tangents(points, view.structure.starts))
-        faint = color == style.GREY or line != "-"
-        add_lines(axes, lines @ plane.T, color=color, width=max(0.4 * width, 0.5) if faint else width)
-        axes.collections[-1].set_linestyle(line)
+        add_lines(axes, lines @ plane.T, color=color, width=thickness)
     axes.autoscale_view()
     axes.set_aspect("equal")
     axes.margins(0.06)
