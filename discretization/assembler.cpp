@@ -105,19 +105,24 @@ constexpr double kCapForLockingElements = 1e3;
 /// increment).
 void Assembler::cap_force_stiffness() {
   const double bending = structure_.bending_reference / (structure_.length * structure_.length);
-  const double cap = options_.force_stiffness_cap * std::max(bending, scales_.force);
+  const char* ev = getenv("CAPN"); const double capn = ev ? atof(ev) : 1e9;
+  const double elements = structure_.length / structure_.shortest_element;
+  const double cap = std::min(options_.force_stiffness_cap, std::max(1.0,capn / elements)) * std::max(bending, scales_.force);
   const double moment_cap = cap * structure_.length * structure_.length;  // far above every finite stiffness
   if (cap == stiffness_cap_) return;
   stiffness_cap_ = cap;
+  softened_ = false;
   for (size_t m = 0; m < structure_.views.member_section.extent(0); ++m) {
     SectionConstants& section = structure_.views.member_section(m);
     const bool locks = scene_.members[m].force_integration != ForceIntegration::both_reduced;
     const double limit = locks ? kCapForLockingElements * cap : cap;
-    for (int i = 0; i < 3; ++i)
-      section.tangent_force_stiffness[i] =
-          section.force_compliance[i] > 1.0 / limit ? 1.0 / section.force_compliance[i] : limit;
-    for (int i = 0; i < 3; ++i)
-      if (section.moment_compliance[i] == 0.0) section.moment_stiffness[i] = moment_cap;
+    for (int i = 0; i < 3; ++i) {
+      section.force_softening[i] = std::max(0.0, 1.0 / limit - section.force_compliance[i]);
+      section.tangent_force_stiffness[i] = section.force_softening[i] > 0.0 ? limit : 1.0 / section.force_compliance[i];
+      section.moment_softening[i] = std::max(0.0, 1.0 / moment_cap - section.moment_compliance[i]);
+      section.moment_stiffness[i] = section.moment_softening[i] > 0.0 ? moment_cap : 1.0 / section.moment_compliance[i];
+      if (section.force_softening[i] > 0.0 || section.moment_softening[i] > 0.0) softened_ = true;
+    }
     section.force_stiffness_limit = limit;
     section.moment_stiffness_limit = moment_cap;
   }
@@ -168,6 +173,16 @@ void Assembler::condense(const State& state, double load_factor, const MixedVect
   Kokkos::parallel_for(
       "mixbeam::condense::vertex", Range(0, rows.extent(0)),
       KOKKOS_LAMBDA(size_t i) { rows(i) = fixed(i) ? given(i) : rows(i) + given(i); });
+}
+
+void Assembler::softening_rows(const MixedVector& increment, MixedVector& out) const {
+  const KernelView<double*> vertex = out.vertex();
+  Kokkos::parallel_for(
+      "mixbeam::softening::vertex", Range(0, vertex.extent(0)), KOKKOS_LAMBDA(size_t i) { vertex(i) = 0.0; });
+  const KernelView<double*> rows = out.writable_interior(false);
+  for (const ElementBlock& block : structure_.blocks)
+    mixbeam::softening_rows(block, structure_.views, increment.interior(), rows);
+  scale_rows(out, false);
 }
 
 void Assembler::assemble_matrix() {

@@ -62,6 +62,11 @@ class Assembler {
   /// afterwards condensed_residual() and recover() refer to it.
   void condense(const State& state, double load_factor, const MixedVector& scaled_rhs);
 
+  /// Whether the cap softens any section in the present tangent().
+  bool softened() const { return softened_; }
+  /// What the softened tangent leaves out: rows of (J - softened J) times an increment, scaled as residual() does.
+  void softening_rows(const MixedVector& increment, MixedVector& out) const;
+
   /// `from` moved by step * increment, as a new state: displacements and interior added, rotations composed.
   State apply(const State& from, const MixedVector& increment, double step);
 
@@ -82,6 +87,10 @@ class Assembler {
   void use_scales(const ResidualScales& scales) { scales_ = scales; }
   /// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
   double equilibrium_norm(const MixedVector& scaled_residual) const;
+  /// Largest row of N or M of a scaled residual: compatibility and the constitutive law.
+  double compatibility_norm(const MixedVector& scaled_residual) const;
+  /// Scaled residual that counts as converged.
+  double residual_tolerance() const { return options_.residual_tolerance; }
   /// Largest relative rotation between an element and its vertices in the last residual (all ranks), and where.
   struct EndAngle {
     double angle = 0.0;
@@ -129,6 +138,7 @@ class Assembler {
   double load_factor_ = 0.0;
   bool line_fields_set_ = false;
   double stiffness_cap_ = 0.0;
+  bool softened_ = false;
   PhaseTimes times_;
 };
 

@@ -107,6 +107,34 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
   }
 }
 
+namespace {
+
+/// Largest magnitude among entries [first, end) of the increments of every element of a block; infinity for
+/// not-a-number.
+double largest_row(const ElementBlock& block, const KernelView<const double*>& interior, int first, int end) {
+  const size_t offset = block.increment_offset, stride = block.interior.increments();
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::scaled::interior", Range(0, block.count),
+      KOKKOS_LAMBDA(int e, double& m) {
+        for (int i = first; i < end; ++i) {
+          const double x = interior(offset + e * stride + i), a = x < 0.0 ? -x : x;
+          if (!(a <= m)) m = a == a ? a : HUGE_VAL;
+        }
+      },
+      Kokkos::Max<double>(largest));
+  return largest;
+}
+
+}  // namespace
+
+double Assembler::compatibility_norm(const MixedVector& scaled_residual) const {
+  double largest = 0.0;
+  for (const ElementBlock& block : structure_.blocks)
+    largest = std::max(largest, largest_row(block, scaled_residual.interior(), 0, block.interior.relative_rotation(1)));
+  return maximum_over_ranks(*row_map_->getComm(), largest);
+}
+
 double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
   const KernelView<const double*> rows = scaled_residual.vertex(), interior = scaled_residual.interior();
   const auto fixed = fixed_;
@@ -118,22 +146,9 @@ double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
         if (!fixed(i) && !(a <= m)) m = a == a ? a : HUGE_VAL;
       },
       Kokkos::Max<double>(largest));
-  for (const ElementBlock& block : structure_.blocks) {
-    const InteriorLayout layout = block.interior;
-    const size_t offset = block.increment_offset;
-    double of_block = 0.0;
-    Kokkos::parallel_reduce(
-        "mixbeam::equilibrium::interior", Range(0, block.count),
-        KOKKOS_LAMBDA(int e, double& m) {
-          const double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
-          for (int i = layout.relative_rotation(1); i < layout.increments(); ++i) {
-            const double a = row[i] < 0.0 ? -row[i] : row[i];
-            if (!(a <= m)) m = a == a ? a : HUGE_VAL;
-          }
-        },
-        Kokkos::Max<double>(of_block));
-    largest = std::max(largest, of_block);
-  }
+  for (const ElementBlock& block : structure_.blocks)
+    largest = std::max(largest, largest_row(block, interior, block.interior.relative_rotation(1),
+                                            block.interior.increments()));
   return maximum_over_ranks(*row_map_->getComm(), largest);
 }
 

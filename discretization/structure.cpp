@@ -28,12 +28,20 @@ SectionConstants section_constants(const Section& section) {
   return c;
 }
 
-double largest_bending_stiffness(const Scene& scene) {
-  double largest = 0.0;
+/// A stiffness this much above the softest is rigid beside it: what is softer decides how a structure bends.
+double stiffness_range() { const char* e = getenv("RANGE"); return e ? atof(e) : 1e4; }
+
+/// Largest finite bending or torsional stiffness that is not rigid beside the softest; one, in whatever unit, where all
+/// are rigid and nothing bends.
+double bending_reference(const Scene& scene) {
+  double softest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (const Section& s : scene.sections)
     for (double value : {s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]})
-      if (!std::isinf(value)) largest = std::max(largest, value);
-  return largest;
+      if (!std::isinf(value)) {
+        softest = std::min(softest, value);
+        largest = std::max(largest, value);
+      }
+  return largest == 0.0 ? 1.0 : std::min(largest, stiffness_range() * softest);
 }
 
 /// Elements of one kind share their kernels.
@@ -171,7 +179,7 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   Structure structure;
   structure.partition = VertexPartition(rank, ranks, mesh);
   structure.length = characteristic_length(mesh);
-  structure.bending_reference = largest_bending_stiffness(scene);
+  structure.bending_reference = bending_reference(scene);
   structure.shortest_element = std::numeric_limits<double>::max();
   for (const MeshElement& element : mesh.elements)
     structure.shortest_element = std::min(structure.shortest_element, mesh.element_length(element));

@@ -1,6 +1,7 @@
 #include "kernels/element_block.hpp"
 
 #include "kernels/element_kinematics.hpp"
+#include "kernels/element_softening.hpp"
 #include "kernels/element_tangent.hpp"
 
 #include <stdexcept>
@@ -107,6 +108,14 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations) {
   for_kind(block, [&](auto order, auto general) {
     tangent_loop<order.value, general.value>(block, structure, state, rhs_interior, equations);
+  });
+}
+
+void softening_rows(const ElementBlock& block, const StructureViews& structure,
+                    const KernelView<const double*>& increment, const KernelView<double*>& rows) {
+  for_kind(block, [&](auto order, auto general) {
+    const SofteningLoop<order.value, general.value> loop{block, structure, increment, rows};
+    Kokkos::parallel_for("mixbeam::elements::softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
   });
 }
 

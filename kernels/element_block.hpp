@@ -74,6 +74,11 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
 
+/// What the capped stiffness of the tangent leaves out of the linearised equations: rows of J d - J_capped d for an
+/// interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all others.
+void softening_rows(const ElementBlock& block, const StructureViews& structure,
+                    const KernelView<const double*>& increment, const KernelView<double*>& rows);
+
 /// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial).
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);

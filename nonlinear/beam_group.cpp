@@ -1,5 +1,7 @@
 #include "nonlinear/beam_group.hpp"
 
+#include "nonlinear/softening_correction.hpp"
+
 #include <LOCA_Extended_MultiAbstractGroup.H>
 
 #include <cmath>
@@ -127,6 +129,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::solve_newton() {
   try {
     if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
     solve_condensed(newton_->values());
+    correct_newton();
   } catch (const LinearSolverError& error) {
     // an increment without numbers fails the finite-value test of this very iteration, and the step is repeated smaller
     problem_->last_failure = error.what();
@@ -141,6 +144,38 @@ void BeamGroup::solve_condensed(MixedVector& increment) const {
   rhs.scale(-1.0);
   problem_->linear_solver->solve(rhs, increment.vertex_dofs());
   problem_->assembler.recover(state_, increment);
+}
+
+namespace {
+
+/// The cap is let be where it leaves less than this fraction of what the next residual holds anyway.
+constexpr double kNegligible = 0.1;
+
+}  // namespace
+
+void BeamGroup::correct_newton() {
+  if (!problem_->assembler.softened()) return;
+  BeamVector left_out(problem_->assembler.create_vector());
+  problem_->assembler.softening_rows(newton_->values(), left_out.values());
+  const double left = left_out.norm(NOX::Abstract::Vector::MaxNorm);
+  // Strains of the order of the squared rotation are left by the linearisation.
+  const double spin = newton_->values().largest_vertex_spin();
+  const double from_turning = spin * spin / scales_.rotation;
+  const double reached = problem_->assembler.residual_tolerance();
+  const double present = problem_->assembler.compatibility_norm(f_->values());
+  if (!(left > kNegligible * std::max({reached, from_turning, present}))) return;
+  remove_softening(softening_operators(), left_out.values(), newton_->values());
+}
+
+SofteningOperators BeamGroup::softening_operators() const {
+  return {[this](const MixedVector& rhs, MixedVector& increment) {
+            problem_->assembler.use_scales(scales_);
+            problem_->assembler.condense(state_, load_factor(), rhs);
+            solve_condensed(increment);
+          },
+          [this](const MixedVector& increment, MixedVector& rows) {
+            problem_->assembler.softening_rows(increment, rows);
+          }};
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList&) {
@@ -170,6 +205,11 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     problem_->assembler.use_scales(scales_);
     problem_->assembler.condense(state_, load_factor(), rhs);
     solve_condensed(increment.values());
+    if (problem_->assembler.softened()) {
+      MixedVector left_out = problem_->assembler.create_vector();
+      problem_->assembler.softening_rows(increment.values(), left_out);
+      remove_softening(softening_operators(), left_out, increment.values());
+    }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();
     increment.init(std::numeric_limits<double>::quiet_NaN());

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "nonlinear/beam_problem.hpp"
+#include "nonlinear/softening_correction.hpp"
 #include "nonlinear/beam_vector.hpp"
 
 #include <LOCA.H>
@@ -83,6 +84,9 @@ class BeamGroup : public LOCA::Abstract::Group {
   ReturnType solve_newton();
   /// Solves for the vertex part of `increment` from the condensed residual and recovers the interior part.
   void solve_condensed(MixedVector& increment) const;
+  /// Takes the cap of the tangent out of the Newton increment where it would slow down the iteration.
+  void correct_newton();
+  SofteningOperators softening_operators() const;
 
   Teuchos::RCP<LOCA::GlobalData> global_;
   Teuchos::RCP<BeamProblem> problem_;

@@ -1,0 +1,24 @@
+/// Newton increments without the cap of the tangent. The capped tangent J_c differs from J only by the compliance that
+/// it adds to N and M where a section is (nearly) rigid. Forces that equilibrium determines do not feel it; but in a
+/// redundant structure N and M are shared by stiffness, and an increment with J_c shares them by the capped one: then
+/// Newton's method would need as many iterations as the cap is below the stiffness. J = J_c + D is solved here instead
+/// by GMRES, preconditioned with the factorised J_c: its iterations are as many as there are distinct ways of sharing.
+#pragma once
+
+#include "discretization/mixed_vector.hpp"
+
+#include <functional>
+
+namespace mixbeam {
+
+struct SofteningOperators {
+  std::function<void(const MixedVector& scaled_rhs, MixedVector& increment)> solve_softened;  ///< J_c d = -rhs
+  std::function<void(const MixedVector& increment, MixedVector& rows)> softening;             ///< rows = D d, scaled
+};
+
+/// From d with J_c d = -r to d with (J_c + D) d = -r. `left_out`: D d of the given increment. The increment stays as it
+/// is where the iteration gains nothing, as in a closed frame that is rigid altogether and may carry any stress of its
+/// own. Collective; the same for any number of threads.
+void remove_softening(const SofteningOperators& operators, const MixedVector& left_out, MixedVector& increment);
+
+}  // namespace mixbeam
