@@ -37,9 +37,9 @@ double plain_element(const InteriorLayout& layout, const Weights& weights, doubl
     const double force = added(section.force_compliance[i], section.force_stiffness_limit);
     for (int q = 0; q < layout.force_points; ++q)
       sum += 0.5 * length * weights.force[q] * force * a[layout.force(q) + i] * b[layout.force(q) + i];
-    if (section.moment_compliance[i] != 0.0) continue;
+    const double moment = added(section.moment_compliance[i], section.moment_stiffness_limit);
     for (int j = 0; j <= layout.order; ++j)
-      sum += length / (2 * j + 1) / section.moment_stiffness_limit * a[layout.moment(j) + i] * b[layout.moment(j) + i];
+      sum += length / (2 * j + 1) * moment * a[layout.moment(j) + i] * b[layout.moment(j) + i];
   }
   return sum;
 }

@@ -90,19 +90,24 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
         const bool is_force = i % kVertexDofs < 3;
         rows(i) *= fixed(i) ? (is_force ? length : 1.0) : (is_force ? force : moment);
       });
-  const double strain = factor(scales_.strain), rotation = factor(scales_.rotation), bubble = factor(scales_.bubble);
+  const double rotation = factor(scales_.rotation);
+  const ResidualScales scales = scales_;
   const KernelView<double*> interior = v.writable_interior(true);
   for (const ElementBlock& block : structure_.blocks) {
     const InteriorLayout layout = block.interior;
     const size_t offset = block.increment_offset;
+    const KernelView<const double**> reference = block.reference;
     Kokkos::parallel_for(
         "mixbeam::scale::interior", Range(0, block.count), KOKKOS_LAMBDA(int e) {
+          const double h = reference(e, 0);
+          const double strain = factor(scales.element_strain(h)), spin = factor(scales.element_moment(h)),
+                       bubble = factor(scales.element_bubble(h));
           double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
           for (int i = 0; i < layout.moment(0); ++i) row[i] *= strain;
           for (int i = layout.moment(0); i < layout.relative_rotation(1); ++i) row[i] *= rotation;
-          for (int i = layout.relative_rotation(1); i < layout.bubble(1); ++i) row[i] *= moment;
+          for (int i = layout.relative_rotation(1); i < layout.bubble(1); ++i) row[i] *= spin;
           for (int i = layout.bubble(1); i < layout.spin(); ++i) row[i] *= bubble;
-          for (int i = layout.spin(); i < layout.increments(); ++i) row[i] *= moment;
+          for (int i = layout.spin(); i < layout.increments(); ++i) row[i] *= spin;
         });
   }
 }
@@ -147,8 +152,8 @@ double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
       },
       Kokkos::Max<double>(largest));
   for (const ElementBlock& block : structure_.blocks)
-    largest = std::max(largest, largest_row(block, interior, block.interior.relative_rotation(1),
-                                            block.interior.increments()));
+    largest = std::max(largest,
+                       largest_row(block, interior, block.interior.relative_rotation(1), block.interior.increments()));
   return maximum_over_ranks(*row_map_->getComm(), largest);
 }
 

@@ -14,9 +14,6 @@ constexpr double kRoundings = 16.0;
 /// nothing by more than a rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
-/// Beyond this the displacements have outgrown the structure, and rounding would excuse any strain.
-constexpr double kLargestStrainNoise = 1e4;
-
 }  // namespace
 
 ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
@@ -27,12 +24,11 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   const double moment = std::max(state.moment, state.load_moment);
   scales.force = std::max({state.force, state.load_force, moment / length, floor});
   scales.moment = std::max(moment, scales.force * shortest_element);
-  scales.bubble = scales.force * shortest_element;
   const double noise = kRoundings * std::numeric_limits<double>::epsilon() / tolerance;
   const double amplitude = std::min(1.0, std::max({state.rotation, state.displacement / length, state.eigenstrain}));
   scales.rotation = std::max(amplitude, noise);
-  scales.strain =
-      std::max(amplitude, std::min(noise * (1.0 + state.displacement / shortest_element), kLargestStrainNoise));
+  scales.strain = std::max(amplitude, noise);
+  scales.displacement_noise = noise * state.displacement;
   scales.length = length;
   return scales;
 }

@@ -29,7 +29,7 @@ SectionConstants section_constants(const Section& section) {
 }
 
 /// A stiffness this much above the softest is rigid beside it: what is softer decides how a structure bends.
-double stiffness_range() { const char* e = getenv("RANGE"); return e ? atof(e) : 1e4; }
+constexpr double kStiffnessRange = 1e4;
 
 /// Largest finite bending or torsional stiffness that is not rigid beside the softest; one, in whatever unit, where all
 /// are rigid and nothing bends.
@@ -41,7 +41,7 @@ double bending_reference(const Scene& scene) {
         softest = std::min(softest, value);
         largest = std::max(largest, value);
       }
-  return largest == 0.0 ? 1.0 : std::min(largest, stiffness_range() * softest);
+  return largest == 0.0 ? 1.0 : std::min(largest, kStiffnessRange * softest);
 }
 
 /// Elements of one kind share their kernels.

@@ -107,7 +107,7 @@ struct SectionConstants {
   double tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
   double moment_stiffness[3];         ///< GIt, EI2, EI3 capped: the tangent only
   double moment_compliance[3];        ///< 1/GIt, 1/EI2, 1/EI3: the residual
-  double force_softening[3];          ///< compliance of the tangent less the true one: zero where the cap is not reached
+  double force_softening[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
   double moment_softening[3];
   /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
   /// these.

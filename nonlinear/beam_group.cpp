@@ -168,14 +168,13 @@ void BeamGroup::correct_newton() {
 }
 
 SofteningOperators BeamGroup::softening_operators() const {
-  return {[this](const MixedVector& rhs, MixedVector& increment) {
-            problem_->assembler.use_scales(scales_);
-            problem_->assembler.condense(state_, load_factor(), rhs);
-            solve_condensed(increment);
-          },
-          [this](const MixedVector& increment, MixedVector& rows) {
-            problem_->assembler.softening_rows(increment, rows);
-          }};
+  return {
+      [this](const MixedVector& rhs, MixedVector& increment) {
+        problem_->assembler.use_scales(scales_);
+        problem_->assembler.condense(state_, load_factor(), rhs);
+        solve_condensed(increment);
+      },
+      [this](const MixedVector& increment, MixedVector& rows) { problem_->assembler.softening_rows(increment, rows); }};
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList&) {

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "nonlinear/beam_problem.hpp"
-#include "nonlinear/softening_correction.hpp"
 #include "nonlinear/beam_vector.hpp"
+#include "nonlinear/softening_correction.hpp"
 
 #include <LOCA.H>
 #include <LOCA_Abstract_Group.H>

@@ -175,12 +175,13 @@ MixedVector row_scales(const Assembler& assembler) {
     for (int e = 0; e < block.count; ++e) {
       const InteriorLayout layout = block.interior;
       const size_t first = block.increment_offset + e * layout.increments();
+      const double h = block.reference(e, 0);
       for (int i = 0; i < layout.increments(); ++i)
-        interior(first + i) = i < layout.moment(0)              ? s.strain
+        interior(first + i) = i < layout.moment(0)              ? s.element_strain(h)
                               : i < layout.relative_rotation(1) ? s.rotation
-                              : i < layout.bubble(1)            ? s.moment
-                              : i < layout.spin()               ? s.bubble
-                                                                : s.moment;
+                              : i < layout.bubble(1)            ? s.element_moment(h)
+                              : i < layout.spin()               ? s.element_bubble(h)
+                                                                : s.element_moment(h);
     }
   return scales;
 }

@@ -1,0 +1,261 @@
+// The ends of the range of numbers: rigid beside soft, short beside long, many elements, angles of nothing and of pi.
+// Wherever a limit exists the answer must approach it at the rate of theory, in as many iterations.
+#include "tests/problems/solve.hpp"
+
+#include <vector>
+
+namespace mixbeam::test {
+namespace {
+
+constexpr int kIterationsApart = 2;
+
+// Two solutions to a scaled residual of 1e-11, compared.
+constexpr double kRoundOff = 1e-10;
+
+int iterations(const Simulation& simulation) { return simulation.result().newton_iterations; }
+
+void expect_one_step_with(int expected, const Simulation& simulation, const std::string& what) {
+  EXPECT_EQ(simulation.result().steps, 1) << what;
+  EXPECT_NEAR(iterations(simulation), expected, kIterationsApart) << what;
+}
+
+Scene elastica(const Section& strip, int order, int elements) {
+  Scene scene = cantilever(strip, 1.0, order, elements);
+  scene.point_loads = {dead_load("tip", {0, -10.0, 0})};
+  return scene;
+}
+
+Scene l_frame(const Section& rod) {
+  Scene scene = slope_discontinuity(2, 8);
+  scene.sections = {rod};
+  return scene;
+}
+
+/// A bar of two sections between two walls, pushed where they meet.
+constexpr double kPush = 1.0;
+Simulation pushed_bar(double left_stiffness, double right_stiffness) {
+  Scene scene;
+  scene.name = "bar between walls";
+  scene.sections = {section(left_stiffness, 0.5 * left_stiffness, 1.0, 1.0),
+                    section(right_stiffness, 0.5 * right_stiffness, 1.0, 1.0)};
+  scene.sections[0].name = "left";
+  scene.sections[1].name = "right";
+  scene.points = {{"wall", {0, 0, 0}}, {"middle", {0.5, 0, 0}}, {"other wall", {1, 0, 0}}};
+  scene.members = {line("left", "wall", "middle", 2, 4), line("right", "middle", "other wall", 2, 4)};
+  scene.members[0].section = "left";
+  scene.members[1].section = "right";
+  scene.supports = {clamp("wall"), clamp("other wall")};
+  scene.point_loads = {dead_load("middle", {-kPush, 0, 0})};
+  return solved(scene);
+}
+
+// Closed form: springs EA/l side by side. Their ratio, not the cap of the tangent, must decide who carries what.
+TEST(Extremes, RedundantBarsShareByStiffness) {
+  constexpr double kShare = 1e-7;  // of a strain of 1e-12, whose rounding errors against one are 1e-4 of it
+  for (double axial : {1e4, 1e6, 1e8, 1e10})
+    for (double ratio : {1.0, 4.0, 100.0}) {
+      const Simulation bar = pushed_bar(axial, ratio * axial);
+      const double expected = -0.5 * kPush / (axial * (1.0 + ratio));
+      EXPECT_LE(iterations(bar), 3) << axial << ", ratio " << ratio;
+      EXPECT_EQ(bar.result().steps, 1) << axial << ", ratio " << ratio;
+      EXPECT_NEAR(bar.displacement("middle")[0] / expected, 1.0, kShare) << axial << ", ratio " << ratio;
+      if (ratio == 1.0) continue;
+      const double shared_equally = -0.5 * kPush / (2.0 * axial);  // what a tangent with a cap would have
+      EXPECT_GT(std::abs(bar.displacement("middle")[0] / shared_equally - 1.0), 0.1) << axial << ", ratio " << ratio;
+    }
+}
+
+/// With `stiffness` = 12 EI/L^2 s^2 for the axial part, and half of it for shear.
+Section slender(double bending, double slenderness, bool axial_rigid, bool shear_rigid) {
+  const double axial = 12.0 * bending * slenderness * slenderness;
+  return section(axial_rigid ? kRigid : axial, shear_rigid ? kRigid : 0.5 * axial, bending, bending);
+}
+
+template <class MakeScene>
+void expect_rigid_limit_of_slenderness(const MakeScene& make_scene, double bending) {
+  const Simulation rigid = solved(make_scene(section(kRigid, kRigid, bending, bending)));
+  const Vector3 limit = rigid.displacement("tip");
+  for (int kind = 0; kind < 3; ++kind) {
+    double factor = 0.0;  // difference times slenderness^2, at slenderness 1000
+    for (double slenderness : {1e3, 1e1, 1e6, 1e8, 1e10, 1e12}) {
+      const Simulation beam = solved(make_scene(slender(bending, slenderness, kind == 1, kind == 2)));
+      const std::string what = "kind " + std::to_string(kind) + ", slenderness " + std::to_string(slenderness);
+      expect_one_step_with(iterations(rigid), beam, what);
+      const double difference = distance(beam.displacement("tip"), limit);
+      if (slenderness == 1e3) {
+        factor = difference * slenderness * slenderness;
+        EXPECT_GT(difference, 10.0 * kRoundOff) << what;  // else the rate below would say nothing
+      }
+      constexpr double kRate = 0.1;  // terms of the next order, at slenderness 10
+      EXPECT_NEAR(difference, factor / (slenderness * slenderness),
+                  kRate * factor / (slenderness * slenderness) + kRoundOff)
+          << what;
+    }
+  }
+}
+
+TEST(Extremes, SlenderElasticaTendsToTheRigidOne) {
+  expect_rigid_limit_of_slenderness([](const Section& s) { return elastica(s, 2, 16); }, 1.0);
+}
+TEST(Extremes, SlenderFrameTendsToTheRigidOne) { expect_rigid_limit_of_slenderness(l_frame, 100.0 / 12.0); }
+
+/// `stiffer` of GIt, EI2, EI3 multiplied.
+Section stiffened(Section s, const std::array<bool, 3>& stiffer, double factor) {
+  if (stiffer[0]) s.torsional_stiffness *= factor;
+  for (int i = 0; i < 2; ++i)
+    if (stiffer[i + 1]) s.bending_stiffness[i] *= factor;
+  return s;
+}
+
+// Each difference to the rigid component is that at a factor of 1000, less by the ratio of the factors.
+TEST(Extremes, NearlyRigidBendingAndTorsionTendToTheRigidOnes) {
+  const Section arc_rod = section(1e6 / 12.0 * 1e3, 5e5 / 12.0 * 1e3, 1e7 / 12.0, 1e7 / 12.0);
+  const Section frame_rod = section(1e7, 5e6, 100.0 / 12.0, 100.0 / 12.0);
+  for (bool frame : {false, true})
+    for (const std::array<bool, 3>& stiffer :
+         std::vector<std::array<bool, 3>>{{true, false, false}, {false, true, false}, {false, true, true}}) {
+      const auto make = [&](double factor) {
+        return frame ? l_frame(stiffened(frame_rod, stiffer, factor))
+                     : arc_segment(stiffened(arc_rod, stiffer, factor), 600.0, 1.0, 2, 8);
+      };
+      const Simulation rigid = solved(make(kRigid));
+      const Vector3 limit = rigid.displacement("tip");
+      const double at_thousand = distance(solved(make(1e3)).displacement("tip"), limit);
+      for (double factor : {1e6, 1e9, 1e12}) {
+        const Simulation stiff = solved(make(factor));
+        const std::string what = std::string(frame ? "frame" : "arc") + ", factor " + std::to_string(factor);
+        expect_one_step_with(iterations(rigid), stiff, what);
+        constexpr double kRate = 0.01;
+        EXPECT_NEAR(distance(stiff.displacement("tip"), limit), at_thousand * 1e3 / factor,
+                    kRate * at_thousand * 1e3 / factor + kRoundOff * largest_component(limit))
+            << what;
+      }
+    }
+}
+
+/// Two flexible members with one between them that is `factor` times as stiff in everything, alone or as one side of a
+/// triangle of such members.
+Simulation with_stiff_part(double factor, bool triangle) {
+  Scene scene;
+  scene.name = "stiff part";
+  scene.sections = {section(1e6, 5e5, 1.0, 1.0), section(1e6 * factor, 5e5 * factor, factor, factor)};
+  scene.sections[0].name = "flexible";
+  scene.sections[1].name = "stiff";
+  scene.points = {{"clamp", {0, 0, 0}}, {"a", {1, 0, 0}}, {"b", {2, 0, 0}}, {"tip", {3, 0, 0}}, {"c", {1.5, 0.5, 0}}};
+  scene.members = {line("1", "clamp", "a", 2, 4), line("2", "a", "b", 2, 4), line("3", "b", "tip", 2, 4)};
+  if (triangle) {
+    scene.members.push_back(line("4", "a", "c", 2, 4));
+    scene.members.push_back(line("5", "c", "b", 2, 4));
+  } else {
+    scene.points.pop_back();
+  }
+  for (Member& member : scene.members) member.section = "stiff";
+  scene.members[0].section = scene.members[2].section = "flexible";
+  scene.supports = {clamp("clamp")};
+  scene.point_loads = {dead_load("tip", {0, -0.5, 0.3})};
+  return solved(scene);
+}
+
+TEST(Extremes, RigidMembersBetweenFlexibleOnes) {
+  for (bool triangle : {false, true}) {
+    const Simulation rigid = with_stiff_part(kRigid, triangle);
+    const Vector3 limit = rigid.displacement("tip");
+    const double at_thousand = distance(with_stiff_part(1e3, triangle).displacement("tip"), limit);
+    EXPECT_GT(at_thousand, 1e-5);
+    for (double factor : {1e6, 1e9, 1e12}) {
+      const Simulation stiff = with_stiff_part(factor, triangle);
+      const std::string what = std::string(triangle ? "triangle" : "chain") + ", factor " + std::to_string(factor);
+      expect_one_step_with(iterations(rigid), stiff, what);
+      constexpr double kRate = 0.01;
+      EXPECT_NEAR(distance(stiff.displacement("tip"), limit), at_thousand * 1e3 / factor,
+                  kRate * at_thousand * 1e3 / factor + kRoundOff)
+          << what;
+    }
+  }
+  EXPECT_GT(
+      distance(with_stiff_part(1.0, false).displacement("tip"), with_stiff_part(kRigid, false).displacement("tip")),
+      0.1);  // what is compared does depend on the stiff part
+}
+
+// Nothing moves, and the clamp carries the load.
+TEST(Extremes, RigidAltogether) {
+  Section rigid = section(kRigid, kRigid, kRigid, kRigid);
+  const Simulation beam = solved(elastica(rigid, 2, 4));
+  EXPECT_TRUE(agrees(beam.displacement("tip"), {0, 0, 0}, kRoundOff));
+  const Reaction reaction = beam.reactions().front();
+  EXPECT_TRUE(agrees(reaction.force, {0, 10.0, 0}, 10.0 * kRoundOff));
+  EXPECT_TRUE(agrees(reaction.moment, {0, 0, 10.0}, 10.0 * kRoundOff));
+  EXPECT_FALSE(agrees(reaction.moment, {0, 0, 10.0001}, 10.0 * kRoundOff));
+}
+
+/// The elastica with two elements of a length far below the others at one of its ends.
+Simulation graded_elastica(double ratio, bool at_clamp) {
+  Scene scene = elastica(section(kRigid, kRigid, 1.0, 1.0), 4, 16);
+  const double h = 2.0 / (16.0 * ratio);
+  scene.points = {{"clamp", {0, 0, 0}}, {"joint", {at_clamp ? h : 1.0 - h, 0, 0}}, {"tip", {1, 0, 0}}};
+  scene.members = {line("one", "clamp", "joint", 4, at_clamp ? 2 : 16),
+                   line("two", "joint", "tip", 4, at_clamp ? 16 : 2)};
+  return solved(scene);
+}
+
+// Elliptic integrals, F L^2/EI = 10.
+TEST(Extremes, ElementsOfVeryDifferentLength) {
+  constexpr double kPrinted = 2e-12;
+  const Vector3 expected = {-0.5549955977538, -0.8106090248803, 0.0};
+  const int equal = iterations(graded_elastica(1.0, true));
+  for (double ratio : {1e2, 1e4, 1e6, 1e8})
+    for (bool at_clamp : {true, false}) {
+      const Simulation strip = graded_elastica(ratio, at_clamp);
+      const std::string what = "ratio " + std::to_string(ratio);
+      expect_one_step_with(equal, strip, what);
+      EXPECT_TRUE(agrees(strip.displacement("tip"), expected, kRoundOff)) << what;
+      EXPECT_FALSE(
+          agrees(strip.displacement("tip"), {expected[0] + 2.0 * kRoundOff + kPrinted, expected[1], 0.0}, kRoundOff))
+          << what;
+    }
+}
+
+// The tip returns to the clamp whatever the number of elements.
+TEST(Extremes, DoubleRollUpWithManyElements) {
+  for (int elements : {3, 1000, 10000}) {
+    const Simulation rod = solved(rollup(1e3, 1, elements));
+    EXPECT_EQ(rod.result().steps, 1) << elements;
+    EXPECT_LE(iterations(rod), 8) << elements;
+    EXPECT_TRUE(agrees(rod.position("tip"), {0, 0, 0}, kRoundOff)) << elements;
+  }
+  Scene short_of_it = rollup(1e3, 1, 1000);
+  short_of_it.point_loads[0].moment[2] *= 1.0 - 1e-9;
+  EXPECT_FALSE(agrees(solved(short_of_it).position("tip"), {0, 0, 0}, kRoundOff));
+}
+
+// Pure bending is exact at every angle: an element turns by half of its share against each of its ends.
+TEST(Extremes, RelativeRotationsUpToPi) {
+  for (double short_of_pi : {1e-1, 1e-3, 1e-6})
+    for (int elements : {1, 2})
+      for (int order : {1, 2}) {
+        Scene scene = cantilever(rollup_section(1e3), 1.0, order, elements);
+        const double angle = 2.0 * kPi * (1.0 - short_of_pi) * elements;
+        scene.point_loads = {dead_load("tip", {}, {0, 0, angle})};
+        const Simulation rod = solved(scene);
+        const std::string what = std::to_string(short_of_pi) + " short of pi";
+        EXPECT_LE(iterations(rod), 4) << what;
+        EXPECT_NEAR(std::remainder(rod.rotation("tip")[2] - angle, 2.0 * kPi), 0.0, kRoundOff) << what;
+        EXPECT_GT(std::abs(std::remainder(rod.rotation("tip")[2] - angle * (1.0 + 1e-8), 2.0 * kPi)), kRoundOff);
+      }
+}
+
+TEST(Extremes, TinyAngles) {
+  for (double angle : {0.0, 1e-300, 1e-100, 1e-16, 1e-8, 1e-4}) {
+    Scene scene = cantilever(rollup_section(1e3), 1.0, 2, 8);
+    scene.point_loads = {dead_load("tip", {}, {0, 0, angle})};
+    const Simulation rod = solved(scene);
+    const double deflection = angle == 0.0 ? 0.0 : (1.0 - std::cos(angle)) / angle;  // of the circle
+    const double exact = angle < 1e-6 ? 0.5 * angle : deflection;                    // the cosine loses its digits
+    EXPECT_NEAR(rod.rotation("tip")[2], angle, kRoundOff * angle) << angle;
+    EXPECT_NEAR(rod.displacement("tip")[1], exact, 1e-7 * exact) << angle;
+    if (angle > 0.0) EXPECT_GT(std::abs(rod.rotation("tip")[2] - angle * (1.0 + 1e-9)), kRoundOff * angle) << angle;
+  }
+}
+
+}  // namespace
+}  // namespace mixbeam::test
