@@ -120,7 +120,11 @@ void Assembler::cap_force_stiffness() {
   const double moment_cap = cap * structure_.length * structure_.length;  // far above all that bends
   if (cap == stiffness_cap_) return;
   stiffness_cap_ = cap;
-  softened_ = false;
+  least_cap_ratio_ = 0.0;
+  const auto note_cap_ratio = [this](double softening, double ratio) {
+    if (softening > 0.0 && ratio > 0.0 && (least_cap_ratio_ == 0.0 || ratio < least_cap_ratio_))
+      least_cap_ratio_ = ratio;
+  };
   for (size_t m = 0; m < structure_.views.member_section.extent(0); ++m) {
     SectionConstants& section = structure_.views.member_section(m);
     const bool locks = scene_.members[m].force_integration != ForceIntegration::both_reduced;
@@ -130,7 +134,8 @@ void Assembler::cap_force_stiffness() {
       section.tangent_force_stiffness[i] = section.force_softening[i] > 0.0 ? limit : 1.0 / section.force_compliance[i];
       section.moment_softening[i] = std::max(0.0, 1.0 / moment_cap - section.moment_compliance[i]);
       section.moment_stiffness[i] = section.moment_softening[i] > 0.0 ? moment_cap : 1.0 / section.moment_compliance[i];
-      if (section.force_softening[i] > 0.0 || section.moment_softening[i] > 0.0) softened_ = true;
+      note_cap_ratio(section.force_softening[i], section.force_compliance[i] * limit);
+      note_cap_ratio(section.moment_softening[i], section.moment_compliance[i] * moment_cap);
     }
     section.force_stiffness_limit = limit;
     section.moment_stiffness_limit = moment_cap;

@@ -62,8 +62,9 @@ class Assembler {
   /// afterwards condensed_residual() and recover() refer to it.
   void condense(const State& state, double load_factor, const MixedVector& scaled_rhs);
 
-  /// Whether the cap softens any section in the present tangent().
-  bool softened() const { return softened_; }
+  /// Cap over stiffness, where that is largest among the stiffnesses that the cap of the present tangent() cuts off and
+  /// that are finite; zero where it cuts off none. (What is exactly rigid shares nothing by stiffness.)
+  double least_cap_ratio() const { return least_cap_ratio_; }
   /// What the softened tangent leaves out: rows of (J - softened J) times an increment, scaled as residual() does.
   void softening_rows(const MixedVector& increment, MixedVector& out) const;
 
@@ -138,7 +139,7 @@ class Assembler {
   double load_factor_ = 0.0;
   bool line_fields_set_ = false;
   double stiffness_cap_ = 0.0;
-  bool softened_ = false;
+  double least_cap_ratio_ = 0.0;
   PhaseTimes times_;
 };
 

@@ -20,9 +20,10 @@ struct ResidualScales {
 
   // Rows of one element of length h: integrals over it, so that short and long elements of a mesh must not share one
   // scale, which would be below the rounding errors of the longest or far above those of the others.
+  /// N rows
   double element_strain(double h) const {
     return std::max(strain, std::min(displacement_noise / h, kLargestStrainNoise));
-  }                                                                              ///< N rows
+  }
   double element_moment(double h) const { return std::max(moment, force * h); }  ///< spin and psi rows
   double element_bubble(double h) const { return force * h; }                    ///< beta rows
 };

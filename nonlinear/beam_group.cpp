@@ -154,7 +154,8 @@ constexpr double kNegligible = 0.1;
 }  // namespace
 
 void BeamGroup::correct_newton() {
-  if (!problem_->assembler.softened()) return;
+  const double cap_ratio = problem_->assembler.least_cap_ratio();
+  if (cap_ratio == 0.0) return;
   BeamVector left_out(problem_->assembler.create_vector());
   problem_->assembler.softening_rows(newton_->values(), left_out.values());
   const double left = left_out.norm(NOX::Abstract::Vector::MaxNorm);
@@ -164,7 +165,11 @@ void BeamGroup::correct_newton() {
   const double reached = problem_->assembler.residual_tolerance();
   const double present = problem_->assembler.compatibility_norm(f_->values());
   if (!(left > kNegligible * std::max({reached, from_turning, present}))) return;
-  remove_softening(softening_operators(), left_out.values(), newton_->values());
+  try {
+    remove_softening(softening_operators(), left_out.values(), cap_ratio, newton_->values());
+  } catch (const LinearSolverError&) {
+    // the increment is still that of the capped tangent, which only converges more slowly
+  }
 }
 
 SofteningOperators BeamGroup::softening_operators() const {
@@ -204,10 +209,10 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     problem_->assembler.use_scales(scales_);
     problem_->assembler.condense(state_, load_factor(), rhs);
     solve_condensed(increment.values());
-    if (problem_->assembler.softened()) {
+    if (const double cap_ratio = problem_->assembler.least_cap_ratio(); cap_ratio > 0.0) {
       MixedVector left_out = problem_->assembler.create_vector();
       problem_->assembler.softening_rows(increment.values(), left_out);
-      remove_softening(softening_operators(), left_out, increment.values());
+      remove_softening(softening_operators(), left_out, cap_ratio, increment.values());
     }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();

@@ -14,6 +14,9 @@ constexpr int kMostIterations = 20;
 /// the condensed equations disturb in the fifth digit where the cap is reached.
 constexpr double kReduction = 1e-6;
 
+/// Of the cap ratio: no stress shared by finite stiffness answers a unit vector with less.
+constexpr double kRigidAnswer = 0.1;
+
 /// A smaller gain is not worth a change.
 constexpr double kWorthwhile = 0.5;
 
@@ -65,7 +68,8 @@ class Hessenberg {
 }  // namespace
 
 // With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
-void remove_softening(const SofteningOperators& operators, const MixedVector& left_out, MixedVector& increment) {
+void remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
+                      MixedVector& increment) {
   const double beta = norm(left_out);
   if (!(beta > 0.0) || !std::isfinite(beta)) return;
   std::vector<MixedVector> basis, response;
@@ -79,6 +83,7 @@ void remove_softening(const SofteningOperators& operators, const MixedVector& le
     MixedVector next = increment.clone(false);
     operators.softening(response[k], next);
     next.update(1.0, basis[k], -1.0);
+    if (!(norm(next) > kRigidAnswer * cap_ratio)) break;
     std::vector<double> column;
     for (const MixedVector& v : basis) {
       column.push_back(v.inner_product(next));

@@ -102,7 +102,8 @@ ListSpec linear_solver_spec() {
           .at_most(1e14)
           .by_default(defaults.force_stiffness_cap)
           .means("Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of "
-                 "EI / L^2 and the forces at work; results do not depend on it."));
+                 "EI / L^2 and the forces at work, less where elements are shorter than 1e-4 of L; results do not "
+                 "depend on it."));
   return spec;
 }
 
