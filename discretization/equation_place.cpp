@@ -127,23 +127,25 @@ EquationPlace place_of(const Assembler& assembler, const RowKey& key) {
   return place;
 }
 
-double scale_of(RowKind kind, const ResidualScales& scales) {
+/// `h`: length of the element for rows of an element.
+double scale_of(RowKind kind, const ResidualScales& scales, double h) {
   switch (kind) {
     case RowKind::vertex_displacement:
       return scales.force;
     case RowKind::vertex_rotation:
-    case RowKind::element_rotation:
       return scales.moment;
+    case RowKind::element_rotation:
+      return scales.element_moment(h);
     case RowKind::held_displacement:
       return scales.length;
     case RowKind::held_rotation:
       return 1.0;
     case RowKind::element_force:
-      return scales.strain;
+      return scales.element_strain(h);
     case RowKind::element_moment:
       return scales.rotation;
     case RowKind::element_displacement:
-      return scales.bubble;
+      return scales.element_bubble(h);
   }
   return 1.0;
 }
@@ -172,7 +174,9 @@ std::optional<ResidualPeak> largest_row(const Assembler& assembler, const MixedV
   largest = best_of_ranks(ranks_of(assembler), largest);
   if (!largest.found) return {};
   ResidualPeak peak{place_of(assembler, largest), largest.size, 0.0};
-  peak.value = largest.value * scale_of(peak.place.kind, scales);
+  const Mesh& mesh = assembler.mesh();
+  const double h = largest.element < 0 ? 0.0 : mesh.element_length(mesh.elements[largest.element]);
+  peak.value = largest.value * scale_of(peak.place.kind, scales, h);
   return peak;
 }
 

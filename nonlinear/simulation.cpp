@@ -1,6 +1,7 @@
 #include "nonlinear/simulation.hpp"
 
 #include "kernels/execution_space.hpp"
+#include "nonlinear/condition_estimate.hpp"
 #include "nonlinear/linear_buckling.hpp"
 #include "nonlinear/linear_solver.hpp"
 
@@ -40,6 +41,15 @@ Simulation Simulation::at(const State& state, double load_factor) const {
   other.state_ = state;
   other.load_factor_ = load_factor;
   return other;
+}
+
+double Simulation::condition_estimate() {
+  Assembler& equations = problem_->assembler;
+  MixedVector residual = equations.create_vector();
+  equations.residual(state_, load_factor_, residual);
+  equations.tangent(state_, load_factor_);
+  problem_->tangent_owner = nullptr;  // the matrix no longer belongs to any group
+  return mixbeam::condition_estimate(equations.matrix(), parameters_.linear.method, equations.structure().length);
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {

@@ -33,6 +33,10 @@ class Simulation {
   const PhaseTimes& times() const { return problem_->assembler.times(); }
   const WorkCount& work() const { return problem_->work; }
 
+  /// Of the linear system that Newton's method would solve next: condition_estimate() of the tangent at state(). Costs
+  /// about two iterations; infinity where that system is singular. Collective.
+  double condition_estimate();
+
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).
   Vector3 displacement(const std::string& point) const;
   Vector3 position(const std::string& point) const;

@@ -61,6 +61,12 @@ class Application {
                    const RunObserver& observer = {});
   Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
 
+  /// As solve(), for runs that may fail: result() of what is returned tells how it ended, nothing is written or thrown
+  /// but InputError.
+  Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {}) {
+    return walk(solved, parameters, "", {}, {}, observer);
+  }
+
   /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
   /// of a failure beside it in <name of the file>_failure.txt. A run that was
   /// stopped ends like any other, and result().interrupted tells.

@@ -1,16 +1,14 @@
 #include "apps/thread_scaling/scaling_study.hpp"
 
 #include "apps/common/csv_table.hpp"
+#include "apps/common/machine_facts.hpp"
 #include "kernels/execution_space.hpp"
-#include "mixbeam/version.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <map>
 #include <ostream>
-#include <thread>
 
 namespace mixbeam {
 
@@ -84,26 +82,12 @@ void measure_whole_runs(const Scene& scene, Application& app, const std::vector<
     }
 }
 
-/// The processor as Linux names it; "unknown" elsewhere.
-std::string processor_name() {
-  std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);)
-    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
-  return "unknown";
-}
-
 /// What the figures were measured with, beside them.
 void write_machine(Application& app) {
-  const std::vector<std::pair<std::string, std::string>> facts = {
-      {"processor", processor_name()},
-      {"cores", std::to_string(std::thread::hardware_concurrency())},
-      {"version", kVersion},
-      {"compiler", kCompiler},
-      {"flags", kFlags}};
   std::unique_ptr<CsvTable> csv;
   if (app.writes_files())
     csv = std::make_unique<CsvTable>(app.output / "machine.csv", std::vector<std::string>{"name", "value"});
-  for (const auto& [name, value] : facts) {
+  for (const auto& [name, value] : machine_facts()) {
     app.out() << name << ": " << value << "\n";
     if (csv != nullptr) csv->add_row({name, value});
   }

@@ -26,7 +26,8 @@ class VerificationTable : public ::testing::Test {
 
   void write_all_summaries() {
     for (const char* benchmark :
-         {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork"})
+         {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
+          "extremes"})
       write_summary(benchmark, 0.501);
     for (const char* group : {"verification", "gallery"}) write_scene_summary(group, "a scene", 2.0);
   }
