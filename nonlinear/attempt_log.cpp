@@ -89,6 +89,7 @@ std::string where_not_finite(const NotFinite& origin) {
 
 std::string cause_text(const FailedAttempt& attempt) {
   if (attempt.end == AttemptEnd::not_finite && attempt.not_finite) return where_not_finite(*attempt.not_finite);
+  if (attempt.end == AttemptEnd::refused) return attempt.refused_because;
   if (attempt.end == AttemptEnd::linear_solver) return "linear solve: " + attempt.linear_solver;
   std::string text = "no equilibrium in " + std::to_string(attempt.iterations) +
                      (attempt.iterations == 1 ? " iteration" : " iterations");
@@ -141,10 +142,23 @@ void AttemptLog::failed(const BeamGroup& group, int iterations) {
   if (!present_.peak && group.isF())
     present_.peak = largest_row(problem.assembler, BeamVector::of(group.getF()), group.scales());
   present_.end_angle = problem.assembler.largest_end_angle();
+  add(present_);
+  if (observer_) observer_({present_.step, present_.load_factor, iterations, cause_text(present_)});
+}
+
+void AttemptLog::refused(double load_factor, const std::string& cause) {
+  FailedAttempt attempt;
+  attempt.step = steps_ + 1;
+  attempt.load_factor = load_factor;
+  attempt.end = AttemptEnd::refused;
+  attempt.refused_because = cause;
+  add(attempt);
+}
+
+void AttemptLog::add(const FailedAttempt& attempt) {
   ++failures_;
   if (attempts_.size() == kMostKept) attempts_.erase(attempts_.begin());
-  attempts_.push_back(present_);
-  if (observer_) observer_({present_.step, present_.load_factor, iterations, cause_text(present_)});
+  attempts_.push_back(attempt);
 }
 
 }  // namespace mixbeam

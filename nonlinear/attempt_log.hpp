@@ -22,7 +22,8 @@ struct StepFailure {
 enum class AttemptEnd {
   iterations_used_up,  ///< or ended by a status test of the user
   not_finite,          ///< a number became infinite or not a number
-  linear_solver        ///< the tangent could not be factorised, or the solution does not solve the equations
+  linear_solver,       ///< the tangent could not be factorised, or the solution does not solve the equations
+  refused              ///< by what follows the path, whatever Newton's method found
 };
 
 /// Where a number that is not finite arose first.
@@ -46,6 +47,7 @@ struct FailedAttempt {
   AttemptEnd end = AttemptEnd::iterations_used_up;
   std::optional<NotFinite> not_finite{};
   std::string linear_solver{};         ///< message
+  std::string refused_because{};       ///< likewise
   std::optional<ResidualPeak> peak{};  ///< of the last iterate with a finite residual
   double first_residual = 0.0;         ///< scaled maximum norm after the first iteration
   double last_residual = 0.0;          ///< of the last iterate with a finite residual
@@ -73,6 +75,9 @@ class AttemptLog {
   /// The attempt has failed.
   void failed(const BeamGroup& group, int iterations);
 
+  /// What follows the path takes no step from `load_factor`, for reasons of its own.
+  void refused(double load_factor, const std::string& cause);
+
   /// Since the last completed step, the latest last; at most kMostKept.
   const std::vector<FailedAttempt>& attempts() const { return attempts_; }
   int failures() const { return failures_; }  ///< since the last completed step, all of them
@@ -80,6 +85,8 @@ class AttemptLog {
   static constexpr int kMostKept = 20;
 
  private:
+  void add(const FailedAttempt& attempt);
+
   int steps_ = 0, failures_ = 0;
   FailedAttempt present_;
   std::vector<FailedAttempt> attempts_;

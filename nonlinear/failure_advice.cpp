@@ -162,6 +162,9 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
     case FailureCause::linear_solver:
       to.check_sections(), to.check_units(), to.smaller_first_step();
       break;
+    case FailureCause::path_lost:
+      to.prescribe_displacement(), to.smaller_minimum_step(), to.smaller_first_step(), to.stay_below();
+      break;
     case FailureCause::slow:
       to.more_iterations(), to.smaller_minimum_step(), to.smaller_rotation(), to.more_elements();
       break;

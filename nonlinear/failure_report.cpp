@@ -28,6 +28,9 @@ constexpr std::size_t kMostAngles = 5;
 /// Before a fold the smallest eigenvalue falls like the root of what is left of the load: the smallest step of 1e-4 of
 /// a stage leaves 1e-2 of it, times a factor of order one.
 constexpr double kNearlySingular = 0.05;
+/// Eigenvalues are measured in EI/L of the stiffest member: six decades softer ones are far above this, and a motion
+/// without strain has 1e-10 from rounding.
+constexpr double kNoStiffness = 1e-8;
 constexpr int kModes = 2;
 constexpr int kVerticesOfMode = 3;
 
@@ -127,11 +130,12 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
     Stability stability(problem);
     const Spectrum undeformed = stability.spectrum(problem.assembler.reference_state(), 0.0, 1);
     const Spectrum present = stability.spectrum(end.state, end.load_factor, kModes);
-    report.undeformed_null = undeformed.stability.null;
     report.negative = present.stability.negative;
     report.null = present.stability.null;
     report.symmetric = present.stability.symmetric;
     const double lowest = undeformed.modes.empty() ? 0.0 : undeformed.modes.front().eigenvalue;
+    report.undeformed_lowest = lowest;
+    report.mechanism = undeformed.stability.null > 0 || std::abs(lowest) < kNoStiffness;
     for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.assembler, mode, lowest));
     const bool is_small = !report.modes.empty() && std::abs(report.modes.front().relative) < kNearlySingular;
     report.nearly_singular = report.null > 0 || is_small;
@@ -147,11 +151,12 @@ FailureCause cause_of(const FailureReport& report) {
   const FailedAttempt& last = report.attempts.back();
   const bool lost = last.end == AttemptEnd::not_finite;
   if (lost && last.not_finite->source == NotFinite::Source::load) return FailureCause::load_not_finite;
-  if (report.tangent.known && report.tangent.undeformed_null > 0) return FailureCause::mechanism;
+  if (report.tangent.known && report.tangent.mechanism) return FailureCause::mechanism;
   if (!report.wide_angles.empty() && report.wide_angles.front().converged) return FailureCause::end_angle;
   if (report.tangent.known && report.tangent.nearly_singular) return FailureCause::critical_point;
   if (lost) return FailureCause::overflow;
   if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
+  if (last.end == AttemptEnd::refused) return FailureCause::path_lost;
   const bool falls = last.last_residual == last.smallest_residual && last.last_residual < kFallen * last.first_residual;
   return falls ? FailureCause::slow : FailureCause::wandering;
 }

@@ -18,6 +18,7 @@ enum class FailureCause {
   critical_point,   ///< the tangent at the last equilibrium is all but singular: limit point or bifurcation
   overflow,         ///< numbers beyond double precision
   linear_solver,    ///< the tangent is regular, but could not be solved with
+  path_lost,        ///< equilibria go on, but not to the end of the stage
   slow,             ///< the residual was still falling when the iterations were used up
   wandering         ///< the residual did not fall
 };
@@ -50,8 +51,9 @@ struct CriticalMode {
 struct TangentReport {
   bool known = false;
   std::string unknown_because{};
-  int negative = 0, null = 0;  ///< eigenvalues below zero, zero pivots
-  int undeformed_null = 0;     ///< zero pivots of the undeformed structure without loads: a mechanism
+  int negative = 0, null = 0;      ///< eigenvalues below zero, zero pivots
+  double undeformed_lowest = 0.0;  ///< eigenvalue nearest to zero of the undeformed structure without loads
+  bool mechanism = false;          ///< that structure moves without strain
   bool symmetric = true;
   bool nearly_singular = false;
   std::vector<CriticalMode> modes{};  ///< nearest to zero first

@@ -77,7 +77,7 @@ void write_tangent(std::ostream& out, const FailureReport& report) {
   out << ", " << tangent.negative << " negative " << (tangent.negative == 1 ? "eigenvalue" : "eigenvalues")
       << (tangent.negative > 0 ? ": the equilibrium is unstable" : "") << ".\n";
   for (const CriticalMode& mode : tangent.modes)
-    if (tangent.nearly_singular || mode.eigenvalue < 0.0) write_mode(out, mode);
+    if (tangent.nearly_singular || tangent.mechanism || mode.eigenvalue < 0.0) write_mode(out, mode);
 }
 
 const char* words_of(FailureCause cause) {
@@ -96,6 +96,8 @@ const char* words_of(FailureCause cause) {
       return "numbers beyond the range of double precision";
     case FailureCause::linear_solver:
       return "the linear equations are too ill-conditioned to be solved";
+    case FailureCause::path_lost:
+      return "equilibria go on from here, but not to the end of the stage";
     case FailureCause::slow:
       return "Newton's method was on its way, but had too few iterations";
     case FailureCause::wandering:

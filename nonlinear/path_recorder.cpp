@@ -60,6 +60,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
 
 void PathRecorder::rejected(const std::string& cause, int iterations) {
   ++failed_in_stage_;
+  problem_->attempts.refused(result_.load_factor, cause);
   if (control_.step_failed) control_.step_failed({result_.steps + 1, result_.load_factor, iterations, cause});
 }
 

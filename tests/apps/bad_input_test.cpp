@@ -191,6 +191,7 @@ TEST_F(BadInput, NoConvergenceLeavesTheLastConvergedState) {
   const fs::path results = folder_ / "results" / "single.h5";
   expect_in(ended.err, {"no convergence: ", "beyond load factor ", "minimum of 0.1", "What to try", "\"Minimum Step\"",
                         "\"Maximum Iterations\"", "\"Maximum Rotation\"", results.string()});
+  expect_in(text_of(folder_ / "results" / "single_failure.txt"), {"beyond load factor", "What to try"});
   const auto json = nlohmann::json::parse(text_of(summary));
   EXPECT_EQ(json["all_passed"], false);
   expect_in(json["failure"].get<std::string>(), {"beyond load factor"});

@@ -250,6 +250,7 @@ class RandomSceneMaker {
     std::string text;
     for (const char* axis : {"x", "y", "z"})
       if (random_.chance(0.5)) text += (text.empty() ? "" : ", ") + std::string(axis);
+    if (text.empty()) text = "y";
     return parameter("Fixed Displacement", "Array(string)", "{" + text + "}");
   }
 
@@ -303,8 +304,10 @@ class RandomSceneMaker {
     if (!wanted || !with_joints_ || chosen == static_cast<int>(places.size())) return;
     const Node& node = nodes_[places[chosen]];
     const int bar = node.members[random_.below(static_cast<int>(node.members.size()))];
+    joint_node_ = places[chosen];
+    joined_bar_ = bar;
     std::string text =
-        word("Point", point(places[chosen])) + parameter("Members", "Array(string)", "{" + member(bar) + "}");
+        word("Point", point(joint_node_)) + parameter("Members", "Array(string)", "{" + member(bar) + "}");
     if (kind < 0.4)
       text += word("Kind", "ball");
     else if (kind < 0.9)
@@ -326,6 +329,13 @@ class RandomSceneMaker {
     if (random_.chance(0.2)) add_eigenstrain();
   }
 
+  /// One that is rigidly connected with the point; -1: there is none.
+  int followed_member(int node) const {
+    for (int bar : nodes_[node].members)
+      if (node != joint_node_ || bar != joined_bar_) return bar;
+    return -1;
+  }
+
   void add_point_load(int i) {
     const int node = 1 + random_.below(static_cast<int>(nodes_.size()) - 1);
     const double size = load_size();
@@ -333,7 +343,8 @@ class RandomSceneMaker {
     std::string text = word("Point", point(node));
     if (kind < 0.75) text += vector("Force", vector_algebra::scaled(size, random_.direction()));
     if (kind > 0.6) text += vector("Moment", vector_algebra::scaled(0.2 * size * length_, random_.direction()));
-    if (random_.chance(0.3)) text += word("Frame", "follower") + word("Member", member(nodes_[node].members.front()));
+    const int followed = followed_member(node);
+    if (random_.chance(0.3) && followed >= 0) text += word("Frame", "follower") + word("Member", member(followed));
     if (i == 1 && random_.chance(0.3)) text += integer("Stage", 2);
     point_loads_ += list("load " + std::to_string(i), text);
   }
@@ -362,6 +373,7 @@ class RandomSceneMaker {
   double length_ = 1.0, force_ = 1.0;  ///< units
   double softest_ = 1.0;               ///< bending stiffness
   int section_count_ = 1;
+  int joint_node_ = -1, joined_bar_ = -1;
   std::vector<Node> nodes_{};
   std::vector<Bar> bars_{};
   std::vector<int> held_{};
