@@ -1,5 +1,6 @@
 #include "nonlinear/failure_report.hpp"
 
+#include "nonlinear/condition_estimate.hpp"
 #include "nonlinear/stability.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -146,6 +147,21 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
   return report;
 }
 
+/// Nothing where the tangent cannot be factorised.
+std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverParameters& parameters,
+                                           const PathEnd& end) {
+  Assembler& assembler = problem.assembler;
+  try {
+    problem.tangent_owner = nullptr;
+    MixedVector residual = assembler.create_vector();
+    assembler.residual(end.state, end.load_factor, residual);
+    assembler.tangent(end.state, end.load_factor);
+    return condition_estimate(assembler.matrix(), parameters.linear.method, assembler.structure().length);
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
 FailureCause cause_of(const FailureReport& report) {
   if (report.attempts.empty() || report.steps_used_up) return FailureCause::steps_used_up;
   const FailedAttempt& last = report.attempts.back();
@@ -178,6 +194,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
   }
   report.wide_angles = wide_angles(problem.assembler, end, report.attempts);
   report.tangent = tangent_report(problem, end);
+  report.tangent.condition = condition_of_tangent(problem, parameters, end);
   report.cause = cause_of(report);
   report.next = advice_for(report, problem, parameters);
   return report;

@@ -4,6 +4,7 @@
 
 #include "nonlinear/beam_problem.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ struct TangentReport {
   bool mechanism = false;          ///< that structure moves without strain
   bool symmetric = true;
   bool nearly_singular = false;
+  std::optional<double> condition{};  ///< estimate of the condition number of the linear system; none: unknown
   std::vector<CriticalMode> modes{};  ///< nearest to zero first
 };
 

@@ -75,7 +75,9 @@ void write_tangent(std::ostream& out, const FailureReport& report) {
   else
     out << (tangent.nearly_singular ? "nearly singular" : "regular");
   out << ", " << tangent.negative << " negative " << (tangent.negative == 1 ? "eigenvalue" : "eigenvalues")
-      << (tangent.negative > 0 ? ": the equilibrium is unstable" : "") << ".\n";
+      << (tangent.negative > 0 ? ": the equilibrium is unstable" : "");
+  if (tangent.condition) out << "; condition number about " << *tangent.condition;
+  out << ".\n";
   for (const CriticalMode& mode : tangent.modes)
     if (tangent.nearly_singular || tangent.mechanism || mode.eigenvalue < 0.0) write_mode(out, mode);
 }

@@ -249,6 +249,9 @@ TEST(FailureReport, OfTooFewIterations) {
   EXPECT_FALSE(advises(report, AdviceKind::add_support));
   EXPECT_EQ(report.tangent.negative, 0);
   EXPECT_FALSE(report.tangent.nearly_singular);
+  ASSERT_TRUE(report.tangent.condition.has_value());
+  EXPECT_GE(*report.tangent.condition, 1.0);
+  EXPECT_LT(*report.tangent.condition, 1e16);
 }
 
 /// Without the small print that follows from a run: the peak is where the vector has it.
