@@ -24,8 +24,8 @@ class ScaledInverse {
  public:
   ScaledInverse(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length)
       : matrix_(Teuchos::rcp(new DofMatrix(*matrix, Teuchos::Copy))),
-        transposed_(Tpetra::RowMatrixTransposer<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(matrix_)
-                        .createTranspose()),
+        transposed_(
+            Tpetra::RowMatrixTransposer<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(matrix_).createTranspose()),
         inverse_(make_direct_solver(matrix_, method, kUsableSolution, times_)),
         transposed_inverse_(make_direct_solver(transposed_, method, kUsableSolution, times_)),
         row_sum_(matrix->getRangeMap()),

@@ -141,7 +141,7 @@ Cantilever Cantilever::with_tip_force(double load) const {
 
 Cantilever Cantilever::with_tip_moment(const Vec3<double>& bending_turn, double twist) const {
   Cantilever copy = *this;
-  const double along = torsion_ * twist / length_;  // M1
+  const double along = torsion_ * twist / length_;                                          // M1
   const Vec3<double> turn{{length_ * along / bending_, bending_turn[1], bending_turn[2]}};  // m L / EI
   for (int i = 0; i < 3; ++i) copy.load().moment[i] = turn[i] * bending_ / length_;
   copy.load().force = {};

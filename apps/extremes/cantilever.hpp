@@ -48,9 +48,9 @@ class Cantilever {
   /// rotations are exp(s m / EI) exp(s M1 (1/GIt - 1/EI) e1), the centerline is a helix about m.
   Cantilever with_tip_moment(const Vec3<double>& bending_turn, double twist) const;
 
-  /// After with_bending_moment() on equal elements: the exact displacement is that of the discrete equations, the k-point
-  /// Gauss rule of the exact tangent (rotations are exact and force strains vanish at these points), because the circle
-  /// is far away where an element turns by a radian and more.
+  /// After with_bending_moment() on equal elements: the exact displacement is that of the discrete equations, the
+  /// k-point Gauss rule of the exact tangent (rotations are exact and force strains vanish at these points), because
+  /// the circle is far away where an element turns by a radian and more.
   Cantilever against_gauss_rule() const;
 
   /// Distance of a computed tip from the exact one, the larger of displacement and rotation over their scales.

@@ -84,8 +84,7 @@ struct EllipticRod {
   }
   double first() const { return sin_psi * gsl_sf_ellint_RF(cos2_psi, delta2, 1.0, GSL_PREC_DOUBLE); }
   double second() const {
-    return first() -
-           k2 / 3.0 * sin_psi * sin_psi * sin_psi * gsl_sf_ellint_RD(cos2_psi, delta2, 1.0, GSL_PREC_DOUBLE);
+    return first() - k2 / 3.0 * sin_psi * sin_psi * sin_psi * gsl_sf_ellint_RD(cos2_psi, delta2, 1.0, GSL_PREC_DOUBLE);
   }
 };
 

@@ -45,9 +45,10 @@ const SweepRow* worst_promised(const SweepResult& result) {
 
 void write_head(std::ostream& page, int values) {
   page << "# Extremes\n\n"
-          "One quantity of a straight cantilever at a time, swept to its limits and held against a closed form. Written\n"
-          "by the program; to renew it:\n\n"
-          "```sh\n./run.sh extremes && cp results/extremes/extremes.md results/extremes/extremes.png apps/docs/\n```\n\n";
+          "One quantity of a straight cantilever at a time, swept to its limits and held against a closed form.\n"
+          "Written by the program; to renew it:\n\n"
+          "```sh\n./run.sh extremes && cp results/extremes/extremes.md results/extremes/extremes.png "
+          "apps/docs/\n```\n\n";
   for (const auto& [name, value] : machine_facts())
     if (name != "flags") page << name << " " << value << ", ";
   page << today() << "; " << values << " runs.\n\n";
@@ -55,10 +56,12 @@ void write_head(std::ostream& page, int values) {
 }
 
 void write_overview(std::ostream& page, const std::vector<SweepResult>& results) {
-  page << "The error is the distance of the tip from the closed form over its displacement, or the angle between the two\n"
-          "rotations over the angle turned (at most 1 rad), whichever is larger. `allowed` is what every run checks.\n\n"
-          "| sweep | values | converged | iterations | largest error | at | allowed |\n"
-          "| --- | --- | --- | --- | --- | --- | --- |\n";
+  page
+      << "The error is the distance of the tip from the closed form over its displacement, or the angle between the "
+         "two\n"
+         "rotations over the angle turned (at most 1 rad), whichever is larger. `allowed` is what every run checks.\n\n"
+         "| sweep | values | converged | iterations | largest error | at | allowed |\n"
+         "| --- | --- | --- | --- | --- | --- | --- |\n";
   for (const SweepResult& result : results) {
     int converged = 0, fewest = 1 << 30, most = 0;
     for (const SweepRow& row : result.rows) {
@@ -77,36 +80,41 @@ void write_overview(std::ostream& page, const std::vector<SweepResult>& results)
   }
 }
 
-/// What no promise covers, and what breaks one: runs that end early, errors above what is allowed.
+/// The message without its advice: "no equilibrium was found beyond load factor 0.5: ..."
+std::string cause_of(const std::string& failure) { return failure.substr(0, failure.find(" What to try:")); }
+
+/// Runs that end early, and errors above what is allowed, each with the reason of its sweep.
 void write_ends(std::ostream& page, const std::vector<SweepResult>& results) {
   page << "\n## Where it ends\n\n";
   bool any = false;
-  for (const SweepResult& result : results)
+  for (const SweepResult& result : results) {
+    std::string ends;
     for (const SweepRow& row : result.rows) {
-      if (row.converged && row.error <= result.sweep.allowed) continue;
-      any = true;
-      page << "- " << result.sweep.name << " " << value_text(row.value) << ": ";
-      if (row.converged)
-        page << format("error %.1e, allowed %.0e", row.error, result.sweep.allowed)
-             << (is_promised(result.sweep, row.value) ? ", breaks the promise" : "");
-      else
-        page << "no equilibrium found. " << row.failure;
-      page << "\n";
+      if (row.converged && (row.error <= result.sweep.allowed || !is_promised(result.sweep, row.value))) continue;
+      ends += "  - " + value_text(row.value) + ": " +
+              (row.converged ? format("the error %.1e is above the allowed %.0e", row.error, result.sweep.allowed)
+                             : cause_of(row.failure)) +
+              "\n";
     }
-  if (!any) page << "Every run converges, with an error below the allowed one.\n";
+    if (ends.empty()) continue;
+    any = true;
+    page << "- " << result.sweep.name << ": " << result.sweep.limit << "\n" << ends;
+  }
+  if (!any) page << "Every run converges, with an error below the allowed one where one is promised.\n";
 }
 
 void write_table(std::ostream& page, const SweepResult& result) {
   const Sweep& sweep = result.sweep;
   page << "\n## " << sweep.name << "\n\n"
        << sweep.what << " Swept: " << sweep.parameter << ". Closed form: " << sweep.source << ". " << sweep.limit
-       << "\n\n| value | converged | load steps | failed steps | iterations | error | residual | condition | seconds |\n"
+       << "\n\n| value | converged | load steps | failed steps | iterations | error | residual | condition | processor "
+          "s |\n"
           "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const SweepRow& row : result.rows)
     page << "| " << value_text(row.value) << " | " << (row.converged ? "yes" : "**no**") << " | " << row.load_steps
          << " | " << row.failed_steps << " | " << row.iterations << " | "
          << (row.converged ? format("%.1e", row.error) : std::string("-")) << " | "
-         << format("%.1e | %.1e | %.3f", row.residual, row.condition, row.seconds) << " |\n";
+         << format("%.1e | %.1e | %.3f", row.residual, row.condition, row.processor_seconds) << " |\n";
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <ostream>
@@ -59,19 +60,28 @@ std::vector<double> thinned(const std::vector<double>& values, int most) {
   return kept;
 }
 
+class Stopwatch {
+ public:
+  void stop(SweepRow& row) const {
+    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    row.processor_seconds = static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::clock_t processor_start_ = std::clock();
+};
+
 SweepRow compute(Application& app, const Trial& trial, double value) {
   SweepRow row;
   row.value = value;
   row.error = row.residual = row.condition = kNotANumber;
-  const auto start = std::chrono::steady_clock::now();
-  const auto elapsed = [start] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
+  const Stopwatch watch;
   try {
-    Simulation simulation = app.try_to_solve(
-        trial.rod.scene(), trial.solver,
-        [&row](const Simulation&, const StepReport& report) { row.residual = report.residual; });
-    row.seconds = elapsed();
+    Simulation simulation =
+        app.try_to_solve(trial.rod.scene(), trial.solver,
+                         [&row](const Simulation&, const StepReport& report) { row.residual = report.residual; });
+    watch.stop(row);
     const LoadPathResult& result = simulation.result();
     row.converged = result.finished;
     row.load_steps = result.steps;
@@ -81,14 +91,15 @@ SweepRow compute(Application& app, const Trial& trial, double value) {
     if (row.converged) row.error = trial.rod.error(simulation);
     row.condition = simulation.condition_estimate();
   } catch (const InputError& error) {
-    row.seconds = elapsed();
+    watch.stop(row);
     row.failure = error.what();
   }
   return row;
 }
 
 void print_header(std::ostream& out, const Sweep& sweep) {
-  out << "\n" << sweep.name << ": " << sweep.parameter << "\n  " << sweep.what << "\n"
+  out << "\n"
+      << sweep.name << ": " << sweep.parameter << "\n  " << sweep.what << "\n"
       << "           value  converged  steps  failed  iterations     error  residual  condition   seconds\n";
 }
 
@@ -120,13 +131,13 @@ SweepResult compute(Application& app, const Cantilever& rod, const Sweep& sweep)
 void write_table(const Application& app, const std::vector<SweepResult>& results) {
   CsvTable csv(app.output / "extremes.csv",
                {"sweep", "value", "converged", "load_steps", "failed_steps", "iterations", "error", "allowed",
-                "residual", "condition", "seconds", "failure"});
+                "residual", "condition", "seconds", "processor_seconds", "failure"});
   for (const SweepResult& result : results)
     for (const SweepRow& row : result.rows) {
       const bool promised = row.value >= result.sweep.from && row.value <= result.sweep.to;
       csv.add_row({result.sweep.name, row.value, row.converged ? 1 : 0, row.load_steps, row.failed_steps,
                    row.iterations, row.error, promised ? result.sweep.allowed : kNotANumber, row.residual,
-                   row.condition, row.seconds, row.failure});
+                   row.condition, row.seconds, row.processor_seconds, row.failure});
     }
 }
 

@@ -11,11 +11,12 @@ struct SweepRow {
   double value = 0.0;
   bool converged = false;
   int load_steps = 0, failed_steps = 0, iterations = 0;
-  double error = 0.0;      ///< Cantilever::error
-  double residual = 0.0;   ///< scaled, of the last converged step
-  double condition = 0.0;  ///< Simulation::condition_estimate
-  double seconds = 0.0;    ///< wall time, condition estimate left out
-  std::string failure;     ///< why the run ended early
+  double error = 0.0;              ///< Cantilever::error
+  double residual = 0.0;           ///< scaled, of the last converged step
+  double condition = 0.0;          ///< Simulation::condition_estimate
+  double seconds = 0.0;            ///< wall time, condition estimate left out
+  double processor_seconds = 0.0;  ///< the same of all threads together: what a busy machine does not lengthen
+  std::string failure;             ///< why the run ended early
 };
 
 struct SweepResult {

@@ -71,18 +71,19 @@ Sweep stiffness_ratio() {
 }
 
 Sweep unit_of_length() {
-  return {"unit_of_length",
-          "numerical value of the length L, forces unchanged",
-          "Slenderness 100, dead tip force F L^2 / EI = 10.",
-          kElastica,
-          decades(-9, 9, 3),
-          [](const Cantilever& rod, const SolverParameters& solver, double value) {
-            return Trial{with_slenderness(rod.in_units(value / rod.length(), 1.0), 100.0).with_tip_force(kLoad), solver};
-          },
-          1e-9,
-          1e-9,
-          1e9,
-          "Residuals and tolerances have no dimension."};
+  return {
+      "unit_of_length",
+      "numerical value of the length L, forces unchanged",
+      "Slenderness 100, dead tip force F L^2 / EI = 10.",
+      kElastica,
+      decades(-9, 9, 3),
+      [](const Cantilever& rod, const SolverParameters& solver, double value) {
+        return Trial{with_slenderness(rod.in_units(value / rod.length(), 1.0), 100.0).with_tip_force(kLoad), solver};
+      },
+      1e-9,
+      1e-9,
+      1e9,
+      "Residuals and tolerances have no dimension."};
 }
 
 Sweep unit_of_force() {
@@ -183,19 +184,20 @@ Trial turned_elements(const Cantilever& rod, const SolverParameters& solver, int
 }
 
 Sweep element_turn_lowest_order() {
-  return {"element_turn_k1",
-          "rotation from end to end of each of two elements of order 1, which have no relative rotation inside",
-          "Inextensible and shear rigid, dead tip moment.",
-          kGaussRule,
-          joined(joined({0.1, 1.0, 2.0}, approaching(M_PI)), joined(joined({3.5, 4.5}, approaching(2.0 * M_PI)), {6.5})),
-          [](const Cantilever& rod, const SolverParameters& solver, double value) {
-            return turned_elements(rod, solver, 1, value);
-          },
-          1e-9,
-          0.1,
-          2.0 * M_PI,
-          "Half of the rotation lies between the element's triad and each of its vertices: where it reaches pi, the "
-          "logarithm has no derivative and the equilibrium ends."};
+  return {
+      "element_turn_k1",
+      "rotation from end to end of each of two elements of order 1, which have no relative rotation inside",
+      "Inextensible and shear rigid, dead tip moment.",
+      kGaussRule,
+      joined(joined({0.1, 1.0, 2.0}, approaching(M_PI)), joined(joined({3.5, 4.5}, approaching(2.0 * M_PI)), {6.5})),
+      [](const Cantilever& rod, const SolverParameters& solver, double value) {
+        return turned_elements(rod, solver, 1, value);
+      },
+      1e-9,
+      0.1,
+      2.0 * M_PI,
+      "Half of the rotation lies between the element's triad and each of its vertices: where it reaches pi, the "
+      "logarithm has no derivative and the equilibrium ends."};
 }
 
 Sweep element_turn() {
@@ -237,20 +239,21 @@ Sweep angle() {
 }
 
 Sweep tip_force() {
-  return {"tip_force",
-          "dead tip force F L^2 / EI, 24 elements growing by 1.4 from the clamp",
-          "Inextensible and shear rigid.",
-          kElastica,
-          decades(-12, 8, 2),
-          [](const Cantilever& rod, const SolverParameters& solver, double value) {
-            return Trial{rod.with_graded_mesh(24, std::pow(1.4, 23)).with_tip_force(value), solver};
-          },
-          1e-8,
-          1e-12,
-          1e8,
-          "Large forces bend the rod within sqrt(EI / F) of the clamp, which the mesh has to resolve. Small ones move it "
-          "by less than the rounding error of its coordinates, but displacements are unknowns of their own; where the "
-          "linear solution already meets the tolerance, the nonlinear part of the motion is left out."};
+  return {
+      "tip_force",
+      "dead tip force F L^2 / EI, 24 elements growing by 1.4 from the clamp",
+      "Inextensible and shear rigid.",
+      kElastica,
+      decades(-12, 8, 2),
+      [](const Cantilever& rod, const SolverParameters& solver, double value) {
+        return Trial{rod.with_graded_mesh(24, std::pow(1.4, 23)).with_tip_force(value), solver};
+      },
+      1e-8,
+      1e-12,
+      1e8,
+      "Large forces bend the rod within sqrt(EI / F) of the clamp, which the mesh has to resolve. Small ones move it "
+      "by less than the rounding error of its coordinates, but displacements are unknowns of their own; where the "
+      "linear solution already meets the tolerance, the nonlinear part of the motion is left out."};
 }
 
 Sweep order() {
@@ -272,10 +275,18 @@ Sweep order() {
 }  // namespace
 
 std::vector<Sweep> all_sweeps(int most_elements) {
-  return {slenderness(),  stiffness_ratio(), unit_of_length(),
-          unit_of_force(), elements(most_elements), length_ratio(),
-          turns(),        load_steps(),      element_turn_lowest_order(),
-          element_turn(), angle(),           tip_force(),
+  return {slenderness(),
+          stiffness_ratio(),
+          unit_of_length(),
+          unit_of_force(),
+          elements(most_elements),
+          length_ratio(),
+          turns(),
+          load_steps(),
+          element_turn_lowest_order(),
+          element_turn(),
+          angle(),
+          tip_force(),
           order()};
 }
 

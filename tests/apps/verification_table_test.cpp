@@ -25,9 +25,8 @@ class VerificationTable : public ::testing::Test {
   }
 
   void write_all_summaries() {
-    for (const char* benchmark :
-         {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
-          "extremes"})
+    for (const char* benchmark : {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod",
+                                  "slope_discontinuity", "fork", "extremes"})
       write_summary(benchmark, 0.501);
     for (const char* group : {"verification", "gallery"}) write_scene_summary(group, "a scene", 2.0);
   }
@@ -76,10 +75,10 @@ TEST_F(VerificationTable, ShowsWhatFailed) {
 TEST_F(VerificationTable, HasScenesOfTheProgram) {
   write_scene_summary("verification", "arch", 2.0);
   write_scene_summary("verification", "column", 2.0 + 2e-7);
-  expect_in(table({"--markdown"}).out, {"| verification/arch | tip | 2 | 0 | 1e-08 of the value | yes | a formula |",
-                                        "| verification/column | tip | 2 | 1e-07 | 1e-08 of the value | **NO** |",
-                                        "| verification | sum of forces | 2 | 3e-16 | at most 1e-10 | yes | equilibrium",
-                                        "5 of 6 values agree"});
+  expect_in(table({"--markdown"}).out,
+            {"| verification/arch | tip | 2 | 0 | 1e-08 of the value | yes | a formula |",
+             "| verification/column | tip | 2 | 1e-07 | 1e-08 of the value | **NO** |",
+             "| verification | sum of forces | 2 | 3e-16 | at most 1e-10 | yes | equilibrium", "5 of 6 values agree"});
 }
 
 TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
@@ -89,7 +88,8 @@ TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
   write_summary("rollup", 0.501);
   const Ended incomplete = table({"--update", readme.string()});
   EXPECT_EQ(incomplete.exit_code, 1);
-  expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment", "fork, verification, gallery"});
+  expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment",
+                             "fork, verification, gallery"});
   EXPECT_EQ(text_of(readme), before + "\nold\n" + after);
 
   write_all_summaries();
