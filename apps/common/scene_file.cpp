@@ -30,7 +30,7 @@ void check_critical_points_are_found(const Application& app) {
   for (const ExpectedValue& value : app.expected) {
     if (!value.critical_point) continue;
     const ParameterPath path = {"Expected", value.name, "Critical Point"};
-    if (!app.solver.analysis.stability)
+    if (!app.solver.analysis.stability.value_or(true))
       throw app.xml.source.error(path, R"(given, but critical points are not looked for with "Stability" = false)");
     if (app.solver.load_path.method != LoadPathMethod::automatic)
       throw app.xml.source.error(
