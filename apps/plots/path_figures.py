@@ -91,11 +91,14 @@ def _through_critical_points(view, title, values):
             there = point.monitored(name)
             if there is None:
                 continue
-            unstable[-1:] = [point.negative_before > 0]
+            if unstable:
+                unstable[-1] = point.negative_before > 0
             points.append((len(factor), point))
             factor.append(point.load_factor)
             path.append(there)
             unstable.append(point.negative_after > 0)
+        if unstable and step.negative >= 0:
+            unstable[-1] = step.negative > 0  # a branch that begins at the critical point may be stable
         factor.append(step.load_factor)
         path.append(np.atleast_1d(value))
         unstable.append(step.negative > 0)
