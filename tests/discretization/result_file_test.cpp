@@ -229,6 +229,18 @@ TEST_F(ResultFileTest, CriticalPointsStandInTheStepBehindThem) {
   EXPECT_EQ(read_doubles(file_, point + "/monitor/tip.displacement"), (std::vector<double>{4, 5, 6}));
 }
 
+TEST_F(ResultFileTest, BucklingModesStandBesideTheSteps) {
+  StepRecord first = sample_step(0);
+  first.buckling = {{2.5, {{1, 2, 3}, {4, 5, 6}}}, {-3.5, {{0, 0, 1}, {0, 0, 2}}}};
+  ResultFile result(file_, sample_header());
+  result.append_step(first);
+  result.append_step(sample_step(1));  // in the other copy of the file
+  result.close();
+  EXPECT_EQ(read_number(file_, "/buckling/0", "load_factor"), 2.5);
+  EXPECT_EQ(read_number(file_, "/buckling/1", "load_factor"), -3.5);
+  EXPECT_EQ(read_doubles(file_, "/buckling/0/mode"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
+}
+
 TEST_F(ResultFileTest, WhatResumingNeedsComesBack) {
   StepRecord first = step_behind_limit_point(0);
   first.critical_points.clear();
