@@ -103,10 +103,10 @@ class AutomaticPath {
 bool AutomaticPath::begin() {
   recorder_.enter_stage(range_.stage, range_.attempts);
   size_ = rule_.initial;
+  branched_ = recorder_.branched();
   if (range_.before) {
     const PathPoint& before = *range_.before;
     if (before.negative >= 0) stability_ = StabilityResult{before.negative};
-    branched_ = before.branched;
     size_ = before.step_size;
     if (before.path_length == 0.0) return true;
     length_ = before.path_length;

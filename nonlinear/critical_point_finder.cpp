@@ -86,7 +86,11 @@ Correction CriticalPointFinder::correct(const PathSegment& segment, double at) {
 
 CriticalPointFinder::Sample CriticalPointFinder::sample(const PathSegment& segment, double at, int modes) {
   const Correction found = correct(segment, at);
-  return {at, found.load_factor, found.state, stability_.spectrum(found.state, found.load_factor, modes)};
+  Sample result{at, found.load_factor, found.state, stability_.spectrum(found.state, found.load_factor, modes)};
+  if (result.spectrum.modes.empty())
+    throw ConvergenceError("a critical point could not be located: at load factor " +
+                           std::to_string(found.load_factor) + " no real eigenvalue lies near zero");
+  return result;
 }
 
 /// Regula falsi (Illinois) until the place hardly moves.
@@ -162,7 +166,8 @@ CriticalPoint CriticalPointFinder::point_at(const PathSegment& segment, const Ro
   } else {
     point.state = state_at_bifurcation(segment, root, point.mode);
   }
-  point.mode = stability_.modes_near_zero(point.state, point.load_factor, 1).front().mode;
+  const std::vector<EigenMode> there = stability_.modes_near_zero(point.state, point.load_factor, 1);
+  if (!there.empty()) point.mode = there.front().mode;
   return point;
 }
 

@@ -15,6 +15,7 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
   started_ = true;
   result.steps = control.resume->step;
   result.load_factor = control.resume->load_factor;
+  branched_ = control.resume->branched;
   result.failed_steps = control.resume->failed_steps;
   result.newton_iterations = control.resume->newton_iterations;
   critical_points_ = control.resume->critical_points;
@@ -51,6 +52,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;
   started_ = true;
+  branched_ = step.branched;
   record_.clear();
   problem_->attempts.step_completed(result_.steps);
   if (observer_) observer_(report, state_);

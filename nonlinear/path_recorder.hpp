@@ -61,6 +61,7 @@ class PathRecorder {
   /// Failed ones of this stage, for methods that do not report them as they happen.
   void set_failed_attempts(int count) { failed_in_stage_ = count; }
   int successes() const { return successes_; }  ///< in this stage
+  bool branched() const { return branched_; }   ///< the path has left the primary one, in this stage or before
   void interrupted() { result_.interrupted = true; }
 
   /// Throws PathInterrupted where the path is to stop here.
@@ -84,7 +85,7 @@ class PathRecorder {
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;
   int critical_points_ = 0;  ///< on the whole path so far
-  bool started_ = false;
+  bool started_ = false, branched_ = false;
 };
 
 }  // namespace mixbeam
