@@ -7,7 +7,7 @@
 namespace mixbeam {
 
 /// Beyond this the displacements have outgrown the structure, and rounding would excuse any strain.
-constexpr double kLargestStrainNoise = 1e4;
+constexpr double kLargestStrainNoise = 1e6;
 
 struct ResidualScales {
   double force = 1.0;     ///< vertex force rows

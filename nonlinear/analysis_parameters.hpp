@@ -27,6 +27,7 @@ struct AnalysisParameters {
   /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
   /// largest meshes (kVerticesForStability).
   std::optional<bool> stability{};
+  bool trace = false;  ///< follow the path by its length from the start, never with a load step of any size
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
   int buckling_modes = 0;           ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};

@@ -159,7 +159,8 @@ bool AutomaticPath::step_by_load() {
     return start_along_path();
   }
   const std::optional<StabilityResult> stability = stability_of(found);
-  if (changes(stability)) {
+  // Without symmetry the count is not that of any energy, and says nothing about the path between the two states.
+  if (changes(stability) && stability->symmetric && stability_->symmetric) {
     recorder_.rejected("stability changes within the step: the path is followed by its length", found.iterations);
     return start_along_path();
   }

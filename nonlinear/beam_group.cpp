@@ -155,7 +155,7 @@ constexpr double kNegligible = 0.1;
 
 void BeamGroup::correct_newton() {
   const double cap_ratio = problem_->assembler.least_cap_ratio();
-  if (cap_ratio == 0.0) return;
+  if (cap_ratio == 0.0 || problem_->keeps_cap) return;
   BeamVector left_out(problem_->assembler.create_vector());
   problem_->assembler.softening_rows(newton_->values(), left_out.values());
   const double left = left_out.norm(NOX::Abstract::Vector::MaxNorm);

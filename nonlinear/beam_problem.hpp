@@ -27,7 +27,10 @@ class BeamProblem {
   WorkCount work;
   AttemptLog attempts;
   const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to
-  std::string last_failure;             ///< why the last linear solve failed; empty when it did not
+  /// Increments are those of the capped tangent, all of them: bordered systems next to a critical point combine several
+  /// solves with a nearly singular tangent, whose errors cancel only if it is one and the same.
+  bool keeps_cap = false;
+  std::string last_failure;  ///< why the last linear solve failed; empty when it did not
 };
 
 }  // namespace mixbeam

@@ -53,7 +53,10 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
     *extended.getXVec() = BeamVector(*guess.moved);
     constrained->setX(*x);
   }
-  return solve(constrained, most_iterations);
+  problem_->keeps_cap = true;
+  const Correction result = solve(constrained, most_iterations);
+  problem_->keeps_cap = false;
+  return result;
 }
 
 Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations) {
