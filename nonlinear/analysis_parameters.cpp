@@ -56,6 +56,12 @@ ListSpec analysis_spec() {
                       "limit points and bifurcations where the count changes. Default: true up to 100,000 vertices, "
                       "false beyond, where it costs more than the rest of a load step."));
   spec.add(
+      boolean("Trace")
+          .by_default(kDefaults.trace)
+          .means("Follow the path closely from the start. Without, large load steps are taken as long as they "
+                 "succeed; where a structure snaps, such a step may end on the far side of the snap without having "
+                 "seen its limit points."));
+  spec.add(
       choice("Branch", {"primary", "positive", "negative"})
           .by_default("primary")
           .means("Path after the first bifurcation: primary: straight on; positive, negative: the branch along the "
@@ -75,6 +81,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
   validate(list, analysis_spec(), source, path);
   AnalysisParameters parameters;
   if (list.isParameter("Stability")) parameters.stability = list.get<bool>("Stability");
+  parameters.trace = list.get<bool>("Trace");
   parameters.branch = kBranches.at(list.get<std::string>("Branch"));
   parameters.buckling_modes = list.get<int>("Buckling Modes");
   if (list.isSublist("Control"))

@@ -326,6 +326,7 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
 bool AutomaticPath::follow() {
   try {
     if (!begin()) return false;
+    if (parameters_.analysis.trace && !tangent_ && !arrived() && !start_along_path()) return false;
     while (!arrived()) {
       if (!may_try()) return false;
       const bool controlled = parameters_.analysis.control.has_value();
