@@ -115,7 +115,8 @@ constexpr double kLeastCap = 1e3;
 void Assembler::cap_force_stiffness() {
   const double bending = structure_.bending_reference / (structure_.length * structure_.length);
   const double elements = structure_.length / structure_.shortest_element;
-  const double factor = std::min(options_.force_stiffness_cap, std::max(kLeastCap, kCapTimesElements / elements));
+  const double factor =
+      cap_raise_ * std::min(options_.force_stiffness_cap, std::max(kLeastCap, kCapTimesElements / elements));
   const double cap = factor * std::max(bending, scales_.force);
   const double moment_cap = cap * structure_.length * structure_.length;  // far above all that bends
   if (cap == stiffness_cap_) return;

@@ -83,6 +83,9 @@ class Assembler {
   /// (6 * owned vertex + component): 1 where a constraint stands in place of an equilibrium.
   KernelView<const unsigned char*> fixed_rows() const { return fixed_; }
 
+  /// Caps the force stiffness of the tangents to come at this multiple of the usual cap.
+  void raise_cap(double factor) { cap_raise_ = factor; }
+
   /// Row scales of the last residual(), or those of another state that is to be worked on.
   const ResidualScales& scales() const { return scales_; }
   void use_scales(const ResidualScales& scales) { scales_ = scales; }
@@ -138,7 +141,7 @@ class Assembler {
   ResidualScales scales_;
   double load_factor_ = 0.0;
   bool line_fields_set_ = false;
-  double stiffness_cap_ = 0.0;
+  double stiffness_cap_ = 0.0, cap_raise_ = 1.0;
   double least_cap_ratio_ = 0.0;
   PhaseTimes times_;
 };

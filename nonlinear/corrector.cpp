@@ -26,6 +26,10 @@ Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 
 namespace {
 
+/// Next to a critical point the cap of the tangent is felt more, and with the usual one Newton's method comes to a
+/// stop at 1e-8; the condition of the tangent, which limits the first increments only, is of less importance there.
+constexpr double kCapRaise = 100.0;
+
 Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                                  const Guess& guess) {
   return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}));
@@ -54,7 +58,9 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
     constrained->setX(*x);
   }
   problem_->keeps_cap = true;
+  problem_->assembler.raise_cap(kCapRaise);
   const Correction result = solve(constrained, most_iterations);
+  problem_->assembler.raise_cap(1.0);
   problem_->keeps_cap = false;
   return result;
 }

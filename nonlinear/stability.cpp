@@ -19,7 +19,7 @@ constexpr double kSymmetric = 1e-9;
 /// A Ritz value is real when its imaginary part is rounding.
 constexpr double kReal = 1e-8;
 /// Eigenvalues asked for when negative ones of an unsymmetric tangent are counted: at first, and at most.
-constexpr int kFirstCount = 8, kLastCount = 64;
+constexpr int kFirstCount = 4, kLastCount = 8;
 /// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
 constexpr double kShift = 1e-7;
 bool is_real(const RitzPair& pair) { return std::abs(pair.imaginary) <= kReal * std::abs(pair.value); }
