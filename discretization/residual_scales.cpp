@@ -14,6 +14,9 @@ constexpr double kRoundings = 16.0;
 /// nothing by more than a rounding error of the length.
 constexpr double kUnloadedForce = 1e-6;
 
+/// Of the structure's length: beyond it a path has gone astray, and rounding would excuse any strain.
+constexpr double kLargestDisplacement = 1e6;
+
 }  // namespace
 
 ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
@@ -28,7 +31,7 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   const double amplitude = std::min(1.0, std::max({state.rotation, state.displacement / length, state.eigenstrain}));
   scales.rotation = std::max(amplitude, noise);
   scales.strain = std::max(amplitude, noise);
-  scales.displacement_noise = noise * state.displacement;
+  scales.displacement_noise = noise * std::min(state.displacement, kLargestDisplacement * length);
   scales.length = length;
   return scales;
 }

@@ -6,9 +6,6 @@
 
 namespace mixbeam {
 
-/// Beyond this the displacements have outgrown the structure, and rounding would excuse any strain.
-constexpr double kLargestStrainNoise = 1e6;
-
 struct ResidualScales {
   double force = 1.0;     ///< vertex force rows
   double moment = 1.0;    ///< vertex moment rows
@@ -21,9 +18,7 @@ struct ResidualScales {
   // Rows of one element of length h: integrals over it, so that short and long elements of a mesh must not share one
   // scale, which would be below the rounding errors of the longest or far above those of the others.
   /// N rows
-  double element_strain(double h) const {
-    return std::max(strain, std::min(displacement_noise / h, kLargestStrainNoise));
-  }
+  double element_strain(double h) const { return std::max(strain, displacement_noise / h); }
   double element_moment(double h) const { return std::max(moment, force * h); }  ///< spin and psi rows
   double element_bubble(double h) const { return force * h; }                    ///< beta rows
 };

@@ -228,15 +228,18 @@ TEST(Extremes, DoubleRollUpWithManyElements) {
   EXPECT_FALSE(agrees(solved(short_of_it).position("tip"), {0, 0, 0}, kRoundOff));
 }
 
-// Pure bending is exact at every angle: an element turns by half of its share against each of its ends.
+// Pure bending is exact at every angle: an element turns by half of its share against each of its ends. A rod that
+// turns by as much has passed critical points, which are not looked for: their iterations would be counted here.
 TEST(Extremes, RelativeRotationsUpToPi) {
+  SolverParameters without_stability;
+  without_stability.analysis.stability = false;
   for (double short_of_pi : {1e-1, 1e-3, 1e-6})
     for (int elements : {1, 2})
       for (int order : {1, 2}) {
         Scene scene = cantilever(rollup_section(1e3), 1.0, order, elements);
         const double angle = 2.0 * kPi * (1.0 - short_of_pi) * elements;
         scene.point_loads = {dead_load("tip", {}, {0, 0, angle})};
-        const Simulation rod = solved(scene);
+        const Simulation rod = solved(scene, without_stability);
         const std::string what = std::to_string(short_of_pi) + " short of pi";
         EXPECT_LE(iterations(rod), 4) << what;
         EXPECT_NEAR(std::remainder(rod.rotation("tip")[2] - angle, 2.0 * kPi), 0.0, kRoundOff) << what;
