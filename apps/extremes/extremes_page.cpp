@@ -80,8 +80,10 @@ void write_overview(std::ostream& page, const std::vector<SweepResult>& results)
   }
 }
 
-/// The message without its advice: "no equilibrium was found beyond load factor 0.5: ..."
-std::string cause_of(const std::string& failure) { return failure.substr(0, failure.find(" What to try:")); }
+/// The first sentence of a report, without findings and advice.
+std::string cause_of(const std::string& failure) {
+  return failure.substr(0, std::min(failure.find('\n'), failure.find(" What to try:")));
+}
 
 /// Runs that end early, and errors above what is allowed, each with the reason of its sweep.
 void write_ends(std::ostream& page, const std::vector<SweepResult>& results) {
