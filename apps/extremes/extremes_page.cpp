@@ -92,9 +92,10 @@ void write_ends(std::ostream& page, const std::vector<SweepResult>& results) {
   for (const SweepResult& result : results) {
     std::string ends;
     for (const SweepRow& row : result.rows) {
-      if (row.converged && (row.error <= result.sweep.allowed || !is_promised(result.sweep, row.value))) continue;
+      if (row.converged && row.error <= result.sweep.allowed) continue;
+      const char* promise = is_promised(result.sweep, row.value) ? "allowed" : "allowed elsewhere in this sweep";
       ends += "  - " + value_text(row.value) + ": " +
-              (row.converged ? format("the error %.1e is above the allowed %.0e", row.error, result.sweep.allowed)
+              (row.converged ? format("error %.1e, %.0e is %s", row.error, result.sweep.allowed, promise)
                              : cause_of(row.failure)) +
               "\n";
     }
@@ -102,7 +103,7 @@ void write_ends(std::ostream& page, const std::vector<SweepResult>& results) {
     any = true;
     page << "- " << result.sweep.name << ": " << result.sweep.limit << "\n" << ends;
   }
-  if (!any) page << "Every run converges, with an error below the allowed one where one is promised.\n";
+  if (!any) page << "Every run converges, with an error below the allowed one.\n";
 }
 
 void write_table(std::ostream& page, const SweepResult& result) {
