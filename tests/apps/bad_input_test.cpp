@@ -179,9 +179,10 @@ double load_factor_of_first_step(const fs::path& results) {
 
 /// The first step takes 5 iterations, the second one 6 and may not be shortened: the path ends half way.
 std::string scene_that_does_not_converge() {
-  return scene_with_solver(
-      list("Newton", parameter("Maximum Iterations", "int", "5")) +
-      list("Load Path", parameter("Initial Step", "double", "0.1") + parameter("Minimum Step", "double", "0.1")));
+  return scene_with_solver(list("Newton", parameter("Maximum Iterations", "int", "5")) +
+                           list("Load Path", parameter("Method", "string", "adaptive") +
+                                                 parameter("Initial Step", "double", "0.1") +
+                                                 parameter("Minimum Step", "double", "0.1")));
 }
 
 TEST_F(BadInput, NoConvergenceLeavesTheLastConvergedState) {

@@ -89,14 +89,14 @@ TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
   const Ended incomplete = table({"--update", readme.string()});
   EXPECT_EQ(incomplete.exit_code, 1);
   expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment",
-                             "fork, verification, gallery"});
+                             "fork, extremes, verification, gallery"});
   EXPECT_EQ(text_of(readme), before + "\nold\n" + after);
 
   write_all_summaries();
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   const std::string updated = text_of(readme);
   EXPECT_EQ(updated.rfind(before + "\n| benchmark | quantity |", 0), 0U) << updated;
-  expect_in(updated, {"27 of 27 values agree", "\n" + after});
+  expect_in(updated, {"30 of 30 values agree", "\n" + after});
   EXPECT_EQ(updated.find("old"), std::string::npos);
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   EXPECT_EQ(text_of(readme), updated);  // a second time changes nothing

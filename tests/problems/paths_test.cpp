@@ -220,6 +220,7 @@ TEST(Paths, LeesFrameThroughTheSnapBack) {
 
 /// The inextensible frame is the limit of ever more slender ones, at the same limit points in as many steps.
 TEST(Paths, SnapBackOfRigidAndSlenderFrames) {
+  constexpr int kAttempt = 20;  // of two hundred: one failed attempt more or less
   SolverParameters closely;
   closely.analysis.trace = true;
   const Walk rigid = walk(lee_frame(2.0, kRigid), closely);
@@ -232,7 +233,7 @@ TEST(Paths, SnapBackOfRigidAndSlenderFrames) {
     for (int i : {0, 1})
       EXPECT_NEAR(slender.critical[i].load_factor, rigid.critical[i].load_factor, allowed) << slenderness;
     EXPECT_EQ(slender.result.steps, rigid.result.steps) << slenderness;
-    EXPECT_NEAR(slender.result.newton_iterations, rigid.result.newton_iterations, 8) << slenderness;
+    EXPECT_NEAR(slender.result.newton_iterations, rigid.result.newton_iterations, kAttempt) << slenderness;
   }
 }
 

@@ -25,7 +25,7 @@ constexpr int kScenes = 200, kParts = 4;
 /// Newton's method stops at 1e-11; what another assembler, built from the scene, sees may differ by rounding.
 constexpr double kEquilibrium = 1e-9;
 /// Keeps the time of a scene short: none of these needs more, and a path without end is found out.
-constexpr int kMostSteps = 100;
+constexpr int kMostSteps = 40;
 
 Scene read_text(const std::string& xml) {
   const XmlParameters parameters = parse_xml(xml, "random.xml");
@@ -51,8 +51,12 @@ Drawn draw(int number) {
   }
 }
 
-SolverParameters bounded() {
+/// Stability costs more than all the rest in scenes this small and is looked at in some of them only.
+constexpr int kScenesPerStability = 8;
+
+SolverParameters bounded(int number) {
   SolverParameters parameters;
+  parameters.analysis.stability = number / kParts % kScenesPerStability == 0;
   parameters.load_path.maximum_steps = kMostSteps;
   return parameters;
 }
@@ -102,10 +106,10 @@ void expect_report(const LoadPathResult& result, const std::string& name) {
   EXPECT_NE(result.failure.find("What to try"), std::string::npos) << name;
 }
 
-void solve_and_judge(const Drawn& drawn, Statistics& statistics) {
+void solve_and_judge(const Drawn& drawn, int number, Statistics& statistics) {
   const Scene& scene = drawn.scene;
   Judge judge(scene);
-  Simulation simulation(scene, bounded(), this_rank());
+  Simulation simulation(scene, bounded(number), this_rank());
   const LoadPathResult result = simulation.run([&](const StepReport& report, const State& state) {
     const std::string where = scene.name + " at load factor " + std::to_string(report.load_factor);
     EXPECT_LT(judge.residual(state, report.load_factor), kEquilibrium) << where;
@@ -142,7 +146,7 @@ TEST_P(RandomScenes, ConvergeOrEndWithAReport) {
     std::optional<Drawn> drawn;
     ASSERT_NO_THROW(drawn = draw(number));
     try {
-      solve_and_judge(*drawn, statistics);
+      solve_and_judge(*drawn, number, statistics);
     } catch (const std::exception& error) {
       keep(*drawn, error.what());
       ADD_FAILURE() << drawn->text.name << ": " << error.what();
@@ -165,7 +169,7 @@ INSTANTIATE_TEST_SUITE_P(EveryFourth, RandomScenes, testing::Range(0, kParts));
 TEST(RandomScenesTwin, AStateBesideTheEquilibriumIsFoundOut) {
   const Drawn drawn = draw(0);
   Judge judge(drawn.scene);
-  Simulation simulation(drawn.scene, bounded(), this_rank());
+  Simulation simulation(drawn.scene, bounded(0), this_rank());
   ASSERT_TRUE(simulation.run().finished);
   EXPECT_LT(judge.residual(simulation.state(), drawn.scene.stages), kEquilibrium);
   EXPECT_GT(judge.residual(simulation.state(), drawn.scene.stages - 1e-6), kEquilibrium);
