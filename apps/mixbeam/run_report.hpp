@@ -27,6 +27,7 @@ class RunReport {
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without fields
   std::vector<double> buckling_;                 ///< load factors of linear buckling
   double force_error_ = 0.0, moment_error_ = 0.0;
+  double balance_tolerance_ = 0.0;
 };
 
 }  // namespace mixbeam
