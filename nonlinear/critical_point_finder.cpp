@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace mixbeam {
 
@@ -39,6 +40,14 @@ double eigenvalue(const Spectrum& spectrum, int k) {
   const size_t place = static_cast<size_t>(is_below ? negative - k : k - negative - 1);
   if (place < side.size()) return side[place];
   return is_below ? (below.empty() ? -1.0 : below.back()) : (above.empty() ? 1.0 : above.back());
+}
+
+/// The mode of the k-th smallest eigenvalue, null if it is not among those known.
+const EigenMode* mode_of_rank(const Spectrum& spectrum, int k) {
+  const double value = eigenvalue(spectrum, k);
+  for (const EigenMode& mode : spectrum.modes)
+    if (mode.eigenvalue == value) return &mode;
+  return nullptr;
 }
 
 /// Lagrange's polynomial through (kPlaces, y), and its slope.
@@ -118,12 +127,30 @@ double CriticalPointFinder::coarse_root(const PathSegment& segment, int k, int m
   return at;
 }
 
+/// The mode that is most nearly parallel to another one.
+const EigenMode* CriticalPointFinder::most_like(const Spectrum& spectrum, const MixedVector& other) const {
+  const EigenMode* best = nullptr;
+  double largest = -1.0;
+  for (const EigenMode& mode : spectrum.modes) {
+    const PathDirection a{mode.mode.clone(true), 0.0}, b{other.clone(true), 0.0};
+    const double cosine = std::abs(measure_.inner(a, b)) / (measure_.length(a) * measure_.length(b));
+    if (!(cosine > largest)) continue;
+    largest = cosine;
+    best = &mode;
+  }
+  return best;
+}
+
 CriticalPointFinder::Root CriticalPointFinder::refined_root(const PathSegment& segment, int k, int modes, double near) {
   std::array<double, kPlaces.size()> value{}, load{};
   Root root;
+  // Eigenvalues that meet at the root change their order there: the curve of one is followed by its mode.
+  std::optional<MixedVector> followed;
   for (size_t i = 0; i < kPlaces.size(); ++i) {
     Sample here = sample(segment, near + kSpacing * kPlaces[i], modes);
-    value[i] = eigenvalue(here.spectrum, k);
+    const EigenMode* mode = followed ? most_like(here.spectrum, *followed) : mode_of_rank(here.spectrum, k);
+    value[i] = mode == nullptr ? eigenvalue(here.spectrum, k) : mode->eigenvalue;
+    if (mode != nullptr) followed = mode->mode.clone(true);
     load[i] = here.load_factor;
     if (kPlaces[i] == 1) root.beside = std::move(here);
   }

@@ -40,6 +40,7 @@ class CriticalPointFinder {
     double at = 0.0, load_factor = 0.0, load_slope = 0.0;
     Sample beside;
   };
+  const EigenMode* most_like(const Spectrum& spectrum, const MixedVector& other) const;
   Root refined_root(const PathSegment& segment, int k, int modes, double near);
   CriticalPoint point_at(const PathSegment& segment, const Root& root);
   State state_at_bifurcation(const PathSegment& segment, const Root& root, const MixedVector& mode);

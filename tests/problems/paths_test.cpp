@@ -145,6 +145,21 @@ TEST(Paths, ColumnsAsStiffInBothDirectionsBuckleInBothAtOnce) {
   EXPECT_NEAR(round.critical[0].load_factor, 0.5, 0.5 * kLocated);
 }
 
+/// Hinged in one plane and clamped in the other: the second load of the first and the first one of the second are the
+/// same, 4 pi^2 EI / L^2, of two modes that have nothing to do with each other.
+TEST(Paths, TwoUnrelatedModesAtOneLoad) {
+  Scene scene = column(1.0, 1.0, 50.0);
+  scene.supports = {hinged("clamp"), hinged("tip")};
+  scene.supports[0].rotation_fixed = scene.supports[1].rotation_fixed = {true, true, false};
+  scene.supports[1].displacement_fixed = {false, true, true};
+  scene.members[0].elements = 16;
+  const Walk both = walk(scene);
+  ASSERT_EQ(both.critical.size(), 2u);
+  EXPECT_NEAR(both.critical[0].load_factor, kPi * kPi / 50.0, kLocated);
+  EXPECT_NEAR(both.critical[1].load_factor, 4.0 * kPi * kPi / 50.0, kLocated);
+  EXPECT_EQ(both.critical[1].modes, 2);
+}
+
 // Euler column, clamped-free, inextensible, shear-rigid: P / P_cr, x / L, y / L, reference values by shooting.
 TEST(Paths, BothBuckledBranchesOfAColumn) {
   struct Reference {
