@@ -23,6 +23,8 @@ void tell_open_mpi_that_it_is_alone() {
   setenv("OMPI_MCA_pml", "ob1", keep_the_users_choice);
   setenv("OMPI_MCA_btl", "self,vader", keep_the_users_choice);
   setenv("OMPI_MCA_mtl", "^ofi", keep_the_users_choice);
+  // All programs that are alone would share one folder of this name, and the first to end removes it under the others.
+  setenv("OMPI_MCA_orte_create_session_dirs", "false", keep_the_users_choice);
 }
 
 /// Vectors and states of large models come and go in every iteration. By default glibc returns such blocks to the
