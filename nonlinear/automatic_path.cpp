@@ -40,6 +40,8 @@ constexpr double kLargestDetour = 100.0;
 /// until Newton's method stays on it.
 constexpr double kBranchAmplitude = 0.1;
 constexpr int kBranchAttempts = 8;
+/// A rest of the stage that exceeds the step by no more than this share of it is rounding, and not worth a step.
+constexpr double kRoundedSteps = 1e-12;
 /// A controlled displacement has arrived when it differs from the target by this share of the scene's length: rounding.
 constexpr double kControlPrecision = 1e-13;
 
@@ -151,7 +153,7 @@ bool AutomaticPath::changes(const std::optional<StabilityResult>& stability) con
 
 bool AutomaticPath::step_by_load() {
   const double size = std::min(size_, range_.to - load_);
-  const double target = range_.to - load_ <= size_ * (1.0 + 1e-12) ? range_.to : load_ + size;
+  const double target = range_.to - load_ <= size_ * (1.0 + kRoundedSteps) ? range_.to : load_ + size;
   const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
   const Correction found = corrector_.at_load({state_, target}, most);
   if (!found.converged) {
@@ -326,10 +328,11 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
 bool AutomaticPath::follow() {
   try {
     if (!begin()) return false;
-    if (parameters_.analysis.trace && !tangent_ && !arrived() && !start_along_path()) return false;
+    const bool controlled = parameters_.analysis.control.has_value();
+    const bool traced = parameters_.analysis.trace && !controlled;
+    if (traced && !tangent_ && !arrived() && !start_along_path()) return false;
     while (!arrived()) {
       if (!may_try()) return false;
-      const bool controlled = parameters_.analysis.control.has_value();
       if (!(controlled ? step_by_control() : tangent_ ? step_along_path() : step_by_load())) return false;
     }
     return true;

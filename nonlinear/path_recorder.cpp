@@ -9,6 +9,7 @@ bool is_end_of_stage(double load_factor, double end) { return std::abs(load_fact
 PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
                            const PathObserver& observer, const PathControl& control, LoadPathResult& result)
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
+  is_controlled_ = parameters.analysis.control.has_value();
   if (looks_at_stability(parameters.analysis, problem->assembler.mesh().vertices()))
     stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
@@ -56,7 +57,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
   record_.clear();
   problem_->attempts.step_completed(result_.steps);
   if (observer_) observer_(report, state_);
-  const bool at_end = step.load_factor >= problem_->assembler.scene().stages;
+  const bool at_end = !is_controlled_ && step.load_factor >= problem_->assembler.scene().stages;
   if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
 }
 

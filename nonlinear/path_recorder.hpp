@@ -86,6 +86,7 @@ class PathRecorder {
   int counted_ = 0;
   int critical_points_ = 0;  ///< on the whole path so far
   bool started_ = false, branched_ = false;
+  bool is_controlled_ = false;  ///< by a displacement: then no load factor is the end of the path
 };
 
 }  // namespace mixbeam

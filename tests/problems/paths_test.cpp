@@ -168,6 +168,7 @@ TEST(Paths, BothBuckledBranchesOfAColumn) {
   for (const Reference& r : {Reference{1.01539686554, 0.969730907364, 0.219413042396},
                              Reference{1.51838879329, 0.348989300415, 0.791539496537},
                              Reference{4.03008596605, -0.340318855691, 0.624603512953}}) {
+    double first_side = 0.0;
     for (Branch branch : {Branch::positive, Branch::negative}) {
       Simulation simulation(column(100.0, 1.0, r.load * kEuler), on_branch(branch), this_rank());
       const Walk buckled = walk(simulation);
@@ -179,7 +180,6 @@ TEST(Paths, BothBuckledBranchesOfAColumn) {
       EXPECT_EQ(simulation.result().finished, true);
       ASSERT_TRUE(buckled.steps.back().stability.has_value());
       EXPECT_EQ(buckled.steps.back().stability->negative, 0) << "the buckled column is stable";
-      static double first_side = 0.0;
       if (branch == Branch::positive) first_side = tip[1];
       EXPECT_GT(side * first_side * tip[1], 0.0) << "the branches lie on opposite sides";
     }
