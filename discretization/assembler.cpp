@@ -27,11 +27,11 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
   build_maps(comm);
   mark_fixed_rows();
   mark_owned_interior();
-  build_graph();
+  build_adjacency();
 }
 
 MixedVector Assembler::create_vector() const {
-  return MixedVector(row_map_, structure_.increment_size, owned_interior_);
+  return MixedVector(maps_.rows, structure_.increment_size, owned_interior_);
 }
 
 void Assembler::set_load_factor(double load_factor) {
@@ -42,13 +42,12 @@ void Assembler::set_load_factor(double load_factor) {
 }
 
 void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const {
-  const auto start = adjacency_start_;
-  const auto adjacency = adjacency_;
+  const Adjacency adjacency = adjacency_;
   Kokkos::parallel_for(
       "mixbeam::gather::residual", Range(0, structure_.owned_vertices), KOKKOS_LAMBDA(int v) {
         double sum[kVertexDofs] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        for (int a = start(v); a < start(v + 1); ++a) {
-          const double* row = &element_rows(adjacency(a, 0), kVertexDofs * adjacency(a, 1));
+        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+          const double* row = &element_rows(adjacency.element(a, 0), kVertexDofs * adjacency.element(a, 1));
           for (int c = 0; c < kVertexDofs; ++c) sum[c] += row[c];
         }
         for (int c = 0; c < kVertexDofs; ++c) rows(kVertexDofs * v + c) = sum[c];
@@ -167,9 +166,8 @@ void Assembler::tangent(const State& state, double load_factor) {
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
-  assemble_matrix();
-  add_load_tangents(state, load_factor);
-  constraints_.turn(state, matrix_->getLocalMatrixHost());
+  tangent_ = {state, load_factor, true};
+  matrix_is_filled_ = false;
 }
 
 void Assembler::condense(const State& state, double load_factor, const MixedVector& scaled_rhs) {
@@ -200,55 +198,48 @@ void Assembler::softening_rows(const MixedVector& increment, MixedVector& out) c
   scale_rows(out, false);
 }
 
-void Assembler::assemble_matrix() {
-  const auto local = matrix_->getLocalMatrixHost();
-  const auto values = local.values;
-  const auto row_start = local.graph.row_map;
-  const auto start = adjacency_start_;
-  const auto adjacency = adjacency_;
-  const auto tangent = equations_.condensed_tangent;
-  Kokkos::parallel_for(
-      "mixbeam::gather::matrix", Range(0, structure_.owned_vertices), KOKKOS_LAMBDA(int v) {
-        for (int r = 0; r < kVertexDofs; ++r) {
-          double* row = &values(row_start(kVertexDofs * v + r));
-          const size_t width = row_start(kVertexDofs * v + r + 1) - row_start(kVertexDofs * v + r);
-          for (size_t c = 0; c < width; ++c) row[c] = 0.0;
-          for (int a = start(v); a < start(v + 1); ++a) {
-            const int end = adjacency(a, 1);
-            const double* element = &tangent(adjacency(a, 0), 12 * (kVertexDofs * end + r));
-            double* here = row + kVertexDofs * adjacency(a, 2);
-            double* there = row + kVertexDofs * adjacency(a, 3);
-            for (int c = 0; c < kVertexDofs; ++c) here[c] += element[kVertexDofs * end + c];
-            for (int c = 0; c < kVertexDofs; ++c) there[c] += element[kVertexDofs * (1 - end) + c];
-          }
-        }
-      });
+const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
+  if (matrix_ == nullptr) {
+    std::vector<RemainingLink> elements;
+    for (const ElementBlock& block : structure_.blocks)
+      for (int e = 0; e < block.count; ++e) {
+        const int element = block.first_element + e;
+        elements.push_back({element, element, {block.vertices(e, 0), block.vertices(e, 1)}});
+      }
+    const std::vector<unsigned char> all(structure_.local_vertices(), 1);
+    matrix_ = std::make_unique<VertexMatrix>(structure_, maps_, all, std::move(elements), conditions_.joints);
+  }
+  if (tangent_.exists && !matrix_is_filled_) {
+    PhaseTimer timer(times_, "assemble");
+    fill(*matrix_, {equations_.condensed_tangent, {}});
+    matrix_is_filled_ = true;
+  }
+  return matrix_->matrix();
+}
+
+void Assembler::fill(const VertexMatrix& matrix, const LinkMatrices& links) const {
+  matrix.gather(links);
+  const MatrixRows rows = matrix.rows();
+  add_load_tangents(rows);
+  constraints_.turn(tangent_.state, rows);
 }
 
 /// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are
 /// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
 /// vertex.
-void Assembler::add_load_tangents(const State& state, double load_factor) {
-  const auto local = matrix_->getLocalMatrixHost();
+void Assembler::add_load_tangents(const MatrixRows& rows) const {
   for (const VertexLoad& load : conditions_.loads) {
-    const SpatialLoad spatial = spatial_load(load, load.amplitude(load_factor), state);
+    const SpatialLoad spatial = spatial_load(load, load.amplitude(tangent_.load_factor), tangent_.state);
     const bool follower = load.frame == LoadFrame::follower;
-    const Mat moment = (follower ? 0.5 : -0.5) * hat(spatial.moment);
-    const Mat force = hat(spatial.force);
-    const int slot = adjacency_(adjacency_start_(load.vertex), 2);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const size_t column = kVertexDofs * slot + 3 + j;
-        local.values(local.graph.row_map(kVertexDofs * load.vertex + 3 + i) + column) += moment(i, j);
-        if (follower) local.values(local.graph.row_map(kVertexDofs * load.vertex + i) + column) += force(i, j);
-      }
+    rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
+    if (follower) rows.add(load.vertex, kForcePart, load.vertex, kMomentPart, hat(spatial.force));
   }
 }
 
 KernelView<const double* [6]> Assembler::local_increment(const MixedVector& increment) const {
   DofVector* source = &increment.vertex_dofs();
-  if (!import_.is_null()) {
-    ghosted_increment_->doImport(*source, *import_, Tpetra::REPLACE);
+  if (!maps_.import.is_null()) {
+    ghosted_increment_->doImport(*source, *maps_.import, Tpetra::REPLACE);
     source = ghosted_increment_.get();
   }
   const KernelView<double*> flat = MixedVector::view_of(*source);
@@ -310,7 +301,7 @@ Assembler::EndAngle Assembler::largest_end_angle() const {
       largest.angle = equations_.largest_end_angle(e);
       where = structure_.local_element_to_mesh[e];
     }
-  const auto& comm = *row_map_->getComm();
+  const auto& comm = *maps_.rows->getComm();
   const double everywhere = maximum_over_ranks(comm, largest.angle);
   int mine = largest.angle == everywhere ? where : -1, element = mine;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(element));

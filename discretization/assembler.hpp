@@ -10,7 +10,9 @@
 #include "discretization/residual_scales.hpp"
 #include "discretization/structure.hpp"
 #include "discretization/tpetra_types.hpp"
+#include "discretization/vertex_matrix.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,12 +30,12 @@ class Assembler {
   const Scene& scene() const { return scene_; }
   const Mesh& mesh() const { return mesh_; }
   const Structure& structure() const { return structure_; }
-  const Teuchos::RCP<const DofMap>& map() const { return row_map_; }
-  const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
+  const Teuchos::RCP<const DofMap>& map() const { return maps_.rows; }
+  const VertexMaps& vertex_maps() const { return maps_; }
   const ElementEquations& equations() const { return equations_; }
   const Conditions& conditions() const { return conditions_; }
   const LineFields& line_fields() const { return line_fields_; }
-  PhaseTimes& times() { return times_; }
+  PhaseTimes& times() const { return times_; }
 
   State reference_state() const { return mixbeam::reference_state(structure_, mesh_); }
   MixedVector create_vector() const;
@@ -48,9 +50,19 @@ class Assembler {
   /// Scales that residual() would use.
   ResidualScales scales_of(const State& state, double load_factor);
 
-  /// Element tangents, the global matrix and the condensed residual of `state`; call residual() of the same state
-  /// first.
+  /// Element tangents and the condensed residual of `state`; call residual() of the same state first. What is asked of
+  /// a tangent below refers to the last one.
   void tangent(const State& state, double load_factor);
+  /// The tangent as one matrix over all vertices, gathered when it is first asked for. Collective.
+  const Teuchos::RCP<DofMatrix>& matrix() const;
+  /// Gathers the links of the tangent into a matrix over some of the vertices and adds loads, supports and joints.
+  void fill(const VertexMatrix& matrix, const LinkMatrices& links) const;
+  /// Elements at each owned vertex, in an order that is the same for every partition.
+  struct Adjacency {
+    KernelView<int*> start;        ///< entries of vertex v: [start(v), start(v + 1))
+    KernelView<int* [2]> element;  ///< local element, its end here
+  };
+  const Adjacency& adjacency() const { return adjacency_; }
   /// Condensed (unscaled) residual of the last tangent().
   DofVector& condensed_residual() const { return *condensed_residual_; }
 
@@ -75,11 +87,13 @@ class Assembler {
   void load_derivative(const State& state, double load_factor, MixedVector& out);
 
   /// Matrix times a vertex vector, as assembled.
-  void apply_matrix(const DofVector& x, DofVector& y) const { matrix_->apply(x, y); }
+  void apply_matrix(const DofVector& x, DofVector& y) const { matrix()->apply(x, y); }
 
   /// Spatial forces and moments of the owned vertices (6 * owned vertex + component) become the free rows of the
   /// equations, those of constraints zero. Linear: the transpose of the motions that supports and joints permit.
   void turn_rows(const State& state, const KernelView<double*>& rows) const { constraints_.turn(state, rows); }
+  /// The same at the state of the tangent.
+  void turn_tangent_rows(const KernelView<double*>& rows) const { constraints_.turn(tangent_.state, rows); }
   /// (6 * owned vertex + component): 1 where a constraint stands in place of an equilibrium.
   KernelView<const unsigned char*> fixed_rows() const { return fixed_; }
 
@@ -107,17 +121,14 @@ class Assembler {
   void build_maps(const Communicator& comm);
   void mark_fixed_rows();
   void mark_owned_interior();
-  void build_graph();
-  void couple_joints(std::vector<std::vector<int>>& columns) const;
-  void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
+  void build_adjacency();
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
   void evaluate_elements(const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void scale_rows(MixedVector& v, bool inverse) const;
-  void assemble_matrix();
-  void add_load_tangents(const State& state, double load_factor);
+  void add_load_tangents(const MatrixRows& rows) const;
   void remember_constraint_forces(const State& state, double load_factor);
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
 
@@ -128,22 +139,26 @@ class Assembler {
   Conditions conditions_;
   ConstraintRows constraints_;
   AssemblerOptions options_;
-  Teuchos::RCP<const DofMap> row_map_, column_map_;
-  Teuchos::RCP<DofImport> import_;  ///< null on one rank
-  Teuchos::RCP<DofMatrix> matrix_;
+  VertexMaps maps_;
+  /// Where the tangent was taken.
+  struct {
+    State state;
+    double load_factor = 0.0;
+    bool exists = false;
+  } tangent_;
+  mutable std::unique_ptr<VertexMatrix> matrix_;  ///< over all vertices, built when it is first asked for
+  mutable bool matrix_is_filled_ = false;
   Teuchos::RCP<DofVector> condensed_residual_, ghosted_increment_;
   ElementEquations equations_;
   KernelView<unsigned char*> owned_interior_;
   KernelView<unsigned char*> fixed_;  ///< (6 * owned vertex + component)
-  // adjacency of each owned vertex: entries [adjacency_start(v), adjacency_start(v + 1))
-  KernelView<int*> adjacency_start_;
-  KernelView<int* [4]> adjacency_;  ///< local element, its end here, column slot of this vertex, of the other
+  Adjacency adjacency_;
   ResidualScales scales_;
   double load_factor_ = 0.0;
   bool line_fields_set_ = false;
   double stiffness_cap_ = 0.0, cap_raise_ = 1.0;
   double least_cap_ratio_ = 0.0;
-  PhaseTimes times_;
+  mutable PhaseTimes times_;
 };
 
 }  // namespace mixbeam

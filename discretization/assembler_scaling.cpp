@@ -71,10 +71,10 @@ StateMagnitude Assembler::magnitude(const State& state) const {
   // would be measured against its own rounding errors
   m.load_moment = std::max({m.load_moment, fields.couple, structure_.bending_reference * fields.curvature});
   m.eigenstrain = std::max(fields.strain, fields.turn);
-  if (!import_.is_null()) {
+  if (!maps_.import.is_null()) {
     double mine[7] = {m.force, m.moment, m.displacement, m.rotation, m.load_force, m.load_moment, m.eigenstrain};
     double all[7];
-    Teuchos::reduceAll(*row_map_->getComm(), Teuchos::REDUCE_MAX, 7, mine, all);
+    Teuchos::reduceAll(*maps_.rows->getComm(), Teuchos::REDUCE_MAX, 7, mine, all);
     m = {all[0], all[1], all[2], all[3], all[4], all[5], all[6]};
   }
   return m;
@@ -137,7 +137,7 @@ double Assembler::compatibility_norm(const MixedVector& scaled_residual) const {
   double largest = 0.0;
   for (const ElementBlock& block : structure_.blocks)
     largest = std::max(largest, largest_row(block, scaled_residual.interior(), 0, block.interior.relative_rotation(1)));
-  return maximum_over_ranks(*row_map_->getComm(), largest);
+  return maximum_over_ranks(*maps_.rows->getComm(), largest);
 }
 
 double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
@@ -154,7 +154,7 @@ double Assembler::equilibrium_norm(const MixedVector& scaled_residual) const {
   for (const ElementBlock& block : structure_.blocks)
     largest = std::max(largest,
                        largest_row(block, interior, block.interior.relative_rotation(1), block.interior.increments()));
-  return maximum_over_ranks(*row_map_->getComm(), largest);
+  return maximum_over_ranks(*maps_.rows->getComm(), largest);
 }
 
 }  // namespace mixbeam

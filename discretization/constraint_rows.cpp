@@ -59,8 +59,7 @@ bool ConstraintRows::remembers(const State& state, double load_factor) const {
                               remembered_load_factor_ == load_factor);
 }
 
-void ConstraintRows::turn(const State& state, const DofMatrix::local_matrix_host_type& matrix) const {
-  const MatrixRows rows(matrix);
+void ConstraintRows::turn(const State& state, const MatrixRows& rows) const {
   // the matrix holds second variations; their derivative has this beside them, and loads have added their part
   for (const Watched& w : watched_) rows.add(w.vertex, kMomentPart, w.vertex, kMomentPart, -0.5 * hat(w.moment));
   for (const VertexJoint& joint : joints_) {

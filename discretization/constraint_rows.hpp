@@ -29,7 +29,7 @@ class ConstraintRows {
   bool remembers(const State& state, double load_factor) const;
 
   /// The derivative of the equations from that of the spatial rows, at the state of remember().
-  void turn(const State& state, const DofMatrix::local_matrix_host_type& matrix) const;
+  void turn(const State& state, const MatrixRows& rows) const;
 
  private:
   /// A vertex whose forces and moments are balanced by more than loads.

@@ -43,6 +43,20 @@ double largest_magnitude(const ConstEntries& x) {
 
 }  // namespace
 
+double largest_part(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries, int first) {
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::vector::largest_part", Range(0, entries.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(int v, double& m) {
+        for (int c = 0; c < 3; ++c) {
+          const double a = magnitude(entries(static_cast<size_t>(kVertexDofs) * v + first + c));
+          if (a > m) m = a;
+        }
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
+}
+
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
   if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
   if (comm.getSize() == 1) return value;
@@ -71,6 +85,11 @@ KernelView<double*> MixedVector::writable_interior(bool keep_values) {
     if (keep_values) copy_entries(shared, interior_);
   }
   return interior_;
+}
+
+KernelView<const double*> MixedVector::view_of(const DofVector& v) {
+  const auto local = v.getLocalViewHost(Tpetra::Access::ReadOnly);
+  return KernelView<const double*>(local.data(), local.extent(0));
 }
 
 KernelView<double*> MixedVector::view_of(DofVector& v) {

@@ -21,7 +21,9 @@ class MixedVector {
   MixedVector clone(bool copy_values) const;
 
   KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }  ///< (6 * owned vertex + component)
-  static KernelView<double*> view_of(DofVector& v);  ///< the local entries of a Tpetra vector, not owned
+  /// The local entries of a Tpetra vector, not owned.
+  static KernelView<double*> view_of(DofVector& v);
+  static KernelView<const double*> view_of(const DofVector& v);
   KernelView<const double*> interior() const { return interior_; }
   /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
   KernelView<double*> writable_interior(bool keep_values);
@@ -54,6 +56,10 @@ class MixedVector {
   KernelView<double*> interior_;
   KernelView<const unsigned char*> owned_interior_;  ///< empty: all
 };
+
+/// Largest displacement or force (first = 0), rotation or moment (first = 3) among entries (6 * vertex + component) of
+/// all ranks.
+double largest_part(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries, int first);
 
 /// Largest of a value over all ranks; not-a-number on any rank wins.
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value);

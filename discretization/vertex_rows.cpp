@@ -4,10 +4,8 @@
 
 namespace mixbeam {
 
-/// The six entries of a row at a local vertex.
-double* MatrixRows::entries(int vertex, int component, int column_vertex) const {
-  const size_t row = vertex_row(vertex, component);
-  const int wanted = kVertexDofs * column_vertex;
+double* MatrixRows::entries(size_t row, int column_place) const {
+  const int wanted = kVertexDofs * column_place;
   size_t low = matrix_.graph.row_map(row) / kVertexDofs, high = matrix_.graph.row_map(row + 1) / kVertexDofs;
   while (low < high) {  // the blocks of six ascend
     const size_t middle = (low + high) / 2;
@@ -22,13 +20,13 @@ double* MatrixRows::entries(int vertex, int component, int column_vertex) const 
 }
 
 void MatrixRows::clear(int vertex, int component) const {
-  const size_t row = vertex_row(vertex, component);
-  for (size_t k = matrix_.graph.row_map(row); k < matrix_.graph.row_map(row + 1); ++k) matrix_.values(k) = 0.0;
+  const size_t cleared = row(vertex, component);
+  for (size_t k = matrix_.graph.row_map(cleared); k < matrix_.graph.row_map(cleared + 1); ++k) matrix_.values(k) = 0.0;
 }
 
 void MatrixRows::add(int vertex, int component, int column_vertex, VertexPart column_part, const Vec& value) const {
-  double* row = entries(vertex, component, column_vertex) + column_part;
-  for (int j = 0; j < 3; ++j) row[j] += value[j];
+  double* to = entries(row(vertex, component), place_(column_vertex)) + column_part;
+  for (int j = 0; j < 3; ++j) to[j] += value[j];
 }
 
 void MatrixRows::add(int vertex, VertexPart part, int column_vertex, VertexPart column_part, const Mat& block) const {
@@ -37,12 +35,12 @@ void MatrixRows::add(int vertex, VertexPart part, int column_vertex, VertexPart 
 }
 
 void MatrixRows::add_rows(int vertex, VertexPart part, const Mat& factor, int other, VertexPart other_part) const {
-  const size_t first = matrix_.graph.row_map(vertex_row(other, other_part));
-  const size_t width = matrix_.graph.row_map(vertex_row(other, other_part) + 1) - first;
+  const size_t first = matrix_.graph.row_map(row(other, other_part));
+  const size_t width = matrix_.graph.row_map(row(other, other_part) + 1) - first;
   for (size_t block = 0; block < width; block += kVertexDofs) {
-    const int column_vertex = matrix_.graph.entries(first + block) / kVertexDofs;
+    const int column_place = matrix_.graph.entries(first + block) / kVertexDofs;
     for (int i = 0; i < 3; ++i) {
-      double* to = entries(vertex, part + i, column_vertex);
+      double* to = entries(row(vertex, part + i), column_place);
       for (int c = 0; c < kVertexDofs; ++c)
         for (int j = 0; j < 3; ++j) to[c] += factor(i, j) * matrix_.values(first + j * width + block + c);
     }
@@ -50,8 +48,8 @@ void MatrixRows::add_rows(int vertex, VertexPart part, const Mat& factor, int ot
 }
 
 void MatrixRows::combine(int vertex, VertexPart part, const Mat& factor) const {
-  const size_t first = matrix_.graph.row_map(vertex_row(vertex, part));
-  const size_t width = matrix_.graph.row_map(vertex_row(vertex, part) + 1) - first;
+  const size_t first = matrix_.graph.row_map(row(vertex, part));
+  const size_t width = matrix_.graph.row_map(row(vertex, part) + 1) - first;
   for (size_t k = 0; k < width; ++k) {
     const Vec column{
         {matrix_.values(first + k), matrix_.values(first + width + k), matrix_.values(first + 2 * width + k)}};

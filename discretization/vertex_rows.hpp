@@ -22,7 +22,9 @@ inline void set_rows_of(const KernelView<double*>& rows, int vertex, VertexPart 
 /// local vertices, ascending.
 class MatrixRows {
  public:
-  explicit MatrixRows(const DofMatrix::local_matrix_host_type& matrix) : matrix_(matrix) {}
+  /// `place`: (local vertex) where it stands among rows and columns, -1 where it has none.
+  MatrixRows(const DofMatrix::local_matrix_host_type& matrix, const KernelView<const int*>& place)
+      : matrix_(matrix), place_(place) {}
 
   void clear(int vertex, int component) const;
   /// Adds value . (displacement or rotation of `column_vertex`) to a row.
@@ -35,9 +37,12 @@ class MatrixRows {
   void combine(int vertex, VertexPart part, const Mat& factor) const;
 
  private:
-  double* entries(int vertex, int component, int column_vertex) const;
+  size_t row(int vertex, int component) const { return vertex_row(place_(vertex), component); }
+  /// The six entries of a row at a place among the columns.
+  double* entries(size_t row, int column_place) const;
 
   DofMatrix::local_matrix_host_type matrix_;
+  KernelView<const int*> place_;
 };
 
 }  // namespace mixbeam

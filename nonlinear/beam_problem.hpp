@@ -3,7 +3,7 @@
 
 #include "discretization/assembler.hpp"
 #include "nonlinear/attempt_log.hpp"
-#include "nonlinear/linear_solver.hpp"
+#include "nonlinear/chain_solver.hpp"
 #include "nonlinear/solver_parameters.hpp"
 
 #include <memory>
@@ -19,8 +19,7 @@ class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : assembler(scene, comm, {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance}),
-        linear_solver(make_direct_solver(assembler.matrix(), parameters.linear.method,
-                                         parameters.linear.residual_tolerance, assembler.times())) {}
+        linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
 
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;

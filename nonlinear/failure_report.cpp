@@ -156,7 +156,7 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
     MixedVector residual = assembler.create_vector();
     assembler.residual(end.state, end.load_factor, residual);
     assembler.tangent(end.state, end.load_factor);
-    return condition_estimate(assembler.matrix(), parameters.linear.method, assembler.structure().length);
+    return condition_estimate(assembler.matrix(), sparse_solver_of(parameters.linear.method), assembler.structure().length);
   } catch (const std::exception&) {
     return {};
   }

@@ -110,6 +110,7 @@ void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& fu
 
 const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, const State& state) {
   probe(assembler, state);
+  assembler.matrix();  // gathers the present tangent
   root_.gather_values();
   if (!is_root()) return reduced_;
   const auto local = root_.matrix()->getLocalMatrixHost();

@@ -109,21 +109,6 @@ class DirectSolver : public LinearSolver {
   Teuchos::RCP<DofVector> x_, b_, correction_, residual_;
 };
 
-/// Largest displacement (first = 0) or rotation (first = 3) component of a vertex vector.
-double largest_of_kind(const Teuchos::Comm<int>& comm, const KernelView<const double*>& x, int first) {
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::backward_error::scale", Kokkos::RangePolicy<ExecutionSpace>(0, x.extent(0) / kVertexDofs),
-      KOKKOS_LAMBDA(int v, double& m) {
-        for (int c = 0; c < 3; ++c) {
-          const double value = x(kVertexDofs * v + first + c), a = value < 0.0 ? -value : value;
-          if (a > m) m = a;
-        }
-      },
-      Kokkos::Max<double>(largest));
-  return maximum_over_ranks(comm, largest);
-}
-
 }  // namespace
 
 double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b) {
@@ -139,7 +124,7 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
   const auto local = matrix.getLocalMatrixHost();
   const KernelView<const double*> xs(xv.data(), xv.extent(0)), bs(bv.data(), bv.extent(0));
   const Teuchos::Comm<int>& comm = *matrix.getRowMap()->getComm();
-  const double displacement = largest_of_kind(comm, xs, 0), rotation = largest_of_kind(comm, xs, 3);
+  const double displacement = largest_part(comm, xs, 0), rotation = largest_part(comm, xs, 3);
   double largest = 0.0;
   Kokkos::parallel_reduce(
       "mixbeam::backward_error", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()),

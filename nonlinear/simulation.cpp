@@ -49,7 +49,7 @@ double Simulation::condition_estimate() {
   equations.residual(state_, load_factor_, residual);
   equations.tangent(state_, load_factor_);
   problem_->tangent_owner = nullptr;  // the matrix no longer belongs to any group
-  return mixbeam::condition_estimate(equations.matrix(), parameters_.linear.method, equations.structure().length);
+  return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method), equations.structure().length);
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {

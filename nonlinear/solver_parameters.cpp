@@ -88,9 +88,11 @@ ListSpec newton_spec() {
 ListSpec linear_solver_spec() {
   const LinearSolverParameters& defaults = kDefaults.linear;
   ListSpec spec("Solution of the linear systems.");
-  spec.add(choice("Method", {"KLU2"})
+  spec.add(choice("Method", {"chains", "KLU2"})
                .by_default(defaults.method)
-               .means("KLU2: sparse direct solver of Amesos2, on rank 0 whatever the number of ranks."));
+               .means("chains: elements in a row are condensed to the ends of their chain in parallel, and KLU2 solves "
+                      "what is left; KLU2: sparse direct solver of Amesos2 for the whole matrix. KLU2 works on rank 0 "
+                      "whatever the number of ranks."));
   spec.add(real("Residual Tolerance")
                .above(0.0)
                .below(1.0)

@@ -1,0 +1,155 @@
+#include "discretization/condensed_system.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// Rounding of a solve with a pivot this small, relative to what it was computed from, leaves six digits; the check of
+/// the residual decides, this only saves the attempt.
+constexpr double kSmallestPivot = 1e-10;
+
+/// Whether the tangent of an element has a part without potential.
+bool is_unsymmetric(const ElementBlock& block, int e) {
+  if (block.field_row.extent(0) == 0) return false;
+  for (LineField field : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple})
+    if (block.field_row(e, static_cast<int>(field)) >= 0) return true;
+  return false;
+}
+
+std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
+  std::vector<std::array<int, 2>> ends(structure.local_elements());
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) ends[block.first_element + e] = {block.vertices(e, 0), block.vertices(e, 1)};
+  return ends;
+}
+
+/// Vertices that must not be eliminated for another reason than that members meet there.
+std::vector<unsigned char> kept_vertices(const Structure& structure, const Conditions& conditions) {
+  std::vector<unsigned char> kept(structure.local_vertices(), 0);
+  const int owned = structure.owned_vertices;
+  for (size_t v = owned; v < kept.size(); ++v) kept[v] = 1;
+  for (const VertexLoad& load : conditions.loads) kept[load.vertex] = 1;
+  for (const VertexSupport& support : conditions.supports) kept[support.vertex] = 1;
+  for (const VertexJoint& joint : conditions.joints) kept[joint.master] = kept[joint.slave] = 1;
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const int a = block.vertices(e, 0), b = block.vertices(e, 1);
+      if (a >= owned || b >= owned || is_unsymmetric(block, e)) kept[a] = kept[b] = 1;
+    }
+  return kept;
+}
+
+}  // namespace
+
+CondensedSystem::CondensedSystem(const Assembler& assembler)
+    : assembler_(assembler),
+      chains_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())) {
+  const Structure& structure = assembler.structure();
+  std::vector<unsigned char> present = chains_.eliminated();
+  for (unsigned char& p : present) p = p == 0 ? 1 : 0;
+  remaining_ = std::make_unique<VertexMatrix>(structure, assembler.vertex_maps(), present, chains_.remaining(),
+                                              assembler.conditions().joints);
+  eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
+  for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = chains_.eliminated()[v];
+  condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
+  ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int end = 0; end < 2; ++end) ends_(block.first_element + e, end) = block.vertices(e, end);
+  for (size_t e = 0; e < condensed_.extent(0); ++e) condensed_(e) = 1;
+  for (const RemainingLink& link : chains_.remaining())
+    if (link.link < structure.local_elements()) condensed_(link.link) = 0;
+}
+
+bool CondensedSystem::condense() {
+  const auto& tangents = assembler_.equations().condensed_tangent;
+  {
+    PhaseTimer timer(assembler_.times(), "condense chains");
+    pivots_ = chains_.factorize(tangents);
+  }
+  PhaseTimer timer(assembler_.times(), "assemble");
+  assembler_.fill(*remaining_, chains_.matrices(tangents));
+  return pivots_.smallest >= kSmallestPivot;
+}
+
+void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x) {
+  PhaseTimer timer(assembler_.times(), "solve");
+  const KernelView<const double*> rows = MixedVector::view_of(b);
+  const KernelView<double*> half = MixedVector::view_of(x), out = MixedVector::view_of(remaining_b);
+  chains_.condense_rows(rows, half);
+  remaining_->sum_at_ends(chains_.arrived(), assembler_.structure().local_elements(), half);
+  assembler_.turn_tangent_rows(half);
+  const KernelView<int*> vertices = remaining_->vertices();
+  Kokkos::parallel_for(
+      "mixbeam::chains::remaining_rows", Range(0, vertices.extent(0)), KOKKOS_LAMBDA(int r) {
+        for (int c = 0; c < kVertexDofs; ++c) {
+          const size_t row = vertex_row(vertices(r), c);
+          out(vertex_row(r, c)) = rows(row) + half(row);
+        }
+      });
+}
+
+void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
+  PhaseTimer timer(assembler_.times(), "solve");
+  const KernelView<const double*> from = MixedVector::view_of(remaining_x);
+  const KernelView<double*> to = MixedVector::view_of(x);
+  const KernelView<int*> vertices = remaining_->vertices();
+  Kokkos::parallel_for(
+      "mixbeam::chains::remaining_values", Range(0, vertices.extent(0)), KOKKOS_LAMBDA(int r) {
+        for (int c = 0; c < kVertexDofs; ++c) to(vertex_row(vertices(r), c)) = from(vertex_row(r, c));
+      });
+  chains_.expand(to);
+}
+
+double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const {
+  PhaseTimer timer(assembler_.times(), "check of the solve");
+  const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
+  const KernelView<double*> out = MixedVector::view_of(residual);
+  const LinkMatrices links = chains_.matrices(assembler_.equations().condensed_tangent);
+  remaining_->run_forces(links, chains_.arrived(), assembler_.structure().local_elements(), values, out);
+  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  const double displacement = largest_part(comm, values, kForcePart);
+  const double rotation = largest_part(comm, values, kMomentPart);
+  const auto adjacency = assembler_.adjacency();
+  const auto ends = ends_;
+  const auto eliminated = eliminated_;
+  const auto condensed = condensed_;
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::chains::error", Range(0, rows.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(int v, double& m) {
+        double left[kVertexDofs], size[kVertexDofs];
+        for (int r = 0; r < kVertexDofs; ++r) {
+          left[r] = eliminated(v) != 0 ? rows(vertex_row(v, r)) : out(vertex_row(v, r));
+          size[r] = left[r] < 0.0 ? -left[r] : left[r];
+        }
+        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+          const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
+          if (condensed(e) == 0) continue;
+          const double* matrix = links[e] + 12 * kVertexDofs * end;
+          for (int side = 0; side < 2; ++side) {
+            const double* at = &values(vertex_row(ends(e, side), 0));
+            for (int r = 0; r < kVertexDofs; ++r)
+              for (int c = 0; c < kVertexDofs; ++c) {
+                const double k = matrix[12 * r + kVertexDofs * side + c];
+                left[r] -= k * at[c];
+                size[r] += (k < 0.0 ? -k : k) * (c < 3 ? displacement : rotation);
+              }
+          }
+        }
+        for (int r = 0; r < kVertexDofs; ++r) {
+          const double absolute = left[r] < 0.0 ? -left[r] : left[r];
+          const double error = absolute == 0.0 ? 0.0 : absolute / size[r];
+          if (!(error <= m)) m = error == error ? error : HUGE_VAL;
+          out(vertex_row(v, r)) = eliminated(v) != 0 ? left[r] : 0.0;
+        }
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,44 @@
+/// The linear system of a tangent with its chains condensed to their ends: what is left of it is a matrix over the
+/// vertices where members meet, or that carry supports, joints, point loads, or line loads without potential.
+#pragma once
+
+#include "discretization/assembler.hpp"
+
+#include <memory>
+
+namespace mixbeam {
+
+class CondensedSystem {
+ public:
+  /// Collective. The assembler must outlive the system.
+  explicit CondensedSystem(const Assembler& assembler);
+
+  /// Vertices eliminated in chains, on this rank.
+  int eliminated_vertices() const { return chains_.eliminated_vertices(); }
+  const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
+
+  /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
+  bool condense();
+  long negative_pivots() const { return pivots_.negative; }
+
+  /// First half of a solve: the right-hand side of the remaining system; x is half done.
+  void condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x);
+  /// Second half.
+  void expand(const DofVector& remaining_x, DofVector& x) const;
+
+  /// max over the rows of chains of |b - K x|_i / (|K| X + |b|)_i as backward_error() measures it, and the same for
+  /// what the condensed chains do to their end vertices. Writes b - K x at eliminated vertices, zero at others, to
+  /// `residual`. Collective.
+  double chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const;
+
+ private:
+  const Assembler& assembler_;
+  ChainCondensation chains_;
+  ChainCondensation::Pivots pivots_;
+  std::unique_ptr<VertexMatrix> remaining_;
+  KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
+  KernelView<unsigned char*> eliminated_;  ///< (local vertex)
+  KernelView<unsigned char*> condensed_;   ///< (local element): 1 where it is part of a condensed chain
+};
+
+}  // namespace mixbeam

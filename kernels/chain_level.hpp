@@ -1,0 +1,53 @@
+/// Chains of links condensed to their two end vertices, many of them side by side: a direct solver for what hangs
+/// together like beads on a string. A link is an element or, on the next level, a whole run of links that has become
+/// one. Runs are cut by the structure alone, so results do not depend on the number of threads.
+#pragma once
+
+#include "kernels/element_block.hpp"
+#include "kernels/pack.hpp"
+
+namespace mixbeam {
+
+/// Matrices of links, (link, 12 x 12 row-major, ends as they are stored): those of the elements, then those of
+/// condensed runs.
+struct LinkMatrices {
+  KernelView<const double* [144]> elements;
+  KernelView<double* [144]> runs;
+  KOKKOS_INLINE_FUNCTION const double* operator[](int link) const {
+    const int count = static_cast<int>(elements.extent(0));
+    return link < count ? &elements(link, 0) : &runs(link - count, 0);
+  }
+};
+
+/// Numbers that the elimination of one vertex leaves behind: VertexFactors of chain_elimination.hpp.
+constexpr int kVertexFactorSize = 6 * 7 / 2 + 2 * 36;
+
+/// Runs of links that are condensed at the same time. kLanes runs make a pack; step s of a pack takes link s of each of
+/// its runs, shorter ones (and lanes without a run) then rest.
+struct ChainLevel {
+  int packs = 0;
+  KernelView<int*> step_start;       ///< (pack + 1): first step of each pack
+  KernelView<int* [kLanes]> link;    ///< (step, lane): 2 * link + 1 where it is passed from its second end, -1: none
+  KernelView<int* [kLanes]> vertex;  ///< (step, lane): local vertex at the far end of the link
+  KernelView<int* [kLanes]> first_vertex;  ///< (pack, lane): where the run begins
+  KernelView<int* [kLanes]> run;           ///< (pack, lane): number of the run, -1: none
+  KernelView<int* [kLanes]> links;         ///< (pack, lane): of the run
+  KernelView<double**> factors;  ///< (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
+  /// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
+  /// |pivot| / |diagonal entry of its vertex block|, not finite where a pivot is zero
+  KernelView<double* [2]> pivots;
+};
+
+/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Only entries of symmetric
+/// matrices are expected: the triangles are not compared.
+void condense_runs(const ChainLevel& level, const LinkMatrices& matrices);
+
+/// The same for a right-hand side `rows` (6 * vertex + component): at eliminated vertices x becomes D^-1 of what has
+/// arrived there; `arrived` (run, 12) is what each run adds to the rows of its end vertices.
+void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
+                   const KernelView<double* [12]>& arrived, const KernelView<double*>& x);
+
+/// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
+void expand_runs(const ChainLevel& level, const KernelView<double*>& x);
+
+}  // namespace mixbeam

@@ -1,0 +1,187 @@
+// Condensed chains give the solution of the whole matrix; where they cannot, the whole matrix is solved.
+#include "nonlinear/chain_solver.hpp"
+
+#include "kernels/execution_space.hpp"
+#include "tests/problems/constrained_scenes.hpp"
+#include "tests/problems/scenes.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam::test {
+namespace {
+
+constexpr double kCheckTolerance = 1e-8;  // of the solver's own check: its default
+/// Two eliminations in different orders: rounding of the entries, 1e-16, times the square of the number of elements
+/// (300 at most) times the ratio of axial to bending stiffness (1e3 per element) in the softest motion.
+constexpr double kAgreement = 1e-8;
+
+/// A scene in a state off equilibrium and away from the reference, with its tangent.
+class Tangent {
+ public:
+  Tangent(const Scene& scene, const Communicator& comm)
+      : assembler(scene, comm, {}), state(assembler.reference_state()) {
+    MixedVector motion = assembler.create_vector(), residual = assembler.create_vector();
+    const auto vertex = motion.vertex();
+    const double length = assembler.structure().length;
+    for (size_t i = 0; i < vertex.extent(0); ++i)
+      vertex(i) = 0.05 * std::sin(1.0 + 0.3 * global(i)) * (i % kVertexDofs < 3 ? 0.02 * length : 1.0);
+    state = assembler.apply(state, motion, 1.0);
+    assembler.residual(state, 0.5, residual);
+    assembler.tangent(state, 0.5);
+    b = Teuchos::rcp(new DofVector(assembler.map()));
+    const auto rows = MixedVector::view_of(*b);
+    for (size_t i = 0; i < rows.extent(0); ++i) rows(i) = std::cos(2.0 + 1.7 * global(i));
+  }
+
+  DofVector solution(LinearSolver& solver) const {
+    DofVector x(assembler.map());
+    solver.factorize();
+    EXPECT_LE(solver.solve(*b, x), kCheckTolerance);
+    return x;
+  }
+  DofVector solution_of_the_whole() const {
+    const auto solver = make_linear_solver(assembler, kSparseSolver, kCheckTolerance);
+    return solution(*solver);
+  }
+  /// The largest difference of displacements and of rotations, each relative to the largest of its kind.
+  double difference(const DofVector& x, const DofVector& y) const {
+    DofVector d(x, Teuchos::Copy);
+    d.update(-1.0, y, 1.0);
+    double worst = 0.0;
+    for (int part : {kForcePart, kMomentPart}) worst = std::max(worst, largest(d, part) / largest(y, part));
+    return worst;
+  }
+
+  Assembler assembler;
+  State state;
+  Teuchos::RCP<DofVector> b;
+
+ private:
+  double largest(const DofVector& x, int part) const {
+    return largest_part(*assembler.map()->getComm(), MixedVector::view_of(x), part);
+  }
+  double global(size_t local) const {
+    return static_cast<double>(assembler.map()->getGlobalElement(static_cast<int>(local)));
+  }
+};
+
+/// Two members that meet where nothing else happens, the second one drawn backwards, from a free end.
+Scene backward_member(int elements) {
+  Scene scene = cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 2, elements);
+  scene.points.push_back({"free", {1.5, 0.7, 0.2}});
+  scene.members.push_back(line("back", "free", "tip", 1, elements));
+  return scene;
+}
+
+std::vector<Scene> scenes() {
+  std::vector<Scene> all;
+  for (int elements : {1, 2, 3, 5, 8, 9, 33, 70, 300})
+    all.push_back(cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 1, elements));
+  for (int elements : {1, 4, 17}) all.push_back(backward_member(elements));
+  for (int elements : {1, 3, 12}) all.push_back(fork(2, elements));
+  all.push_back(portal_of_joints(2, 5));
+  return all;
+}
+
+void expect_solution_of_the_whole(const Communicator& comm) {
+  for (const Scene& scene : scenes()) {
+    const Tangent tangent(scene, comm);
+    ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+    const DofVector x = tangent.solution(chains), y = tangent.solution_of_the_whole();
+    EXPECT_LE(tangent.difference(x, y), kAgreement) << scene.members[0].elements;
+    EXPECT_EQ(chains.whole_solves(), 0);
+    // a later right-hand side uses the same factors
+    tangent.b->scale(-3.0);
+    DofVector again(tangent.assembler.map());
+    chains.solve(*tangent.b, again);
+    again.scale(-1.0 / 3.0);
+    EXPECT_LE(tangent.difference(again, y), kAgreement);
+  }
+}
+TEST(ChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(this_rank()); }
+TEST(MpiChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(all_ranks()); }
+
+TEST(ChainSolver, OnlyEndsJunctionsAndConditionsRemain) {
+  const Tangent tangent(backward_member(20), this_rank());
+  const CondensedSystem system(tangent.assembler);
+  // the clamp and the free end
+  EXPECT_EQ(system.matrix()->getNodeNumRows(), size_t{2} * kVertexDofs);
+  EXPECT_EQ(system.eliminated_vertices(), tangent.assembler.mesh().vertices() - 2);
+}
+
+TEST(ChainSolver, AWrongTangentWouldBeNoticed) {
+  const Tangent tangent(fork(2, 12), this_rank());
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  const DofVector x = tangent.solution(chains);
+  tangent.assembler.equations().condensed_tangent(5, 0) *= 1.01;
+  const auto whole = make_linear_solver(tangent.assembler, kSparseSolver, kCheckTolerance);
+  EXPECT_GT(tangent.difference(x, tangent.solution(chains)), 1e3 * kAgreement);
+}
+
+TEST(ChainSolver, ErrorIsSeenInEveryRowOfAChain) {
+  const Tangent tangent(fork(1, 12), this_rank());
+  CondensedSystem system(tangent.assembler);
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  const DofVector x = tangent.solution(chains);
+  ASSERT_TRUE(system.condense());
+  DofVector half(tangent.assembler.map()), rows(system.matrix()->getRangeMap()), residual(tangent.assembler.map());
+  system.condense_rows(*tangent.b, rows, half);
+  EXPECT_LE(system.chain_error(*tangent.b, x, residual), 1e-13);
+  for (int vertex : {0, 3, 12, 20}) {
+    DofVector wrong(x, Teuchos::Copy);
+    MixedVector::view_of(wrong)(vertex_row(vertex, 1)) *= 1.0 + 1e-4;
+    MixedVector::view_of(wrong)(vertex_row(vertex, 1)) += 1e-6;
+    EXPECT_GT(system.chain_error(*tangent.b, wrong, residual), 1e-9) << vertex;
+  }
+}
+
+/// Takes the diagonal entry of the first unknown of an inner vertex out of both links, so that the first pivot there is
+/// zero; its neighbours still hold it.
+void make_pivot_zero(const Tangent& tangent, int vertex) {
+  const auto adjacency = tangent.assembler.adjacency();
+  const auto tangents = tangent.assembler.equations().condensed_tangent;
+  for (int a = adjacency.start(vertex); a < adjacency.start(vertex + 1); ++a)
+    tangents(adjacency.element(a, 0), 13 * kVertexDofs * adjacency.element(a, 1)) = 0.0;
+}
+
+TEST(ChainSolver, ZeroPivotInAChainIsSolvedAsAWhole) {
+  const Tangent tangent(fork(1, 12), this_rank());
+  make_pivot_zero(tangent, 4);  // the first one in a run of three
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  const DofVector x = tangent.solution(chains);
+  EXPECT_EQ(chains.whole_solves(), 1);
+  EXPECT_LE(tangent.difference(x, tangent.solution_of_the_whole()), kAgreement);
+}
+
+TEST(ChainSolver, MechanismIsReported) {
+  Scene scene = cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 1, 12);
+  scene.supports[0].displacement_fixed[0] = false;  // free along the rod
+  const Tangent tangent(scene, this_rank());
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  chains.factorize();
+  DofVector x(tangent.assembler.map());
+  try {
+    chains.solve(*tangent.b, x);
+  } catch (const LinearSolverError&) {
+  }
+  EXPECT_EQ(chains.whole_solves(), 1);  // and what a sparse solver makes of rounding errors is its own business
+}
+
+TEST(ChainSolver, SameBitsForAnyNumberOfThreads) {
+  const int before = number_of_threads();
+  const Tangent tangent(fork(2, 150), this_rank());
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  set_number_of_threads(1);
+  const DofVector x = tangent.solution(chains);
+  for (int threads : {2, 4}) {
+    set_number_of_threads(threads);
+    const DofVector y = tangent.solution(chains);
+    EXPECT_EQ(tangent.difference(x, y), 0.0);
+  }
+  set_number_of_threads(before);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
