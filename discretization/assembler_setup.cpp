@@ -2,7 +2,7 @@
 #include "discretization/assembler.hpp"
 
 #include <algorithm>
-#include <tuple>
+#include <numeric>
 #include <vector>
 
 namespace mixbeam {
@@ -41,33 +41,31 @@ void Assembler::mark_owned_interior() {
 
 void Assembler::build_adjacency() {
   const int owned = structure_.owned_vertices;
-  struct Touch {
-    int mesh_element, end, element;
-    bool operator<(const Touch& other) const {
-      return std::tie(mesh_element, end) < std::tie(other.mesh_element, other.end);
+  std::vector<int> elements(structure_.local_elements());
+  std::iota(elements.begin(), elements.end(), 0);
+  std::sort(elements.begin(), elements.end(),
+            [this](int a, int b) { return structure_.local_element_to_mesh[a] < structure_.local_element_to_mesh[b]; });
+  const auto for_each_end = [&](const auto& action) {
+    const ElementBlock* block = &structure_.blocks.front();
+    for (int element : elements) {
+      if (element < block->first_element || element >= block->first_element + block->count)
+        block = &structure_.block_of(element);
+      for (int end = 0; end < 2; ++end) {
+        const int vertex = block->vertices(element - block->first_element, end);
+        if (vertex < owned) action(vertex, element, end);
+      }
     }
   };
-  std::vector<std::vector<Touch>> touching(owned);
-  int count = 0;
-  for (const ElementBlock& block : structure_.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int end = 0; end < 2; ++end) {
-        const int v = block.vertices(e, end), element = block.first_element + e;
-        if (v >= owned) continue;
-        touching[v].push_back({structure_.local_element_to_mesh[element], end, element});
-        ++count;
-      }
   adjacency_.start = KernelView<int*>("mixbeam::adjacency_start", owned + 1);
-  adjacency_.element = KernelView<int* [2]>("mixbeam::adjacency", count);
-  for (int v = 0; v < owned; ++v) {
-    std::sort(touching[v].begin(), touching[v].end());
-    int a = adjacency_.start(v);
-    for (const Touch& touch : touching[v]) {
-      adjacency_.element(a, 0) = touch.element;
-      adjacency_.element(a++, 1) = touch.end;
-    }
-    adjacency_.start(v + 1) = a;
-  }
+  for_each_end([&](int vertex, int, int) { ++adjacency_.start(vertex + 1); });
+  for (int v = 0; v < owned; ++v) adjacency_.start(v + 1) += adjacency_.start(v);
+  adjacency_.element = KernelView<int* [2]>("mixbeam::adjacency", adjacency_.start(owned));
+  std::vector<int> next(adjacency_.start.data(), adjacency_.start.data() + owned);
+  for_each_end([&](int vertex, int element, int end) {
+    const int entry = next[vertex]++;
+    adjacency_.element(entry, 0) = element;
+    adjacency_.element(entry, 1) = end;
+  });
 }
 
 }  // namespace mixbeam

@@ -51,20 +51,6 @@ bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
   return block.vertices(e, 0) < structure.owned_vertices;
 }
 
-void append(const PointSample& sample, int element, MemberSamples& out) {
-  const auto array = [](const Vec& v) { return std::array<double, 3>{v[0], v[1], v[2]}; };
-  out.arc_length.push_back(sample.arc_length);
-  out.element.push_back(element);
-  out.reference_position.push_back(array(sample.reference_position));
-  out.position.push_back(array(sample.position));
-  out.displacement.push_back(array(sample.displacement));
-  out.triad.push_back({sample.triad.w, sample.triad.x, sample.triad.y, sample.triad.z});
-  out.force_strain.push_back(array(sample.force_strain));
-  out.moment_strain.push_back(array(sample.moment_strain));
-  out.material_force.push_back(array(sample.force));
-  out.material_moment.push_back(array(sample.moment));
-}
-
 /// (gamma, kappa) = S (N, M)
 void set_strains(const Matrix6& compliance, PointSample& sample) {
   sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
@@ -150,52 +136,95 @@ int smooth_points(int order) {
 
 namespace {
 
+/// More smooth curves than this are no better to look at: the elements of larger structures are sampled at both ends
+/// only.
+constexpr size_t kMostSmoothSamples = 1'000'000;
+
 /// Place of the first sample of every element in the order of the mesh, and the number of all samples behind them.
 std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
-  std::vector<size_t> first(mesh.elements.size() + 1, 0);
-  for (size_t e = 0; e < mesh.elements.size(); ++e) {
-    const int order = scene.members[mesh.elements[e].member].order;
-    first[e + 1] = first[e] + (points_per_element == kPointsByOrder ? smooth_points(order) : points_per_element);
-  }
-  return first;
+  const auto places = [&](const auto& points_of_order) {
+    std::vector<size_t> first(mesh.elements.size() + 1, 0);
+    for (size_t e = 0; e < mesh.elements.size(); ++e)
+      first[e + 1] = first[e] + points_of_order(scene.members[mesh.elements[e].member].order);
+    return first;
+  };
+  if (points_per_element != kPointsByOrder) return places([&](int) { return points_per_element; });
+  std::vector<size_t> first = places(smooth_points);
+  return first.back() <= kMostSmoothSamples ? first : places([](int) { return 2; });
+}
+
+void put(const PointSample& sample, int element, size_t place, MemberSamples& member) {
+  const auto array = [](const Vec& v) { return Vector3{v[0], v[1], v[2]}; };
+  member.arc_length[place] = sample.arc_length;
+  member.element[place] = element;
+  member.reference_position[place] = array(sample.reference_position);
+  member.position[place] = array(sample.position);
+  member.displacement[place] = array(sample.displacement);
+  member.triad[place] = {sample.triad.w, sample.triad.x, sample.triad.y, sample.triad.z};
+  member.force_strain[place] = array(sample.force_strain);
+  member.moment_strain[place] = array(sample.moment_strain);
+  member.material_force[place] = array(sample.force);
+  member.material_moment[place] = array(sample.moment);
+}
+
+/// Calls action(mesh element, place, sample) for every sample that this rank answers for.
+template <class Action>
+void for_each_sample(const Assembler& assembler, const State& state, const std::vector<size_t>& first,
+                     const Action& action) {
+  const Structure& structure = assembler.structure();
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const int local = block.first_element + e, element = structure.local_element_to_mesh[local];
+      const size_t points = first[element + 1] - first[element];
+      for (size_t i = 0; i < points; ++i) {
+        const double xi = -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1);
+        action(element, first[element] + i, sample_element(structure, assembler.mesh(), state, local, xi));
+      }
+    }
+}
+
+/// Every sample has one place in the order of the mesh; a rank fills its own and zeros elsewhere, and they are added.
+std::vector<double> samples_of_all_ranks(const Assembler& assembler, const State& state,
+                                         const std::vector<size_t>& first) {
+  std::vector<double> mine(first.back() * kSampleNumbers, 0.0), all(mine.size());
+  for_each_sample(assembler, state, first, [&](int, size_t place, const PointSample& sample) {
+    std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, &mine[place * kSampleNumbers]);
+  });
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
+                     all.data());
+  return all;
 }
 
 }  // namespace
 
 std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
                                           int points_per_element) {
-  const Structure& structure = assembler.structure();
   const Mesh& mesh = assembler.mesh();
-  const auto& comm = *assembler.map()->getComm();
-  // every sample has one place in the order of the mesh; a rank fills its own and zeros elsewhere, rank 0 adds them up
   const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
-  std::vector<double> mine(first.back() * kSampleNumbers, 0.0);
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!answers_for(structure, block, e)) continue;
-      const int local = block.first_element + e;
-      const size_t begin = first[structure.local_element_to_mesh[local]];
-      const size_t points = first[structure.local_element_to_mesh[local] + 1] - begin;
-      for (size_t i = 0; i < points; ++i) {
-        const double xi = -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1);
-        const PointSample sample = sample_element(structure, mesh, state, local, xi);
-        std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers,
-                    mine.begin() + static_cast<std::ptrdiff_t>((begin + i) * kSampleNumbers));
-      }
-    }
-  std::vector<double> all(comm.getSize() > 1 ? mine.size() : 0);
-  if (comm.getSize() > 1)
-    Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all.data());
-  const std::vector<double>& numbers = comm.getSize() > 1 ? all : mine;
+  const auto& comm = *assembler.map()->getComm();
   std::vector<MemberSamples> members(scene.members.size());
-  for (size_t m = 0; m < members.size(); ++m) members[m].name = scene.members[m].name;
+  for (size_t m = 0; m < members.size(); ++m) {
+    members[m].name = scene.members[m].name;
+    const MeshMember& member = mesh.members[m];
+    if (comm.getRank() == 0)
+      members[m].resize(first[member.first_element + member.elements] - first[member.first_element]);
+  }
+  const auto keep = [&](int element, size_t place, const PointSample& sample) {
+    const MeshElement& of = mesh.elements[element];
+    put(sample, of.index, place - first[mesh.members[of.member].first_element], members[of.member]);
+  };
+  if (comm.getSize() == 1) {
+    for_each_sample(assembler, state, first, keep);
+    return members;
+  }
+  const std::vector<double> numbers = samples_of_all_ranks(assembler, state, first);
   if (comm.getRank() != 0) return members;
   for (size_t e = 0; e < mesh.elements.size(); ++e)
     for (size_t place = first[e]; place < first[e + 1]; ++place) {
       PointSample sample;
-      std::copy_n(numbers.begin() + static_cast<std::ptrdiff_t>(place * kSampleNumbers), kSampleNumbers,
-                  reinterpret_cast<double*>(&sample));
-      append(sample, mesh.elements[e].index, members[mesh.elements[e].member]);
+      std::copy_n(&numbers[place * kSampleNumbers], kSampleNumbers, reinterpret_cast<double*>(&sample));
+      keep(static_cast<int>(e), place, sample);
     }
   return members;
 }

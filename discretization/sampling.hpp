@@ -29,7 +29,8 @@ PointSample sample_member(const Assembler& assembler, const State& state, int me
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.
 int smooth_points(int order);
 
-/// In place of a number of points for each element: smooth_points() of its order.
+/// In place of a number of points for each element: smooth_points() of its order, or both ends alone where that would
+/// make more than a million samples.
 inline constexpr int kPointsByOrder = 0;
 
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends

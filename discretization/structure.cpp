@@ -235,14 +235,19 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
   return state;
 }
 
+// Not initialised: the threads that write them first get their pages.
 ElementEquations allocate_equations(const Structure& structure) {
+  using Kokkos::view_alloc;
+  using Kokkos::WithoutInitializing;
   const int n = structure.local_elements();
   ElementEquations equations;
-  equations.residual = KernelView<double* [12]>("mixbeam::element_residual", n);
-  equations.condensed_residual = KernelView<double* [12]>("mixbeam::condensed_residual", n);
-  equations.condensed_tangent = KernelView<double* [144]>("mixbeam::condensed_tangent", n);
-  equations.response = KernelView<double*>("mixbeam::response", structure.response_size);
-  equations.largest_end_angle = KernelView<double*>("mixbeam::largest_end_angle", n);
+  equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
+  equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
+  equations.condensed_tangent =
+      KernelView<double* [144]>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n);
+  equations.response =
+      KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
+  equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);
   return equations;
 }
 

@@ -62,7 +62,7 @@ State reference_state(const Structure& structure, const Mesh& mesh);
 /// Room for a state, not initialised.
 State allocate_state(const Structure& structure);
 
-/// Arrays that one evaluation of all elements writes.
+/// Arrays that one evaluation of all elements writes. Residual and condensed residual share their numbers.
 ElementEquations allocate_equations(const Structure& structure);
 
 }  // namespace mixbeam
