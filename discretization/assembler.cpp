@@ -217,7 +217,7 @@ const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
   return matrix_->matrix();
 }
 
-void Assembler::fill(const VertexMatrix& matrix, const LinkMatrices& links) const {
+void Assembler::fill(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const {
   matrix.gather(links);
   const MatrixRows rows = matrix.rows();
   add_load_tangents(rows);

@@ -56,7 +56,7 @@ class Assembler {
   /// The tangent as one matrix over all vertices, gathered when it is first asked for. Collective.
   const Teuchos::RCP<DofMatrix>& matrix() const;
   /// Gathers the links of the tangent into a matrix over some of the vertices and adds loads, supports and joints.
-  void fill(const VertexMatrix& matrix, const LinkMatrices& links) const;
+  void fill(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const;
   /// Elements at each owned vertex, in an order that is the same for every partition.
   struct Adjacency {
     KernelView<int*> start;        ///< entries of vertex v: [start(v), start(v + 1))

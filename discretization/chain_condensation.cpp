@@ -29,7 +29,7 @@ struct Touching {
 
 }  // namespace
 
-ChainCondensation::ChainCondensation(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept)
+ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept)
     : elements_(static_cast<int>(ends.size())) {
   std::vector<Chain> chains = trace(ends, kept);
   eliminated_.assign(kept.size(), 0);
@@ -40,10 +40,6 @@ ChainCondensation::ChainCondensation(const std::vector<std::array<int, 2>>& ends
   for (const Chain& chain : chains) lowest.push_back(*std::min_element(chain.links.begin(), chain.links.end()) / 2);
   while (std::any_of(chains.begin(), chains.end(), [](const Chain& c) { return c.links.size() > 1; }))
     add_level(chains);
-  run_matrices_ = KernelView<double* [144]>("mixbeam::chains::matrices", runs_);
-  arrived_ = KernelView<double* [12]>("mixbeam::chains::arrived", runs_);
-  pivots_ = KernelView<double* [2]>("mixbeam::chains::pivots", runs_);
-  for (ChainLevel& level : levels_) level.pivots = pivots_;
   for (size_t c = 0; c < chains.size(); ++c) {
     const bool turned = chains[c].links[0] % 2 == 1;  // an element that nothing was joined to
     const int a = chains[c].vertices.front(), b = chains[c].vertices.back();
@@ -54,8 +50,8 @@ ChainCondensation::ChainCondensation(const std::vector<std::array<int, 2>>& ends
 }
 
 /// Chains between vertices that stay, every element in one of them. A ring without any such vertex keeps one.
-std::vector<ChainCondensation::Chain> ChainCondensation::trace(const std::vector<std::array<int, 2>>& ends,
-                                                               std::vector<unsigned char>& kept) const {
+std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::array<int, 2>>& ends,
+                                                         std::vector<unsigned char>& kept) const {
   std::vector<Touching> touching(kept.size());
   for (int e = 0; e < elements_; ++e)
     for (int vertex : ends[e]) {
@@ -94,7 +90,7 @@ std::vector<ChainCondensation::Chain> ChainCondensation::trace(const std::vector
 }
 
 /// Cuts every chain of more than one link into runs of nearly equal length, each of which becomes a link.
-void ChainCondensation::add_level(std::vector<Chain>& chains) {
+void ChainStructure::add_level(std::vector<Chain>& chains) {
   std::vector<Run> runs;
   const int first_run = runs_;
   std::vector<Chain> shorter(chains.size());
@@ -119,8 +115,7 @@ void ChainCondensation::add_level(std::vector<Chain>& chains) {
 }
 
 /// Runs of equal length side by side.
-ChainLevel ChainCondensation::pack(const std::vector<Chain>& chains, const std::vector<Run>& runs,
-                                   int first_run) const {
+ChainLevel ChainStructure::pack(const std::vector<Chain>& chains, const std::vector<Run>& runs, int first_run) const {
   std::vector<int> order(runs.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return runs[a].length() > runs[b].length(); });
@@ -135,8 +130,6 @@ ChainLevel ChainCondensation::pack(const std::vector<Chain>& chains, const std::
   level.first_vertex = KernelView<int* [kLanes]>("mixbeam::chains::first_vertex", level.packs);
   level.run = KernelView<int* [kLanes]>("mixbeam::chains::run", level.packs);
   level.links = KernelView<int* [kLanes]>("mixbeam::chains::links", level.packs);
-  level.factors = KernelView<double**>(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                                       steps - level.packs, kVertexFactorSize * kLanes);
   for (int p = 0; p < level.packs; ++p)
     for (int lane = 0; lane < kLanes; ++lane) {
       const size_t slot = static_cast<size_t>(p) * kLanes + lane;
@@ -154,33 +147,42 @@ ChainLevel ChainCondensation::pack(const std::vector<Chain>& chains, const std::
   return level;
 }
 
-LinkMatrices ChainCondensation::matrices(const KernelView<double* [144]>& element_tangents) const {
-  return {element_tangents, run_matrices_};
+template <int N>
+ChainCondensation<N>::ChainCondensation(const ChainStructure& structure)
+    : structure_(structure),
+      run_matrices_("mixbeam::chains::matrices", structure.runs()),
+      arrived_("mixbeam::chains::arrived", structure.runs()),
+      pivots_("mixbeam::chains::pivots", structure.runs()) {
+  // not initialised: the threads that write them first get their pages
+  for (const ChainLevel& level : structure.levels())
+    factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
+                          level.eliminations(), vertex_factor_size(N) * kLanes);
 }
 
-size_t ChainCondensation::bytes() const {
-  size_t numbers = run_matrices_.span() + arrived_.span() + pivots_.span();
-  for (const ChainLevel& level : levels_) numbers += level.factors.span() + level.link.span();
-  return numbers * sizeof(double);
-}
-
-ChainCondensation::Pivots ChainCondensation::factorize(const KernelView<double* [144]>& element_tangents) {
-  const LinkMatrices all = matrices(element_tangents);
-  for (const ChainLevel& level : levels_) condense_runs(level, all);
+template <int N>
+typename ChainCondensation<N>::Pivots ChainCondensation<N>::factorize(const Matrices& element_tangents) {
+  const LinkMatrices<N> all = matrices(element_tangents);
+  for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(structure_.levels()[l], all, factors_[l], pivots_);
   Pivots result;
-  for (int run = 0; run < runs_; ++run) {
+  for (int run = 0; run < structure_.runs(); ++run) {
     result.negative += static_cast<long>(pivots_(run, 0));
     if (!(pivots_(run, 1) >= result.smallest)) result.smallest = pivots_(run, 1);
   }
   return result;
 }
 
-void ChainCondensation::condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
-  for (const ChainLevel& level : levels_) mixbeam::condense_rows(level, elements_, rows, arrived_, x);
+template <int N>
+void ChainCondensation<N>::condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
+  for (size_t l = 0; l < factors_.size(); ++l)
+    mixbeam::condense_rows<N>(structure_.levels()[l], structure_.elements(), rows, factors_[l], arrived_, x);
 }
 
-void ChainCondensation::expand(const KernelView<double*>& x) const {
-  for (auto level = levels_.rbegin(); level != levels_.rend(); ++level) expand_runs(*level, x);
+template <int N>
+void ChainCondensation<N>::expand(const KernelView<double*>& x) const {
+  for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(structure_.levels()[l], factors_[l], x);
 }
+
+template class ChainCondensation<kSpatialDofs>;
+template class ChainCondensation<kPlanarDofs>;
 
 }  // namespace mixbeam

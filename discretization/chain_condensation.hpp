@@ -17,31 +17,20 @@ struct RemainingLink {
   std::array<int, 2> vertex{};
 };
 
-class ChainCondensation {
+/// Which vertices are eliminated, and in what order.
+class ChainStructure {
  public:
-  ChainCondensation() = default;
   /// `ends`: local vertices of each local element; `kept`: (local vertex) not to be eliminated.
-  ChainCondensation(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept);
+  ChainStructure(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept);
 
+  int elements() const { return elements_; }
+  /// Condensed runs of all levels; links are the elements, then the runs.
+  int runs() const { return runs_; }
   /// (local vertex): 1 where it is eliminated.
   const std::vector<unsigned char>& eliminated() const { return eliminated_; }
   int eliminated_vertices() const { return eliminated_vertices_; }
   const std::vector<RemainingLink>& remaining() const { return remaining_; }
-  LinkMatrices matrices(const KernelView<double* [144]>& element_tangents) const;
-  /// (run, 12): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
-  const KernelView<double* [12]>& arrived() const { return arrived_; } size_t
-      bytes() const;  ///< of factors and condensed matrices
-
-  struct Pivots {
-    long negative = 0;      ///< below zero
-    double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
-  };
-  /// Eliminates; the elements' tangents must be symmetric wherever a vertex is eliminated.
-  Pivots factorize(const KernelView<double* [144]>& element_tangents);
-  /// First half of a solve: eliminated rows of `rows` (6 * local vertex + component) leave x half done.
-  void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x);
-  /// Second half: eliminated entries of x from the others.
-  void expand(const KernelView<double*>& x) const;
+  const std::vector<ChainLevel>& levels() const { return levels_; }
 
  private:
   struct Chain {
@@ -61,9 +50,38 @@ class ChainCondensation {
   std::vector<unsigned char> eliminated_;
   std::vector<RemainingLink> remaining_;
   std::vector<ChainLevel> levels_;
-  KernelView<double* [144]> run_matrices_;
-  KernelView<double* [12]> arrived_;
-  KernelView<double* [2]> pivots_;
+};
+
+/// The numbers of an elimination with N unknowns for each vertex.
+template <int N>
+class ChainCondensation {
+ public:
+  using Matrices = KernelView<double * [4 * N * N]>;
+
+  /// The structure must outlive this.
+  explicit ChainCondensation(const ChainStructure& structure);
+
+  LinkMatrices<N> matrices(const Matrices& element_tangents) const { return {element_tangents, run_matrices_}; }
+  /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
+  const KernelView<double* [2 * N]>& arrived() const { return arrived_; }
+
+  struct Pivots {
+    long negative = 0;      ///< below zero
+    double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
+  };
+  /// Eliminates; the elements' tangents must be symmetric wherever a vertex is eliminated.
+  Pivots factorize(const Matrices& element_tangents);
+  /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done.
+  void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x);
+  /// Second half: eliminated entries of x from the others.
+  void expand(const KernelView<double*>& x) const;
+
+ private:
+  const ChainStructure& structure_;
+  std::vector<ChainFactors> factors_;  ///< (level)
+  Matrices run_matrices_;
+  KernelView<double * [2 * N]> arrived_;
+  ChainPivots pivots_;
 };
 
 }  // namespace mixbeam

@@ -47,21 +47,22 @@ std::vector<unsigned char> kept_vertices(const Structure& structure, const Condi
 
 CondensedSystem::CondensedSystem(const Assembler& assembler)
     : assembler_(assembler),
-      chains_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())) {
+      structure_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())),
+      chains_(structure_) {
   const Structure& structure = assembler.structure();
-  std::vector<unsigned char> present = chains_.eliminated();
+  std::vector<unsigned char> present = structure_.eliminated();
   for (unsigned char& p : present) p = p == 0 ? 1 : 0;
-  remaining_ = std::make_unique<VertexMatrix>(structure, assembler.vertex_maps(), present, chains_.remaining(),
+  remaining_ = std::make_unique<VertexMatrix>(structure, assembler.vertex_maps(), present, structure_.remaining(),
                                               assembler.conditions().joints);
   eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
-  for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = chains_.eliminated()[v];
+  for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = structure_.eliminated()[v];
   condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
   ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e)
       for (int end = 0; end < 2; ++end) ends_(block.first_element + e, end) = block.vertices(e, end);
   for (size_t e = 0; e < condensed_.extent(0); ++e) condensed_(e) = 1;
-  for (const RemainingLink& link : chains_.remaining())
+  for (const RemainingLink& link : structure_.remaining())
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;
 }
 
@@ -109,7 +110,7 @@ double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofV
   PhaseTimer timer(assembler_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
   const KernelView<double*> out = MixedVector::view_of(residual);
-  const LinkMatrices links = chains_.matrices(assembler_.equations().condensed_tangent);
+  const LinkMatrices<kSpatialDofs> links = chains_.matrices(assembler_.equations().condensed_tangent);
   remaining_->run_forces(links, chains_.arrived(), assembler_.structure().local_elements(), values, out);
   const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
   const double displacement = largest_part(comm, values, kForcePart);

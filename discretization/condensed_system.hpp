@@ -14,7 +14,7 @@ class CondensedSystem {
   explicit CondensedSystem(const Assembler& assembler);
 
   /// Vertices eliminated in chains, on this rank.
-  int eliminated_vertices() const { return chains_.eliminated_vertices(); }
+  int eliminated_vertices() const { return structure_.eliminated_vertices(); }
   const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
 
   /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
@@ -33,8 +33,9 @@ class CondensedSystem {
 
  private:
   const Assembler& assembler_;
-  ChainCondensation chains_;
-  ChainCondensation::Pivots pivots_;
+  ChainStructure structure_;
+  ChainCondensation<kSpatialDofs> chains_;
+  ChainCondensation<kSpatialDofs>::Pivots pivots_;
   std::unique_ptr<VertexMatrix> remaining_;
   KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
   KernelView<unsigned char*> eliminated_;  ///< (local vertex)

@@ -140,7 +140,7 @@ void VertexMatrix::build_matrix(const std::vector<std::vector<int>>& columns, si
   matrix_->expertStaticFillComplete(row_map_, row_map_, import_);
 }
 
-void VertexMatrix::gather(const LinkMatrices& links) const {
+void VertexMatrix::gather(const LinkMatrices<kSpatialDofs>& links) const {
   const auto local = matrix_->getLocalMatrixHost();
   const auto values = local.values;
   const auto row_start = local.graph.row_map;
@@ -180,8 +180,9 @@ void VertexMatrix::sum_at_ends(const KernelView<double* [12]>& arrived, int firs
       });
 }
 
-void VertexMatrix::run_forces(const LinkMatrices& links, const KernelView<double* [12]>& arrived, int first_run,
-                              const KernelView<const double*>& x, const KernelView<double*>& rows) const {
+void VertexMatrix::run_forces(const LinkMatrices<kSpatialDofs>& links, const KernelView<double* [12]>& arrived,
+                              int first_run, const KernelView<const double*>& x,
+                              const KernelView<double*>& rows) const {
   const auto start = start_;
   const auto adjacency = adjacency_;
   const auto vertices = vertices_;

@@ -29,12 +29,12 @@ class VertexMatrix {
   MatrixRows rows() const { return {matrix_->getLocalMatrixHost(), place_}; }
 
   /// Sums of the matrices of all links; nothing else remains.
-  void gather(const LinkMatrices& links) const;
+  void gather(const LinkMatrices<kSpatialDofs>& links) const;
   /// What runs add to the rows of the vertices at their ends (run, 12), summed into `rows` (6 * local vertex +
   /// component) at all vertices that have rows here. Runs are the links from `first_run` on.
   void sum_at_ends(const KernelView<double* [12]>& arrived, int first_run, const KernelView<double*>& rows) const;
   /// The same for the forces that runs exert: sum of their matrices times x, less what arrived.
-  void run_forces(const LinkMatrices& links, const KernelView<double* [12]>& arrived, int first_run,
+  void run_forces(const LinkMatrices<kSpatialDofs>& links, const KernelView<double* [12]>& arrived, int first_run,
                   const KernelView<const double*>& x, const KernelView<double*>& rows) const;
 
  private:

@@ -6,11 +6,11 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kDofs = 6;
 using Real = Pack<kLanes>;
-using Link = LinkMatrix<kDofs, Real>;
-using Factors = VertexFactors<kDofs, Real>;
-static_assert(Factors::kSize == kVertexFactorSize, "layout of the factors");
+template <int N>
+using Link = LinkMatrix<N, Real>;
+template <int N>
+using Factors = VertexFactors<N, Real>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// Which links the lanes of one step take, and from which end.
@@ -20,188 +20,208 @@ struct StepLinks {
   Real::Mask rests;                   ///< lanes whose run has ended: they load what is harmless
 };
 
-KOKKOS_INLINE_FUNCTION StepLinks step_links(const ChainLevel& level, const LinkMatrices& matrices, int step) {
+template <int N>
+KOKKOS_INLINE_FUNCTION StepLinks step_links(const ChainLevel& level, const LinkMatrices<N>& matrices, int step) {
   StepLinks result;
   for (int lane = 0; lane < kLanes; ++lane) {
     const int code = level.link(step, lane);
     result.rests[lane] = code < 0 ? -1 : 0;
     const int safe = code < 0 ? level.link(step, 0) : code;
     result.matrix[lane] = matrices[safe / 2];
-    result.first[lane] = safe % 2 * kDofs;
-    result.second[lane] = kDofs - result.first[lane];
+    result.first[lane] = safe % 2 * N;
+    result.second[lane] = N - result.first[lane];
   }
   return result;
 }
 
-KOKKOS_INLINE_FUNCTION Link load_link(const StepLinks& links) {
-  Link m;
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_link(const StepLinks& links) {
+  Link<N> m;
+  const double *first[kLanes], *second[kLanes], *coupling[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
-    const double* a = links.matrix[lane];
     const int f = links.first[lane], s = links.second[lane];
-    for (int i = 0; i < kDofs; ++i) {
-      const double* first_row = a + 12 * (f + i) + f;
-      const double* second_row = a + 12 * (s + i);
-      for (int j = 0; j <= i; ++j) m.first[triangle(i, j)].v[lane] = first_row[j];
-      for (int j = 0; j <= i; ++j) m.second[triangle(i, j)].v[lane] = second_row[s + j];
-      for (int j = 0; j < kDofs; ++j) m.coupling[i][j].v[lane] = second_row[f + j];
+    first[lane] = links.matrix[lane] + 2 * N * f + f;
+    second[lane] = links.matrix[lane] + 2 * N * s + s;
+    coupling[lane] = links.matrix[lane] + 2 * N * s + f;
+  }
+  const auto entry = [](const double* const* blocks, int i, int j) {
+    return Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
+  };
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i) {
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) {
+      m.first[triangle(i, j)] = entry(first, i, j);
+      m.second[triangle(i, j)] = entry(second, i, j);
     }
+#pragma GCC unroll 6
+    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(coupling, i, j);
   }
   return m;
 }
 
-KOKKOS_INLINE_FUNCTION void store_link(const Link& m, int lane, double* out) {
-  for (int i = 0; i < kDofs; ++i)
-    for (int j = 0; j < kDofs; ++j) {
+template <int N>
+KOKKOS_INLINE_FUNCTION void store_link(const Link<N>& m, int lane, double* out) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
       const int low = i < j ? triangle(j, i) : triangle(i, j);
-      out[12 * i + j] = m.first[low][lane];
-      out[12 * (kDofs + i) + kDofs + j] = m.second[low][lane];
-      out[12 * (kDofs + i) + j] = out[12 * j + kDofs + i] = m.coupling[i][j][lane];
+      out[2 * N * i + j] = m.first[low][lane];
+      out[2 * N * (N + i) + N + j] = m.second[low][lane];
+      out[2 * N * (N + i) + j] = out[2 * N * j + N + i] = m.coupling[i][j][lane];
     }
 }
 
 /// Lanes at rest keep what they have.
-KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link& before, Link& after) {
+template <int N>
+KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link<N>& before, Link<N>& after) {
   const Real* from = before.first;
   Real* to = after.first;
-  constexpr int numbers = sizeof(Link) / sizeof(Real);
+  constexpr int numbers = sizeof(Link<N>) / sizeof(Real);
   for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
 }
 
 KOKKOS_INLINE_FUNCTION bool any_rests(const Real::Mask& rests) { return any<kLanes>(rests); }
 
+template <int N>
 struct CondenseLoop {
   ChainLevel level;
-  LinkMatrices matrices;
+  LinkMatrices<N> matrices;
+  ChainFactors factors_of;
+  ChainPivots pivots;
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Link chain = load_link(step_links(level, matrices, begin));
+    Link<N> chain = load_link<N>(step_links(level, matrices, begin));
     PivotWatch<Real> watch;
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links = step_links(level, matrices, step);
-      auto& factors = *reinterpret_cast<Factors*>(&level.factors(step - pack - 1, 0));
+      auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
       if (any_rests(links.rests)) {
-        const Link before = chain;
+        const Link<N> before = chain;
         const PivotWatch<Real> seen = watch;
-        eliminate_vertex<kDofs>(chain, load_link(links), factors, watch);
-        keep_resting(links.rests, before, chain);
+        eliminate_vertex<N>(chain, load_link<N>(links), factors, watch);
+        keep_resting<N>(links.rests, before, chain);
         watch.negative = select(links.rests, seen.negative, watch.negative);
         watch.smallest = select(links.rests, seen.smallest, watch.smallest);
       } else {
-        eliminate_vertex<kDofs>(chain, load_link(links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N>(links), factors, watch);
       }
     }
     for (int lane = 0; lane < kLanes; ++lane) {
       const int run = level.run(pack, lane);
       if (run < 0) continue;
-      store_link(chain, lane, &matrices.runs(run, 0));
-      level.pivots(run, 0) = watch.negative[lane];
-      level.pivots(run, 1) = watch.smallest[lane];
+      store_link<N>(chain, lane, &matrices.runs(run, 0));
+      pivots(run, 0) = watch.negative[lane];
+      pivots(run, 1) = watch.smallest[lane];
     }
   }
 };
 
 /// What has arrived at the vertex between two links: the given rows and the shares of the runs on both sides.
+template <int N>
 struct RowsLoop {
   ChainLevel level;
   int elements;
   KernelView<const double*> rows;
-  KernelView<double* [12]> arrived;
+  ChainFactors factors_of;
+  KernelView<double * [2 * N]> arrived;
   KernelView<double*> x;
 
   KOKKOS_INLINE_FUNCTION void add_share(int code, bool far_end, double* sum) const {
     const int run = code / 2 - elements;
     if (run < 0) return;
     const bool second = far_end != (code % 2 == 1);
-    for (int c = 0; c < kDofs; ++c) sum[c] += arrived(run, (second ? kDofs : 0) + c);
+    for (int c = 0; c < N; ++c) sum[c] += arrived(run, (second ? N : 0) + c);
   }
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Real at_begin[kDofs], passed[kDofs];
-    for (int c = 0; c < kDofs; ++c) at_begin[c] = passed[c] = 0.0;
+    Real at_begin[N], passed[N];
+    for (int c = 0; c < N; ++c) at_begin[c] = passed[c] = 0.0;
     for (int lane = 0; lane < kLanes; ++lane) {
-      double share[kDofs] = {};
+      double share[N] = {};
       if (level.run(pack, lane) >= 0) add_share(level.link(begin, lane), false, share);
-      for (int c = 0; c < kDofs; ++c) at_begin[c].set(lane, share[c]);
+      for (int c = 0; c < N; ++c) at_begin[c].set(lane, share[c]);
     }
     for (int step = begin + 1; step < end; ++step) eliminate(pack, step, at_begin, passed);
     for (int lane = 0; lane < kLanes; ++lane) {
       const int run = level.run(pack, lane);
       if (run < 0) continue;
-      double share[kDofs] = {};
+      double share[N] = {};
       add_share(level.link(begin + level.links(pack, lane) - 1, lane), true, share);
-      for (int c = 0; c < kDofs; ++c) {
+      for (int c = 0; c < N; ++c) {
         arrived(run, c) = at_begin[c][lane];
-        arrived(run, kDofs + c) = passed[c][lane] + share[c];
+        arrived(run, N + c) = passed[c][lane] + share[c];
       }
     }
   }
   /// The vertex before link `step`.
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
-    const auto& factors = *reinterpret_cast<const Factors*>(&level.factors(step - pack - 1, 0));
-    Real b[kDofs];
+    const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+    Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
-      double sum[kDofs] = {};
+      double sum[N] = {};
       const int code = level.link(step, lane);
       rests[lane] = code < 0 ? -1 : 0;
       if (code >= 0) {
-        const double* given = &rows(static_cast<size_t>(kDofs) * level.vertex(step - 1, lane));
-        for (int c = 0; c < kDofs; ++c) sum[c] = given[c];
+        const double* given = &rows(static_cast<size_t>(N) * level.vertex(step - 1, lane));
+        for (int c = 0; c < N; ++c) sum[c] = given[c];
         add_share(level.link(step - 1, lane), true, sum);
         add_share(code, false, sum);
       }
-      for (int c = 0; c < kDofs; ++c) b[c].set(lane, sum[c]);
+      for (int c = 0; c < N; ++c) b[c].set(lane, sum[c]);
     }
-    for (int c = 0; c < kDofs; ++c) b[c] += passed[c];
-    Real before[2 * kDofs];
-    for (int c = 0; c < kDofs; ++c) {
+    for (int c = 0; c < N; ++c) b[c] += passed[c];
+    Real before[2 * N];
+    for (int c = 0; c < N; ++c) {
       before[c] = at_begin[c];
-      before[kDofs + c] = passed[c];
+      before[N + c] = passed[c];
       passed[c] = 0.0;
     }
-    pass_on<kDofs>(factors.left, b, at_begin);
-    pass_on<kDofs>(factors.right, b, passed);
-    for (int c = 0; c < kDofs; ++c) {
+    pass_on<N>(factors.left, b, at_begin);
+    pass_on<N>(factors.right, b, passed);
+    for (int c = 0; c < N; ++c) {
       at_begin[c] = select(rests, before[c], at_begin[c]);
-      passed[c] = select(rests, before[kDofs + c], passed[c]);
+      passed[c] = select(rests, before[N + c], passed[c]);
     }
-    solve_block<kDofs>(factors.factor, b);
+    solve_block<N>(factors.factor, b);
     for (int lane = 0; lane < kLanes; ++lane)
       if (rests[lane] == 0)
-        for (int c = 0; c < kDofs; ++c) x(static_cast<size_t>(kDofs) * level.vertex(step - 1, lane) + c) = b[c][lane];
+        for (int c = 0; c < N; ++c) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = b[c][lane];
   }
 };
 
+template <int N>
 struct ExpandLoop {
   ChainLevel level;
+  ChainFactors factors_of;
   KernelView<double*> x;
 
   /// Lanes at rest get zeros.
   KOKKOS_INLINE_FUNCTION void load(const int* vertices, Real* out) const {
-    for (int lane = 0; lane < kLanes; ++lane)
-      for (int c = 0; c < kDofs; ++c)
-        out[c].set(lane, vertices[lane] < 0 ? 0.0 : x(static_cast<size_t>(kDofs) * vertices[lane] + c));
+    for (int c = 0; c < N; ++c)
+      out[c] = Real::gathered(
+          [&](int lane) { return vertices[lane] < 0 ? 0.0 : x(static_cast<size_t>(N) * vertices[lane] + c); });
   }
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Real first[kDofs], next[kDofs];
+    Real first[N], next[N];
     load(&level.first_vertex(pack, 0), first);
     load(&level.vertex(end - 1, 0), next);
     for (int step = end - 1; step > begin; --step) {
-      const auto& factors = *reinterpret_cast<const Factors*>(&level.factors(step - pack - 1, 0));
-      Real here[kDofs];
+      const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+      Real here[N];
       load(&level.vertex(step - 1, 0), here);
-      Real moved[kDofs];
-      for (int c = 0; c < kDofs; ++c) moved[c] = here[c];
-      follow<kDofs>(factors.left, first, moved);
-      follow<kDofs>(factors.right, next, moved);
+      Real moved[N];
+      for (int c = 0; c < N; ++c) moved[c] = here[c];
+      follow<N>(factors.left, first, moved);
+      follow<N>(factors.right, next, moved);
       for (int lane = 0; lane < kLanes; ++lane) {
         const bool rests = level.link(step, lane) < 0;  // its end, where the lane waits, is known already
-        for (int c = 0; c < kDofs; ++c) {
+        for (int c = 0; c < N; ++c) {
           const double value = rests ? here[c][lane] : moved[c][lane];
           next[c].set(lane, value);
-          if (!rests) x(static_cast<size_t>(kDofs) * level.vertex(step - 1, lane) + c) = value;
+          if (!rests) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = value;
         }
       }
     }
@@ -210,18 +230,34 @@ struct ExpandLoop {
 
 }  // namespace
 
-void condense_runs(const ChainLevel& level, const LinkMatrices& matrices) {
-  Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs), CondenseLoop{level, matrices});
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                   const ChainPivots& pivots) {
+  static_assert(Factors<N>::kSize == vertex_factor_size(N), "layout of the factors");
+  Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
+                       CondenseLoop<N>{level, matrices, factors, pivots});
 }
 
+template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const KernelView<double* [12]>& arrived, const KernelView<double*>& x) {
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
+                   const KernelView<double*>& x) {
   Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                       RowsLoop{level, elements, rows, arrived, x});
+                       RowsLoop<N>{level, elements, rows, factors, arrived, x});
 }
 
-void expand_runs(const ChainLevel& level, const KernelView<double*>& x) {
-  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop{level, x});
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
+  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N>{level, factors, x});
 }
+
+#define MIXBEAM_CHAINS(N)                                                                                             \
+  template void condense_runs<N>(const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, const ChainPivots&); \
+  template void condense_rows<N>(const ChainLevel&, int, const KernelView<const double*>&, const ChainFactors&,       \
+                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);                    \
+  template void expand_runs<N>(const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
+MIXBEAM_CHAINS(kSpatialDofs)
+MIXBEAM_CHAINS(kPlanarDofs)
+#undef MIXBEAM_CHAINS
 
 }  // namespace mixbeam

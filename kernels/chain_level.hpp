@@ -8,11 +8,15 @@
 
 namespace mixbeam {
 
-/// Matrices of links, (link, 12 x 12 row-major, ends as they are stored): those of the elements, then those of
+/// Unknowns of a vertex: displacement and rotation in space, or in a plane.
+constexpr int kSpatialDofs = 6, kPlanarDofs = 3;
+
+/// Matrices of links, (link, 2 N x 2 N row-major, ends as they are stored): those of the elements, then those of
 /// condensed runs.
+template <int N>
 struct LinkMatrices {
-  KernelView<const double* [144]> elements;
-  KernelView<double* [144]> runs;
+  KernelView<const double * [4 * N * N]> elements;
+  KernelView<double * [4 * N * N]> runs;
   KOKKOS_INLINE_FUNCTION const double* operator[](int link) const {
     const int count = static_cast<int>(elements.extent(0));
     return link < count ? &elements(link, 0) : &runs(link - count, 0);
@@ -20,34 +24,43 @@ struct LinkMatrices {
 };
 
 /// Numbers that the elimination of one vertex leaves behind: VertexFactors of chain_elimination.hpp.
-constexpr int kVertexFactorSize = 6 * 7 / 2 + 2 * 36;
+constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
 
 /// Runs of links that are condensed at the same time. kLanes runs make a pack; step s of a pack takes link s of each of
 /// its runs, shorter ones (and lanes without a run) then rest.
 struct ChainLevel {
   int packs = 0;
-  KernelView<int*> step_start;       ///< (pack + 1): first step of each pack
-  KernelView<int* [kLanes]> link;    ///< (step, lane): 2 * link + 1 where it is passed from its second end, -1: none
-  KernelView<int* [kLanes]> vertex;  ///< (step, lane): local vertex at the far end of the link
+  KernelView<int*> step_start;             ///< (pack + 1): first step of each pack
+  KernelView<int* [kLanes]> link;          ///< (step, lane): 2 * link + 1 where passed from its second end, -1: none
+  KernelView<int* [kLanes]> vertex;        ///< (step, lane): local vertex at the far end of the link
   KernelView<int* [kLanes]> first_vertex;  ///< (pack, lane): where the run begins
   KernelView<int* [kLanes]> run;           ///< (pack, lane): number of the run, -1: none
   KernelView<int* [kLanes]> links;         ///< (pack, lane): of the run
-  KernelView<double**> factors;  ///< (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
-  /// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
-  /// |pivot| / |diagonal entry of its vertex block|, not finite where a pivot is zero
-  KernelView<double* [2]> pivots;
+
+  int eliminations() const { return static_cast<int>(link.extent(0)) - packs; }
 };
+
+/// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
+using ChainFactors = KernelView<double**>;
+/// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
+/// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
+using ChainPivots = KernelView<double* [2]>;
 
 /// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Only entries of symmetric
 /// matrices are expected: the triangles are not compared.
-void condense_runs(const ChainLevel& level, const LinkMatrices& matrices);
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                   const ChainPivots& pivots);
 
-/// The same for a right-hand side `rows` (6 * vertex + component): at eliminated vertices x becomes D^-1 of what has
-/// arrived there; `arrived` (run, 12) is what each run adds to the rows of its end vertices.
+/// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes D^-1 of what has
+/// arrived there; `arrived` (run, 2 N) is what each run adds to the rows of its end vertices.
+template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const KernelView<double* [12]>& arrived, const KernelView<double*>& x);
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
+                   const KernelView<double*>& x);
 
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
-void expand_runs(const ChainLevel& level, const KernelView<double*>& x);
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
 
 }  // namespace mixbeam

@@ -47,6 +47,15 @@ struct Pack {
   Pack(double x) : v(Vector{} + x) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(const Vector& x) : v(x) {}
 
+  /// One number from each of W places.
+  template <class Place>
+  static Pack gathered(const Place& place) {
+    Vector lanes{};
+#pragma GCC unroll 8
+    for (int lane = 0; lane < W; ++lane) lanes[lane] = place(lane);
+    return Pack(lanes);
+  }
+
   double operator[](int lane) const { return v[lane]; }
   void set(int lane, double x) { v[lane] = x; }
 
