@@ -46,17 +46,20 @@ struct ElementGather {
         first_element(block.first_element),
         interior_offset(block.interior_offset) {}
 
-  KOKKOS_INLINE_FUNCTION ElementInput input(int e) const {
-    ElementInput in;
+  KOKKOS_INLINE_FUNCTION ElementInput<> input(int e) const {
+    ElementInput<> in;
     for (int end = 0; end < 2; ++end) {
       const int vertex = vertices(e, end);
       in.displacement[end] = load_vector(&vertex_displacement(vertex, 0));
       in.vertex_rotation[end] = load_quaternion(&vertex_rotation(vertex, 0));
     }
     in.triad = load_quaternion(&element_triad(first_element + e, 0));
-    in.interior = interior.data() + interior_offset + static_cast<size_t>(e) * layout.unknowns();
+    in.interior = interior_of(e);
     in.reference = &reference(e, 0);
     return in;
+  }
+  KOKKOS_INLINE_FUNCTION const double* interior_of(int e) const {
+    return interior.data() + interior_offset + static_cast<size_t>(e) * layout.unknowns();
   }
   /// SectionConstants of the member, or the compliances of this element.
   KOKKOS_INLINE_FUNCTION decltype(auto) section_of(int e) const {
@@ -78,6 +81,91 @@ struct ElementGather {
   }
 };
 
+/// Elements that are worked on side by side: as many as a pack has lanes. Behind the last element of the block that
+/// element is repeated, and nothing is written for the repetitions.
+struct LaneElements {
+  int element[kLanes];  ///< of the block
+  int active;           ///< lanes that are written
+  LaneElements(int pack, int count) : active(count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) element[lane] = pack * kLanes + (lane < active ? lane : active - 1);
+  }
+  static int packs(int count) { return (count + kLanes - 1) / kLanes; }
+};
+
+/// Rows of numbers of one element in memory, or of the elements in all lanes. `at(e)`: first number of element e.
+template <class Real>
+struct ElementRows;
+template <>
+struct ElementRows<double> {
+  double* row;
+  template <class At>
+  KOKKOS_INLINE_FUNCTION ElementRows(int e, const At& at) : row(at(e)) {}
+  KOKKOS_INLINE_FUNCTION void store(int first, int count, const double* numbers) const {
+    for (int i = 0; i < count; ++i) row[first + i] = numbers[i];
+  }
+};
+template <>
+struct ElementRows<Pack<kLanes>> {
+  double* row[kLanes];
+  int active;
+  template <class At>
+  ElementRows(const LaneElements& lanes, const At& at) : active(lanes.active) {
+    for (int lane = 0; lane < kLanes; ++lane) row[lane] = at(lanes.element[lane]);
+  }
+  void store(int first, int count, const Pack<kLanes>* numbers) const {
+    scatter_lanes(numbers, count, first, active, row);
+  }
+};
+
+/// The inputs of ElementGather for elements side by side.
+template <int K>
+struct LaneInput {
+  using Real = Pack<kLanes>;
+  static constexpr int kForcePoints = ElementTables<K>::kMaximumForcePoints;
+  Real interior[InteriorLayout{K, kForcePoints}.unknowns()];
+  Real reference[ReferenceLayout{K, kForcePoints}.size()];
+  SectionNumbers<Real> section;
+  ElementInput<Real> in;
+
+  inline __attribute__((always_inline)) LaneInput(const ElementGather<K, false>& gather, const LaneElements& lanes) {
+    load(
+        lanes, gather.layout.unknowns(), [&](int e) { return gather.interior_of(e); }, interior);
+    load(
+        lanes, gather.reference_layout.size(), [&](int e) { return &gather.reference(e, 0); }, reference);
+    Real x[4];
+    for (int end = 0; end < 2; ++end) {
+      const auto vertex = [&](int e) { return gather.vertices(e, end); };
+      load(
+          lanes, 3, [&](int e) { return &gather.vertex_displacement(vertex(e), 0); }, x);
+      in.displacement[end] = load_vector(x);
+      load(
+          lanes, 4, [&](int e) { return &gather.vertex_rotation(vertex(e), 0); }, x);
+      in.vertex_rotation[end] = load_quaternion(x);
+    }
+    load(
+        lanes, 4, [&](int e) { return &gather.element_triad(gather.first_element + e, 0); }, x);
+    in.triad = load_quaternion(x);
+    in.interior = interior;
+    in.reference = reference;
+    const auto constants = [&](int e) -> const SectionConstants& { return gather.section(gather.member(e)); };
+    load(
+        lanes, 3, [&](int e) { return constants(e).force_compliance; }, section.force_compliance);
+    load(
+        lanes, 3, [&](int e) { return constants(e).tangent_force_stiffness; }, section.tangent_force_stiffness);
+    load(
+        lanes, 3, [&](int e) { return constants(e).moment_stiffness; }, section.moment_stiffness);
+    load(
+        lanes, 3, [&](int e) { return constants(e).moment_compliance; }, section.moment_compliance);
+  }
+  template <class At>
+  static inline __attribute__((always_inline)) void load(const LaneElements& lanes, int count, const At& at,
+                                                         Real* numbers) {
+    const double* rows[kLanes];
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = at(lanes.element[lane]);
+    gather_lanes(rows, count, numbers);
+  }
+};
+
 template <int K, bool General>
 struct ResidualLoop {
   ElementGather<K, General> gather;
@@ -86,26 +174,51 @@ struct ResidualLoop {
   size_t increment_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const ElementInput in = gather.input(e);
+    const ElementInput<> in = gather.input(e);
     const ElementKinematics<K> kinematics(in, gather.layout);
     ElementGradient<K> gradient;
     element_gradient(in, kinematics, gather.tables, gather.layout, gather.reference_layout, gather.section_of(e),
                      gradient);
     if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, gather.tables, gradient);
-    const int element = gather.first_element + e;
-    store_residual(gradient, kinematics, gather.layout,
-                   interior_residual.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments(),
-                   &residual(element, 0));
-    largest_end_angle(element) = gradient.largest_end_angle;
+    store_residual(gradient, kinematics, gather.layout, interior_row(e), &residual(gather.first_element + e, 0));
+    largest_end_angle(gather.first_element + e) = gradient.largest_end_angle;
+  }
+  KOKKOS_INLINE_FUNCTION double* interior_row(int e) const {
+    return interior_residual.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments();
+  }
+};
+
+/// ResidualLoop for elements side by side; index: pack of the block.
+template <int K>
+struct ResidualLaneLoop {
+  using Real = Pack<kLanes>;
+  ResidualLoop<K, false> loop;
+  int count;
+
+  void operator()(int pack) const {
+    const ElementGather<K, false>& gather = loop.gather;
+    const LaneElements lanes(pack, count);
+    const LaneInput<K> data(gather, lanes);
+    const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
+    ElementGradient<K, Real> gradient;
+    element_gradient(data.in, kinematics, gather.tables, gather.layout, gather.reference_layout, data.section,
+                     gradient);
+    Real interior_row[InteriorLayout{K, LaneInput<K>::kForcePoints}.increments()], vertex_row[12];
+    store_residual(gradient, kinematics, gather.layout, interior_row, vertex_row);
+    const auto row_of = [&](int e) { return loop.interior_row(e); };
+    ElementRows<Real>(lanes, row_of).store(0, gather.layout.increments(), interior_row);
+    const auto vertex_row_of = [&](int e) { return &loop.residual(gather.first_element + e, 0); };
+    ElementRows<Real>(lanes, vertex_row_of).store(0, 12, vertex_row);
+    for (int lane = 0; lane < lanes.active; ++lane)
+      loop.largest_end_angle(gather.first_element + lanes.element[lane]) = gradient.largest_end_angle[lane];
   }
 };
 
 /// Interior right-hand side given from outside, in place of the gradient of the state (rows as store_residual writes
 /// them).
-template <int K>
-KOKKOS_INLINE_FUNCTION void replace_gradient(const double* rhs, const ElementKinematics<K>& kinematics,
-                                             const InteriorLayout& layout, ElementGradient<K>& g) {
-  clear(g);
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const ElementKinematics<K, Real>& kinematics,
+                                                    const InteriorLayout& layout, ElementGradient<K, Real>& g) {
   for (int q = 0; q < layout.force_points; ++q) g.strain_error[q] = load_vector(rhs + layout.force(q));
   for (int j = 0; j <= K; ++j) g.moment_row[j] = load_vector(rhs + layout.moment(j));
   for (int j = 1; j < K; ++j) {
@@ -115,152 +228,210 @@ KOKKOS_INLINE_FUNCTION void replace_gradient(const double* rhs, const ElementKin
   g.spin = load_vector(rhs + layout.spin());
 }
 
-/// Builds the reduced system of one element and keeps what the recovery of N and M needs.
-template <int K, bool General>
+/// Builds the reduced system of one element, or of elements side by side, and keeps what the recovery of N and M needs.
+template <int K, bool General, class Real = double>
 struct CondensedElement {
-  ReducedSystem<K> system;
-  std::conditional_t<General, GeneralMomentRows<K>, MomentRows<K>> moment_rows;
-  ForceRows<std::conditional_t<General, Mat, Vec>> force_rows_[ElementTables<K>::kMaximumForcePoints];
-  ElementGradient<K> gradient;
-  double response[ReducedSystem<K>::kInteriorSize][kResponseColumns];
-  double tangent[9][9];
-  double reduced_gradient[9];
-  MeanRows<K> mean_rows;  ///< under follower forces only
+  using Blocks = ReducedBlocks<K>;
+  using Stiffness = std::conditional_t<General, Mat, Vec3<Real>>;
+  ReducedSystem<K, Real> system;
+  std::conditional_t<General, GeneralMomentRows<K>, MomentRows<K, Real>> moment_rows;
+  ForceRows<Real, Stiffness> force_rows_[ElementTables<K>::kMaximumForcePoints];
+  ElementGradient<K, Real> gradient;
+  InteriorResponse<K, Real> response;
+  CondensedSystem<Real> condensed;
 
-  KOKKOS_INLINE_FUNCTION void build(const ElementGather<K, General>& gather, int e, const ElementInput& in,
-                                    const ElementKinematics<K>& kinematics, const double* given_rhs) {
-    const auto& section = gather.section_of(e);
+  /// `gradient` holds on entry what does not follow from the state: the given right-hand side, or the line fields.
+  template <class Section>
+  KOKKOS_FORCEINLINE_FUNCTION void build(const ElementGather<K, General>& gather, const ElementInput<Real>& in,
+                                         const ElementKinematics<K, Real>& kinematics, const Section& section,
+                                         bool own_gradient) {
     const ElementTables<K>& tables = gather.tables;
-    clear_system();
-    if (given_rhs == nullptr) {
-      element_gradient(in, kinematics, tables, gather.layout, gather.reference_layout, section, gradient);
-      if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, tables, gradient);
-    } else {
-      replace_gradient(given_rhs, kinematics, gather.layout, gradient);
-    }
+    const InteriorLayout& layout = gather.layout;
+    system.clear();
+    moment_rows.clear();
     for (int q = 0; q < tables.force_points; ++q) {
-      ForcePoint<K> point(q, in, kinematics, tables, gather.layout, gather.reference_layout, section);
-      point.strain_error = gradient.strain_error[q];
-      force_rows_[q] = force_rows(point, tangent_force_stiffness(q, tables, section));
-      add_force_tangent(point, force_rows_[q], tables.force_legendre[q], system);
-      add_force_correction(point, force_rows_[q], tables.force_legendre[q], system);
+      const ForcePoint<K, Real> point(q, in, kinematics, tables, layout, gather.reference_layout, section);
+      add_force_point(q, point, tables.force_legendre[q], tangent_force_stiffness(q, tables, section), own_gradient);
       if constexpr (General)
-        moment_rows.couple(point, force_rows_[q], section.force_moment(q), tables.force_legendre[q]);
+        moment_rows.couple(point, gradient.strain_error[q], force_rows_[q], section.force_moment(q),
+                           tables.force_legendre[q]);
     }
-    if constexpr (K > 1)
-      for (int q = 0; q <= K; ++q) {
-        const MomentPoint<K> point(q, in, kinematics, tables, gather.layout, gather.reference_layout);
-        add_moment_tangent(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, moment_rows,
-                           system);
-      }
-    for (int end = 0; end < 2; ++end)
-      add_end_tangent(end, EndRotation<K>(end, in, kinematics, gather.layout, gather.reference_layout), moment_rows,
-                      system);
+    for (int q = 0; q <= K; ++q) {
+      const MomentPoint<K, Real> point(q, in, kinematics, tables, layout, gather.reference_layout);
+      const double *P = tables.moment_legendre[q], *slope = tables.moment_slope[q];
+      if (own_gradient) add_moment_gradient(point, P, slope, kinematics.length, gradient);
+      add_moment_tangent(point, P, slope, kinematics.length, moment_rows, system);
+    }
+    if (own_gradient) add_moment_compliance(in, kinematics, tables, layout, section, gradient);
+    for (int end = 0; end < 2; ++end) {
+      const EndRotation<K, Real> joint(end, in, kinematics, layout, gather.reference_layout);
+      if (own_gradient) add_end_gradient(end, joint, gradient);
+      add_end_tangent(end, joint, moment_rows, system);
+    }
     if constexpr (General) moment_rows.add_compliance(section, tables, kinematics.length);
     condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
     add_gradient();
-    system.mirror();
-    if (gather.has_fields()) add_field_tangent(gather.fields(e), kinematics, tables, system, mean_rows);
-    solve_interior(system, response);
-    condense_interior(system, response, tangent, reduced_gradient);
-    if (mean_rows.used) mean_rows.condense(response);
   }
 
   /// Rows of the increments: response of N (pointwise), M (by mode), psi, beta (spatial) and w.
-  KOKKOS_INLINE_FUNCTION void store_response(const ElementGather<K, General>& gather, int e,
-                                             const ElementKinematics<K>& kinematics, double* rows) const {
+  template <class Section>
+  KOKKOS_FORCEINLINE_FUNCTION void store_response(const ElementGather<K, General>& gather,
+                                                  const ElementKinematics<K, Real>& kinematics, const Section& section,
+                                                  const ElementRows<Real>& rows) const {
     const InteriorLayout& layout = gather.layout;
-    const auto& section = gather.section_of(e);
-    for (int j = 0; j <= K; ++j)
-      store_moment_response(j, section, kinematics.length, rows + kResponseColumns * layout.moment(j));
+    store_moment_response(section, kinematics.length, layout, rows);
     for (int q = 0; q < layout.force_points; ++q)
-      store_force_response(q, section, gather.tables.force_legendre[q], rows + kResponseColumns * layout.moment(0),
-                           rows + kResponseColumns * layout.force(q));
+      store_force_response(q, section, gather.tables.force_legendre[q], layout, rows);
     for (int j = 1; j < K; ++j) {
-      copy_rows(3 * ReducedBlocks<K>::psi(j), rows + kResponseColumns * layout.relative_rotation(j));
-      const double(*slope)[kResponseColumns] = response + 3 * ReducedBlocks<K>::slope(j);
-      double* bubble = rows + kResponseColumns * layout.bubble(j);
-      for (int i = 0; i < 3; ++i)
-        for (int c = 0; c < kResponseColumns; ++c)
-          bubble[kResponseColumns * i + c] = kinematics.triad(i, 0) * slope[0][c] +
-                                             kinematics.triad(i, 1) * slope[1][c] +
-                                             kinematics.triad(i, 2) * slope[2][c];
+      store_rows(response.by[Blocks::psi(j)], response.constant[Blocks::psi(j)], layout.relative_rotation(j), rows);
+      Mat3<Real> by[3];
+      for (int c = 0; c < 3; ++c) by[c] = kinematics.triad * response.by[Blocks::slope(j)][c];
+      store_rows(by, kinematics.triad * response.constant[Blocks::slope(j)], layout.bubble(j), rows);
     }
-    copy_rows(3 * ReducedBlocks<K>::spin(), rows + kResponseColumns * layout.spin());
+    store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), rows);
   }
 
  private:
-  KOKKOS_INLINE_FUNCTION void clear_system() {
-    for (int i = 0; i < ReducedSystem<K>::kSize; ++i) {
-      system.rhs[i] = 0.0;
-      for (int j = 0; j <= i; ++j) system.matrix[i][j] = 0.0;
+  /// N eliminated: the corrected force N + C error works in place of N, or C error alone for a given right-hand side.
+  KOKKOS_FORCEINLINE_FUNCTION void add_force_point(int q, const ForcePoint<K, Real>& point, const double* P,
+                                                   const Stiffness& stiffness, bool own_gradient) {
+    if (own_gradient) gradient.strain_error[q] += point.strain_error;
+    Vec3<Real> force = stress(stiffness, gradient.strain_error[q]);
+    if (own_gradient) force += point.force;
+    add_force_gradient(point, force, P, gradient);
+    force_rows_[q] = force_rows(point, stiffness);
+    add_force_tangent(point, stiffness, P, system);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_gradient() {
+    system.rhs[Blocks::spin()] += gradient.spin;
+    for (int j = 0; j < K; ++j) system.rhs[Blocks::slope(j)] += gradient.slope[j];
+    for (int j = 1; j < K; ++j) system.rhs[Blocks::psi(j)] += gradient.psi[j];
+    for (int end = 0; end < 2; ++end) system.rhs[Blocks::vertex(end)] += gradient.vertex_spin[end];
+  }
+  /// Three rows of the response from their blocks by slope_0, spin a, spin b, and the constant.
+  KOKKOS_FORCEINLINE_FUNCTION static void store_rows(const Mat3<Real>* by, const Vec3<Real>& constant, int first_row,
+                                                     const ElementRows<Real>& rows) {
+    Real numbers[3 * kResponseColumns];
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 3; ++c)
+        for (int j = 0; j < 3; ++j) numbers[kResponseColumns * i + 3 * c + j] = by[c](i, j);
+      numbers[kResponseColumns * i + 9] = constant[i];
     }
-    // block lower triangle: the upper half of the diagonal blocks is written too
-    for (int b = 0; b < ReducedBlocks<K>::kCount; ++b)
-      for (int i = 0; i < 3; ++i)
-        for (int j = i + 1; j < 3; ++j) system.matrix[3 * b + i][3 * b + j] = 0.0;
-    moment_rows.clear();
+    rows.store(kResponseColumns * first_row, 3 * kResponseColumns, numbers);
   }
-  KOKKOS_INLINE_FUNCTION void add_gradient() {
-    using Blocks = ReducedBlocks<K>;
-    system.add(Blocks::spin(), 1.0, gradient.spin);
-    for (int j = 0; j < K; ++j) system.add(Blocks::slope(j), 1.0, gradient.slope[j]);
-    for (int j = 1; j < K; ++j) system.add(Blocks::psi(j), 1.0, gradient.psi[j]);
-    for (int end = 0; end < 2; ++end) system.add(Blocks::vertex(end), 1.0, gradient.vertex_spin[end]);
+  /// Change of gamma at a force point by column c of a response in which slope_0, w, psi_j and slope_j take part.
+  template <class Columns>
+  KOKKOS_FORCEINLINE_FUNCTION static Columns strain_change(const ForceRows<Real, Stiffness>& force,
+                                                           const Columns& slope, const Columns& psi,
+                                                           const Columns& spin) {
+    const Columns moved = slope + cross_columns(force.p, spin);
+    if constexpr (K == 1) return moved;
+    return transposed_times(force.exp, moved) + cross_columns(force.pulled_back, transposed_times(force.tangent, psi));
   }
-  KOKKOS_INLINE_FUNCTION void copy_rows(int first, double* rows) const {
-    for (int i = 0; i < 3; ++i)
-      for (int c = 0; c < kResponseColumns; ++c) rows[kResponseColumns * i + c] = response[first + i][c];
+  KOKKOS_FORCEINLINE_FUNCTION static Mat3<Real> cross_columns(const Vec3<Real>& a, const Mat3<Real>& m) {
+    return -1.0 * hat_transpose_times(a, m);
   }
-  /// dN = C (gamma - C^-1 N + d gamma); with coupling less S_NM dM, `moments` being the responses of all of M.
-  template <class AnySection>
-  KOKKOS_INLINE_FUNCTION void store_force_response(int q, [[maybe_unused]] const AnySection& section, const double* P,
-                                                   [[maybe_unused]] const double* moments, double* rows) const {
-    using Blocks = ReducedBlocks<K>;
-    const auto& force = force_rows_[q];
-    for (int c = 0; c < kResponseColumns; ++c) {
-      Vec slope{{0.0, 0.0, 0.0}}, psi{{0.0, 0.0, 0.0}};
-      if (c < 3) slope[c] = 1.0;
-      for (int i = 0; i < 3; ++i)
-        for (int j = 1; j < K; ++j) {
-          slope[i] += P[j] * response[3 * Blocks::slope(j) + i][c];
-          psi[i] += P[j] * response[3 * Blocks::psi(j) + i][c];
-        }
-      const Vec spin{{response[0][c], response[1][c], response[2][c]}};
-      Vec strain = force.slope * slope + force.spin * spin;
-      if constexpr (K > 1) strain += force.psi * psi;
-      if (c == 9) strain += gradient.strain_error[q];
-      if constexpr (General) {
-        Vec moment{{0.0, 0.0, 0.0}};
-        for (int j = 0; j < K; ++j)
-          for (int i = 0; i < 3; ++i) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
-        strain += -(section.force_moment(q) * moment);
-        strain = force.stiffness * strain;
-      } else {
-        for (int i = 0; i < 3; ++i) strain[i] = force.stiffness[i] * strain[i];
+  KOKKOS_FORCEINLINE_FUNCTION static Vec3<Real> cross_columns(const Vec3<Real>& a, const Vec3<Real>& v) {
+    return cross(a, v);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static Mat3<Real> transposed_times(const Mat3<Real>& m, const Mat3<Real>& n) {
+    return transpose(m) * n;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static Vec3<Real> transposed_times(const Mat3<Real>& m, const Vec3<Real>& v) {
+    return transpose_times(m, v);
+  }
+  /// dN = C (gamma - C^-1 N + d gamma); with coupling less S_NM dM, whose response is in `rows` already.
+  template <class Section>
+  KOKKOS_FORCEINLINE_FUNCTION void store_force_response(int q, [[maybe_unused]] const Section& section, const double* P,
+                                                        const InteriorLayout& layout,
+                                                        const ElementRows<Real>& rows) const {
+    const ForceRows<Real, Stiffness>& force = force_rows_[q];
+    Mat3<Real> by[3];
+    for (int c = 0; c < 3; ++c) {
+      Mat3<Real> slope = c == 0 ? identity_matrix<Real>() : zero_matrix<Real>(), psi = zero_matrix<Real>();
+      for (int j = 1; j < K; ++j) {
+        slope += P[j] * response.by[Blocks::slope(j)][c];
+        psi += P[j] * response.by[Blocks::psi(j)][c];
       }
-      for (int i = 0; i < 3; ++i) rows[kResponseColumns * i + c] = strain[i];
+      by[c] = strain_change(force, slope, psi, response.by[Blocks::spin()][c]);
+    }
+    Vec3<Real> slope{{Real(0.0), Real(0.0), Real(0.0)}}, psi = slope;
+    for (int j = 1; j < K; ++j) {
+      slope += P[j] * response.constant[Blocks::slope(j)];
+      psi += P[j] * response.constant[Blocks::psi(j)];
+    }
+    Vec3<Real> constant =
+        strain_change(force, slope, psi, response.constant[Blocks::spin()]) + gradient.strain_error[q];
+    if constexpr (General) {
+      subtract_moment_strain(section.force_moment(q), P, layout, rows, by, constant);
+      for (int c = 0; c < 3; ++c) by[c] = force.stiffness * by[c];
+      constant = force.stiffness * constant;
+    } else {
+      for (int c = 0; c < 3; ++c) by[c] = scaled_rows(force.stiffness, by[c]);
+      constant = stress(force.stiffness, constant);
+    }
+    store_rows(by, constant, layout.force(q), rows);
+  }
+  KOKKOS_INLINE_FUNCTION static void subtract_moment_strain(const Mat& force_moment, const double* P,
+                                                            const InteriorLayout& layout,
+                                                            const ElementRows<double>& rows, Mat* by, Vec& constant) {
+    const double* moments = rows.row + kResponseColumns * layout.moment(0);
+    for (int c = 0; c < kResponseColumns; ++c) {
+      Vec moment{{0.0, 0.0, 0.0}};
+      for (int j = 0; j < K; ++j)
+        for (int i = 0; i < 3; ++i) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
+      const Vec strain = force_moment * moment;
+      for (int i = 0; i < 3; ++i) (c < 9 ? by[c / 3](i, c % 3) : constant[i]) -= strain[i];
     }
   }
-  /// dM_j = (2j + 1)/h C (row_j + d row_j)
-  KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const GeneralSection&, double, double* rows) const {
-    for (int r = 0; r < 3; ++r) moment_rows.response_row(3 * j + r, response, rows + kResponseColumns * r);
+  KOKKOS_INLINE_FUNCTION void store_moment_response(const GeneralSection&, double, const InteriorLayout& layout,
+                                                    const ElementRows<double>& rows) const {
+    for (int r = 0; r < 3 * (K + 1); ++r)
+      moment_rows.response_row(r, response, rows.row + kResponseColumns * (layout.moment(0) + r));
   }
-  KOKKOS_INLINE_FUNCTION void store_moment_response(int j, const SectionConstants& section, double length,
-                                                    double* rows) const {
-    for (int r = 0; r < 3; ++r) {
-      const double* row = moment_rows.row[j][r];
-      const double stiffness = (2 * j + 1) / length * section.moment_stiffness[r];
-      double sum[kResponseColumns];
-      for (int c = 0; c < 3; ++c) sum[c] = 0.0;
-      for (int c = 3; c < 9; ++c) sum[c] = row[3 * K + c - 3];
-      sum[9] = gradient.moment_row[j][r];
-      for (int b = 0; b < 3 * K; ++b)
-        for (int c = 0; c < kResponseColumns; ++c) sum[c] += row[b] * response[b][c];
-      for (int c = 0; c < kResponseColumns; ++c) rows[kResponseColumns * r + c] = stiffness * sum[c];
+  /// dM_j = (2j + 1)/h C (row_j + d row_j). Both ends see the difference of their spin and that of the element; their
+  /// sum is what degrees 0, 2, .. take of it, or with the left end turned round 1, 3, ..
+  KOKKOS_FORCEINLINE_FUNCTION void store_moment_response(const SectionNumbers<Real>& section, const Real& length,
+                                                         const InteriorLayout& layout,
+                                                         const ElementRows<Real>& rows) const {
+    Mat3<Real> by_end[2][3];
+    Vec3<Real> constant_end[2];
+    for (int end = 0; end < 2; ++end) {
+      const Mat3<Real>& row = moment_rows.end[end];
+      for (int c = 0; c < 3; ++c) {
+        const Mat3<Real> back = -1.0 * response.by[Blocks::spin()][c];
+        by_end[end][c] = row * (c == 1 + end ? identity_matrix<Real>() + back : back);
+      }
+      constant_end[end] = -(row * response.constant[Blocks::spin()]);
+    }
+    const Real inverse = 1.0 / length;
+    const Vec3<Real> stiffness = inverse * load_vector(section.moment_stiffness);
+    for (int j = 0; j <= K; ++j) {
+      const Vec3<Real> of_mode = Real(2 * j + 1) * stiffness;
+      const double a = signed_end_value(0, j), b = signed_end_value(1, j);
+      Mat3<Real> by[3];
+      for (int c = 0; c < 3; ++c) {
+        by[c] = a * by_end[0][c] + b * by_end[1][c];
+        for (int i = 1; i < K; ++i) by[c] += moment_rows.psi[j][i] * response.by[Blocks::psi(i)][c];
+        by[c] = scaled_rows(of_mode, by[c]);
+      }
+      Vec3<Real> constant = gradient.moment_row[j] + a * constant_end[0] + b * constant_end[1];
+      for (int i = 1; i < K; ++i) constant += moment_rows.psi[j][i] * response.constant[Blocks::psi(i)];
+      store_rows(by, stress(of_mode, constant), layout.moment(j), rows);
     }
   }
 };
+
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_condensed_residual(const CondensedSystem<Real>& condensed,
+                                                          const ElementGradient<K, Real>& gradient,
+                                                          const ElementKinematics<K, Real>& kinematics, Real* row) {
+  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * condensed.gradient[0]);
+  store_vector(gradient.vertex_force[0] - force, row);
+  store_vector(kinematics.triad * condensed.gradient[1], row + 3);
+  store_vector(gradient.vertex_force[1] + force, row + 6);
+  store_vector(kinematics.triad * condensed.gradient[2], row + 9);
+}
 
 template <int K, bool General>
 struct TangentLoop {
@@ -272,37 +443,100 @@ struct TangentLoop {
   size_t increment_offset, response_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const ElementInput in = gather.input(e);
+    const ElementInput<> in = gather.input(e);
     const ElementKinematics<K> kinematics(in, gather.layout);
-    const size_t increments = gather.layout.increments();
-    const double* rhs = given_rhs.extent(0) == 0 ? nullptr : given_rhs.data() + increment_offset + e * increments;
+    const auto& section = gather.section_of(e);
     CondensedElement<K, General> element;
-    element.build(gather, e, in, kinematics, rhs);
-    element.store_response(gather, e, kinematics,
-                           response.data() + response_offset + e * increments * kResponseColumns);
+    clear(element.gradient);
+    if (own_gradient()) {
+      if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, gather.tables, element.gradient);
+    } else {
+      add_given_gradient(rhs_row(e), kinematics, gather.layout, element.gradient);
+    }
+    element.build(gather, in, kinematics, section, own_gradient());
+    FullSystem<K> system(element.system);
+    MeanRows<K> mean_rows;
+    if (gather.has_fields()) add_field_tangent(gather.fields(e), kinematics, gather.tables, system, mean_rows);
+    solve_with_row_pivoting(system, element.response, element.condensed);
+    const auto row_of = [&](int i) { return response_row(i); };
+    element.store_response(gather, kinematics, section, ElementRows<double>(e, row_of));
     const int index = gather.first_element + e;
-    expand_tangent(element.tangent, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
-    store_condensed_residual(element, kinematics, &condensed_residual(index, 0));
-    if (element.mean_rows.used)
-      element.mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
+    expand_tangent<false>(element.condensed.matrix, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
+    store_condensed_residual(element.condensed, element.gradient, kinematics, &condensed_residual(index, 0));
+    if (mean_rows.used) {
+      mean_rows.condense(element.response);
+      mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
+    }
   }
-
-  KOKKOS_INLINE_FUNCTION static void store_condensed_residual(const CondensedElement<K, General>& element,
-                                                              const ElementKinematics<K>& kinematics, double* row) {
-    const Vec force = (1.0 / kinematics.length) * (kinematics.triad * load_vector(element.reduced_gradient));
-    store_vector(element.gradient.vertex_force[0] - force, row);
-    store_vector(kinematics.triad * load_vector(element.reduced_gradient + 3), row + 3);
-    store_vector(element.gradient.vertex_force[1] + force, row + 6);
-    store_vector(kinematics.triad * load_vector(element.reduced_gradient + 6), row + 9);
+  KOKKOS_INLINE_FUNCTION bool own_gradient() const { return given_rhs.extent(0) == 0; }
+  KOKKOS_INLINE_FUNCTION const double* rhs_row(int e) const {
+    return given_rhs.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments();
+  }
+  KOKKOS_INLINE_FUNCTION double* response_row(int e) const {
+    return response.data() + response_offset + static_cast<size_t>(e) * gather.layout.increments() * kResponseColumns;
   }
 };
+
+/// TangentLoop for elements side by side; index: pack of the block.
+template <int K>
+struct TangentLaneLoop {
+  using Real = Pack<kLanes>;
+  TangentLoop<K, false> loop;
+  int count;
+
+  void operator()(int pack) const {
+    const ElementGather<K, false>& gather = loop.gather;
+    const LaneElements lanes(pack, count);
+    const LaneInput<K> data(gather, lanes);
+    const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
+    CondensedElement<K, false, Real> element;
+    clear(element.gradient);
+    if (!loop.own_gradient()) {
+      Real rhs[InteriorLayout{K, LaneInput<K>::kForcePoints}.increments()];
+      const auto rhs_of = [&](int e) { return loop.rhs_row(e); };
+      LaneInput<K>::load(lanes, gather.layout.increments(), rhs_of, rhs);
+      add_given_gradient(rhs, kinematics, gather.layout, element.gradient);
+    }
+    element.build(gather, data.in, kinematics, data.section, loop.own_gradient());
+    solve_in_lanes(element.system, element.response, element.condensed);
+    const auto response_of = [&](int e) { return loop.response_row(e); };
+    element.store_response(gather, kinematics, data.section, ElementRows<Real>(lanes, response_of));
+    store_condensed(element, kinematics, lanes);
+  }
+
+ private:
+  inline __attribute__((always_inline)) void store_condensed(const CondensedElement<K, false, Real>& element,
+                                                             const ElementKinematics<K, Real>& kinematics,
+                                                             const LaneElements& lanes) const {
+    Real tangent[144], residual[12];
+    expand_tangent<true>(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+    const auto tangent_of = [&](int e) { return &loop.condensed_tangent(loop.gather.first_element + e, 0); };
+    ElementRows<Real>(lanes, tangent_of).store(0, 144, tangent);
+    store_condensed_residual(element.condensed, element.gradient, kinematics, residual);
+    const auto residual_of = [&](int e) { return &loop.condensed_residual(loop.gather.first_element + e, 0); };
+    ElementRows<Real>(lanes, residual_of).store(0, 12, residual);
+  }
+};
+
+/// Elements run side by side where the processor has lanes, and where neither compliances along the element nor line
+/// fields call for branches of their own.
+template <int K, bool General>
+bool runs_in_lanes(const ElementGather<K, General>& gather) {
+  return !General && kLanes > 1 && !gather.has_fields();
+}
 
 template <int K, bool General>
 void residual_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                    const ElementEquations& equations) {
   const ResidualLoop<K, General> loop{ElementGather<K, General>(block, structure, state), equations.residual,
                                       equations.interior_residual, equations.largest_end_angle, block.increment_offset};
-  Kokkos::parallel_for("mixbeam::elements::residual", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+  using Range = Kokkos::RangePolicy<ExecutionSpace>;
+  if constexpr (!General)
+    if (runs_in_lanes(loop.gather)) {
+      const ResidualLaneLoop<K> lanes{loop, block.count};
+      return Kokkos::parallel_for("mixbeam::elements::residual", Range(0, LaneElements::packs(block.count)), lanes);
+    }
+  Kokkos::parallel_for("mixbeam::elements::residual", Range(0, block.count), loop);
 }
 
 template <int K, bool General>
@@ -315,7 +549,13 @@ void tangent_loop(const ElementBlock& block, const StructureViews& structure, co
                                      given_rhs,
                                      block.increment_offset,
                                      block.response_offset};
-  Kokkos::parallel_for("mixbeam::elements::tangent", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+  using Range = Kokkos::RangePolicy<ExecutionSpace>;
+  if constexpr (!General)
+    if (runs_in_lanes(loop.gather)) {
+      const TangentLaneLoop<K> lanes{loop, block.count};
+      return Kokkos::parallel_for("mixbeam::elements::tangent", Range(0, LaneElements::packs(block.count)), lanes);
+    }
+  Kokkos::parallel_for("mixbeam::elements::tangent", Range(0, block.count), loop);
 }
 
 }  // namespace mixbeam

@@ -28,11 +28,11 @@ struct MeanRows {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row[i][3 * column + j] += factor * m(i, j);
   }
-  KOKKOS_INLINE_FUNCTION void condense(const double (*response)[kResponseColumns]) {
+  KOKKOS_INLINE_FUNCTION void condense(const InteriorResponse<K>& response) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < kResponseColumns; ++c) {
         double sum = 0.0;
-        for (int i = 0; i < 3 * K; ++i) sum += row[r][i] * response[i][c];
+        for (int i = 0; i < 3 * K; ++i) sum += row[r][i] * response(i, c);
         condensed[r][c] = sum;
       }
   }
@@ -65,7 +65,7 @@ struct MeanRows {
 /// Dead couple c, in the element frame Lambda_lo^T c: turns backwards with w, d(Lambda_lo^T c) = hat(Lambda_lo^T c) w.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_dead_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
-                                                    const ElementTables<K>& tables, ReducedSystem<K>& system) {
+                                                    const ElementTables<K>& tables, FullSystem<K>& system) {
   using Blocks = ReducedBlocks<K>;
   for (int q = 0; q <= K; ++q) {
     const double* P = tables.moment_legendre[q];
@@ -88,7 +88,7 @@ KOKKOS_INLINE_FUNCTION void add_dead_couple_tangent(const double* values, const 
 /// Follower couple C, in the element frame exp(psi) C: does not depend on w.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_follower_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
-                                                        const ElementTables<K>& tables, ReducedSystem<K>& system) {
+                                                        const ElementTables<K>& tables, FullSystem<K>& system) {
   using Blocks = ReducedBlocks<K>;
   for (int q = 0; q <= K; ++q) {
     const double* P = tables.moment_legendre[q];
@@ -111,7 +111,7 @@ KOKKOS_INLINE_FUNCTION void add_follower_couple_tangent(const double* values, co
 /// Follower force F, spatial Lambda_lo exp(psi) F: turns with w and psi, in the rows of all displacements.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_follower_force_tangent(const double* values, const ElementKinematics<K>& kinematics,
-                                                       const ElementTables<K>& tables, ReducedSystem<K>& system,
+                                                       const ElementTables<K>& tables, FullSystem<K>& system,
                                                        MeanRows<K>& mean) {
   using Blocks = ReducedBlocks<K>;
   for (int q = 0; q <= K; ++q) {
@@ -134,7 +134,7 @@ KOKKOS_INLINE_FUNCTION void add_follower_force_tangent(const double* values, con
 
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_field_tangent(const ElementFields& fields, const ElementKinematics<K>& kinematics,
-                                              const ElementTables<K>& tables, ReducedSystem<K>& system,
+                                              const ElementTables<K>& tables, FullSystem<K>& system,
                                               MeanRows<K>& mean) {
   if (const double* values = fields[LineField::dead_couple])
     add_dead_couple_tangent(values, kinematics, tables, system);

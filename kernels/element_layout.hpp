@@ -24,24 +24,28 @@ constexpr int force_point_count(int order, ForceIntegration rule) {
 /// quaternion.
 struct InteriorLayout {
   int order = 0, force_points = 0;
-  KOKKOS_INLINE_FUNCTION int force(int q) const { return 3 * q; }
-  KOKKOS_INLINE_FUNCTION int moment(int j) const { return 3 * (force_points + j); }
-  KOKKOS_INLINE_FUNCTION int relative_rotation(int j) const { return 3 * (force_points + order + j); }  // j = 1..k-1
-  KOKKOS_INLINE_FUNCTION int bubble(int j) const { return 3 * (force_points + 2 * order - 1 + j); }     // j = 1..k-1
-  KOKKOS_INLINE_FUNCTION int unknowns() const { return 3 * (force_points + 3 * order - 1); }
-  KOKKOS_INLINE_FUNCTION int spin() const { return unknowns(); }
-  KOKKOS_INLINE_FUNCTION int increments() const { return unknowns() + 3; }
+  KOKKOS_INLINE_FUNCTION constexpr int force(int q) const { return 3 * q; }
+  KOKKOS_INLINE_FUNCTION constexpr int moment(int j) const { return 3 * (force_points + j); }
+  KOKKOS_INLINE_FUNCTION constexpr int relative_rotation(int j) const {
+    return 3 * (force_points + order + j);
+  }  // j = 1..k-1
+  KOKKOS_INLINE_FUNCTION constexpr int bubble(int j) const {
+    return 3 * (force_points + 2 * order - 1 + j);
+  }  // j = 1..k-1
+  KOKKOS_INLINE_FUNCTION constexpr int unknowns() const { return 3 * (force_points + 3 * order - 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int spin() const { return unknowns(); }
+  KOKKOS_INLINE_FUNCTION constexpr int increments() const { return unknowns() + 3; }
 };
 
 /// Offsets into the reference data of one element: length h | reference triads at both ends (quaternions, as seen from
 /// this element) | unit tangent r0' at the force points | material curvature kappa0 at the k + 1 moment points.
 struct ReferenceLayout {
   int order = 0, force_points = 0;
-  KOKKOS_INLINE_FUNCTION int length() const { return 0; }
-  KOKKOS_INLINE_FUNCTION int end_triad(int end) const { return 1 + 4 * end; }
-  KOKKOS_INLINE_FUNCTION int tangent(int q) const { return 9 + 3 * q; }
-  KOKKOS_INLINE_FUNCTION int curvature(int q) const { return 9 + 3 * (force_points + q); }
-  KOKKOS_INLINE_FUNCTION int size() const { return 9 + 3 * (force_points + order + 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int length() const { return 0; }
+  KOKKOS_INLINE_FUNCTION constexpr int end_triad(int end) const { return 1 + 4 * end; }
+  KOKKOS_INLINE_FUNCTION constexpr int tangent(int q) const { return 9 + 3 * q; }
+  KOKKOS_INLINE_FUNCTION constexpr int curvature(int q) const { return 9 + 3 * (force_points + q); }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return 9 + 3 * (force_points + order + 1); }
 };
 
 /// Offsets into the compliances of one element with a general section (coupled, or varying along the element), 3 x 3
@@ -51,7 +55,7 @@ struct GeneralSectionLayout {
   KOKKOS_INLINE_FUNCTION int force_force(int q) const { return 18 * q; }
   KOKKOS_INLINE_FUNCTION int force_moment(int q) const { return 18 * q + 9; }
   KOKKOS_INLINE_FUNCTION int moment_moment(int q) const { return 18 * force_points + 9 * q; }
-  KOKKOS_INLINE_FUNCTION int size() const { return 18 * force_points + 9 * (order + 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return 18 * force_points + 9 * (order + 1); }
 };
 
 /// Quadrature of the element and the values of its shape functions there, for one order and integration rule.
@@ -102,17 +106,19 @@ struct ElementTables {
 };
 
 /// Constants of a section as the element uses them. A rigid component has compliance zero.
-struct SectionConstants {
-  double force_compliance[3];         ///< 1/EA, 1/GA2, 1/GA3: the residual
-  double tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
-  double moment_stiffness[3];         ///< GIt, EI2, EI3 capped: the tangent only
-  double moment_compliance[3];        ///< 1/GIt, 1/EI2, 1/EI3: the residual
-  double force_softening[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
-  double moment_softening[3];
+template <class Real>
+struct SectionNumbers {
+  Real force_compliance[3];         ///< 1/EA, 1/GA2, 1/GA3: the residual
+  Real tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
+  Real moment_stiffness[3];         ///< GIt, EI2, EI3 capped: the tangent only
+  Real moment_compliance[3];        ///< 1/GIt, 1/EI2, 1/EI3: the residual
+  Real force_softening[3];          ///< compliance of the tangent less the true one: zero where the cap is not reached
+  Real moment_softening[3];
   /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
   /// these.
-  double force_stiffness_limit, moment_stiffness_limit;
+  Real force_stiffness_limit, moment_stiffness_limit;
 };
+using SectionConstants = SectionNumbers<double>;
 
 /// Vector fields given along an element: loads per unit reference length and strains without stress.
 enum class LineField {

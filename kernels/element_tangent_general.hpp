@@ -12,7 +12,7 @@ namespace mixbeam {
 template <int K>
 struct GeneralMomentRows {
   static constexpr int kRows = 3 * (K + 1);
-  static constexpr int kColumns = ReducedSystem<K>::kSize;
+  static constexpr int kColumns = FullSystem<K>::kSize;
   double row[kRows][kColumns];         ///< D
   double rhs[kRows];                   ///< correction of the right-hand side by the eliminated N
   double compliance[kRows][kRows];     ///< A
@@ -25,8 +25,14 @@ struct GeneralMomentRows {
       for (int c = 0; c < kRows; ++c) compliance[r][c] = 0.0;
     }
   }
-  KOKKOS_INLINE_FUNCTION void add(int j, int block, double factor, const Mat& m) {
-    add_reduced(j, MomentRows<K>::reduced(block), factor, m);
+  KOKKOS_INLINE_FUNCTION void add_psi(int j, int i, double factor, const Mat& m) {
+    add_reduced(j, ReducedBlocks<K>::psi(i), factor, m);
+  }
+  KOKKOS_INLINE_FUNCTION void add_end(int end, const Mat& m) {
+    for (int j = 0; j <= K; ++j) {
+      add_reduced(j, ReducedBlocks<K>::spin(), -signed_end_value(end, j), m);
+      add_reduced(j, ReducedBlocks<K>::vertex(end), signed_end_value(end, j), m);
+    }
   }
   KOKKOS_INLINE_FUNCTION void add_reduced(int j, int reduced_block, double factor, const Mat& m) {
     for (int r = 0; r < 3; ++r)
@@ -38,13 +44,14 @@ struct GeneralMomentRows {
   }
 
   /// What N of one force point leaves in the rows of M. P: degrees 0..k-1, of which alone it sees M.
-  KOKKOS_INLINE_FUNCTION void couple(const ForcePoint<K>& point, const ForceRows<Mat>& force, const Mat& force_moment,
-                                     const double* P) {
+  KOKKOS_INLINE_FUNCTION void couple(const ForcePoint<K>& point, const Vec& strain_error,
+                                     const ForceRows<double, Mat>& force, const Mat& force_moment, const double* P) {
     using Blocks = ReducedBlocks<K>;
     const Mat coupling = transpose(force_moment) * force.stiffness;
-    const Mat by_moment = coupling * force_moment, by_slope = coupling * force.slope, by_spin = coupling * force.spin;
-    const Mat by_psi = coupling * force.psi;
-    const Vec by_error = coupling * point.strain_error;
+    const Mat by_moment = coupling * force_moment, by_slope = coupling * transpose(force.exp);
+    const Mat by_spin = times_hat(by_slope, force.p);
+    const Mat by_psi = times_hat(coupling, force.pulled_back) * transpose(force.tangent);
+    const Vec by_error = coupling * strain_error;
     for (int j = 0; j < K; ++j) {
       const double w = -point.weight * P[j];
       for (int i = 0; i < 3; ++i) rhs[3 * j + i] += w * by_error[i];
@@ -88,11 +95,11 @@ struct GeneralMomentRows {
 
   /// Response of one component of M: A^-1 (right-hand side + D dx), dx the response of the reduced unknowns, the last
   /// three blocks of which (slope_0 and the vertex spins) are columns 0..8 themselves.
-  KOKKOS_INLINE_FUNCTION void response_row(int r, const double (*response)[kResponseColumns], double* out) const {
-    constexpr int interior = ReducedSystem<K>::kInteriorSize;
+  KOKKOS_INLINE_FUNCTION void response_row(int r, const InteriorResponse<K>& response, double* out) const {
+    constexpr int interior = FullSystem<K>::kInteriorSize;
     for (int c = 0; c < kResponseColumns; ++c) out[c] = solved[r][interior + c];  // 9: the right-hand side
     for (int b = 0; b < interior; ++b)
-      for (int c = 0; c < kResponseColumns; ++c) out[c] += solved[r][b] * response[b][c];
+      for (int c = 0; c < kResponseColumns; ++c) out[c] += solved[r][b] * response(b, c);
   }
 };
 
@@ -104,8 +111,8 @@ KOKKOS_INLINE_FUNCTION void condense_moments(GeneralMomentRows<K>& rows, const V
   for (int r = 0; r < GeneralMomentRows<K>::kRows; ++r)
     for (int a = 0; a < GeneralMomentRows<K>::kColumns; ++a) {
       const double factor = rows.row[r][a];
-      for (int b = 0; b <= a; ++b) system.matrix[a][b] += factor * rows.solved[r][b];
-      system.rhs[a] += factor * rows.solved[r][GeneralMomentRows<K>::kColumns];
+      for (int b = 0; b <= a; ++b) system(a / 3, b / 3)(a % 3, b % 3) += factor * rows.solved[r][b];
+      system.rhs[a / 3][a % 3] += factor * rows.solved[r][GeneralMomentRows<K>::kColumns];
     }
 }
 

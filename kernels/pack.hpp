@@ -43,8 +43,9 @@ struct Pack {
   Vector v;
 
   Pack() = default;
-  // A number stands for the same number in every lane, as in double arithmetic.
-  Pack(double x) : v(Vector{} + x) {}  // NOLINT(google-explicit-constructor)
+  // A number stands for the same number in every lane, as in double arithmetic. x - 0 is x for every x, also for -0 and
+  // NaN, so nothing is computed for it; 0 + x would have to be.
+  Pack(double x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(const Vector& x) : v(x) {}
 
   /// One number from each of W places.
@@ -90,6 +91,64 @@ bool any(const typename Pack<W>::Mask& mask) {
 }
 
 // The same names for one number, so that a kernel is written once.
-KOKKOS_INLINE_FUNCTION double select(bool condition, double a, double b) { return condition ? a : b; }
+template <class Scalar>
+KOKKOS_FORCEINLINE_FUNCTION Scalar select(bool condition, const Scalar& a, const Scalar& b) {
+  return condition ? a : b;
+}
+
+/// Exchanges the parts off the diagonal of every 2 x 2 block of blocks of D lanes: steps D = 1, 2, .., W/2 transpose.
+template <int W, int D>
+inline __attribute__((always_inline)) void exchange(Pack<W>* rows) {
+  typename Pack<W>::Mask low, high;
+  for (int lane = 0; lane < W; ++lane) {
+    low[lane] = (lane & D) != 0 ? W + lane - D : lane;
+    high[lane] = (lane & D) != 0 ? W + lane : lane + D;
+  }
+  for (int i = 0; i < W; ++i)
+    if ((i & D) == 0) {
+      const auto a = rows[i].v, b = rows[i + D].v;
+      rows[i].v = __builtin_shuffle(a, b, low);
+      rows[i + D].v = __builtin_shuffle(a, b, high);
+    }
+  if constexpr (2 * D < W) exchange<W, 2 * D>(rows);
+}
+
+/// numbers[i] = rows[lane][i] for i < count: W rows of memory, one for each lane.
+template <int W>
+inline void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
+  if (W == 1 || count < W) {
+    for (int i = 0; i < count; ++i) {
+      double of_lanes[W];
+      for (int lane = 0; lane < W; ++lane) of_lanes[lane] = rows[lane][i];
+      __builtin_memcpy(&numbers[i], of_lanes, sizeof of_lanes);
+    }
+    return;
+  }
+  for (int i = 0; i < count; i += W) {
+    const int first = i + W <= count ? i : count - W;  // the last group overlaps the one before
+    Pack<W> square[W];
+    for (int lane = 0; lane < W; ++lane) __builtin_memcpy(&square[lane], rows[lane] + first, sizeof(Pack<W>));
+    if constexpr (W > 1) exchange<W, 1>(square);
+    for (int j = 0; j < W; ++j) numbers[first + j] = square[j];
+  }
+}
+
+/// rows[lane][offset + i] = numbers[i] for i < count and lane < active.
+template <int W>
+inline void scatter_lanes(const Pack<W>* numbers, int count, int offset, int active, double* const* rows) {
+  if (W == 1 || count < W) {
+    for (int lane = 0; lane < active; ++lane)
+      for (int i = 0; i < count; ++i) rows[lane][offset + i] = numbers[i][lane];
+    return;
+  }
+  for (int i = 0; i < count; i += W) {
+    const int first = i + W <= count ? i : count - W;
+    Pack<W> square[W];
+    for (int j = 0; j < W; ++j) square[j] = numbers[first + j];
+    if constexpr (W > 1) exchange<W, 1>(square);
+    for (int lane = 0; lane < W; ++lane)
+      if (lane < active) __builtin_memcpy(rows[lane] + offset + first, &square[lane], sizeof(Pack<W>));
+  }
+}
 
 }  // namespace mixbeam
