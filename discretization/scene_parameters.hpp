@@ -15,7 +15,8 @@ inline constexpr int kMostElements =
 /// Declaration of the list "Scene".
 ListSpec scene_spec();
 
-/// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy.
+/// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy,
+/// supports that hold every part included.
 /// Throws InputError. Points that only the end of an arc or helix reaches are added to the scene's points.
 /// `path`: where the list stands below the root of `source`.
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source,

@@ -1,5 +1,6 @@
 #include "discretization/scene_reader.hpp"
 
+#include "discretization/mechanism_check.hpp"
 #include "discretization/message_text.hpp"
 #include "discretization/nearest_name.hpp"
 #include "discretization/number_text.hpp"
@@ -18,7 +19,9 @@ namespace mixbeam {
 
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
   validate(scene_list, scene_spec(), source, path);
-  return SceneReader(scene_list, source, path).read();
+  Scene scene = SceneReader(scene_list, source, path).read();
+  check_supports(scene, source, path);
+  return scene;
 }
 
 SceneReader::SceneReader(const List& list, const ParameterSource& source, ParameterPath path)

@@ -1,6 +1,5 @@
 #include "apps/common/scene_file.hpp"
 
-#include "discretization/mechanism_check.hpp"
 #include "discretization/number_text.hpp"
 #include "discretization/scene_import.hpp"
 #include "discretization/scene_parameters.hpp"
@@ -46,7 +45,6 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   if (app.xml.source.files().empty())
     app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
-  check_supports(app.scene, app.xml.source);
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);

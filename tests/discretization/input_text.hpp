@@ -3,6 +3,8 @@
 
 #include "discretization/errors.hpp"
 #include "discretization/scene_parameters.hpp"
+#include "discretization/scene_reader.hpp"
+#include "discretization/validate.hpp"
 #include "discretization/xml_reader.hpp"
 
 #include <gtest/gtest.h>
@@ -79,10 +81,14 @@ inline std::string replaced(std::string text, const std::string& from, const std
   return place == std::string::npos ? text : text.replace(place, from.size(), to);
 }
 
-inline Scene scene_from(const std::string& text) {
-  XmlParameters xml = parse_xml(text, "scene.xml");
-  return read_scene(xml.list->sublist("Scene"), xml.source);
+/// What the list "Scene" describes, whether supports hold it or not: read_scene without its last check.
+inline Scene described_by(const XmlParameters& xml) {
+  Teuchos::ParameterList& list = xml.list->sublist("Scene");
+  validate(list, scene_spec(), xml.source, {"Scene"});
+  return SceneReader(list, xml.source, {"Scene"}).read();
 }
+
+inline Scene scene_from(const std::string& text) { return described_by(parse_xml(text, "scene.xml")); }
 
 /// Message of the InputError that `action` throws; empty, and a failure, if it throws none.
 template <typename Action>

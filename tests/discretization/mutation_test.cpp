@@ -2,7 +2,6 @@
 /// a place; nothing crashes, hangs or fills the memory. The same test runs under the sanitizers.
 #include "discretization/expected_values.hpp"
 #include "discretization/load_cases.hpp"
-#include "discretization/mechanism_check.hpp"
 #include "discretization/scene_warnings.hpp"
 #include "input_text.hpp"
 #include "rich_scene.hpp"
@@ -248,7 +247,6 @@ void read_everything(const std::string& text) {
   XmlParameters xml = parse_xml(text, "scene.xml");
   if (!xml.list->isSublist("Scene")) throw InputError("scene.xml: no list Scene");  // applications say it by themselves
   const Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
-  check_supports(scene, xml.source);
   if (xml.list->isSublist("Expected"))
     check_expected_values(read_expected_values(xml.list->sublist("Expected"), xml.source), scene, xml.source);
   for (const std::string& name : scene.load_cases) scene_of_case(scene, name);

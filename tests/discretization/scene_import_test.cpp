@@ -26,8 +26,7 @@ class SceneImport : public ::testing::Test {
   Scene read(const std::string& more = "", const std::string& points = "", const std::string& members = "") const {
     const std::string import =
         list("Import", word("Points File", "points.csv") + word("Members File", "members.csv") + more);
-    XmlParameters xml = parse_xml(scene_text(points, members, import), (folder_ / "scene.xml").string());
-    return read_scene(xml.list->sublist("Scene"), xml.source);
+    return described_by(parse_xml(scene_text(points, members, import), (folder_ / "scene.xml").string()));
   }
 
   void expect_refused(const std::vector<std::string>& parts) const {
