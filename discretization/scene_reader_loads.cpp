@@ -59,20 +59,28 @@ void ConditionReader::read_point_loads() {
   }
 }
 
-/// The one member with one end at the point that `text` means.
+/// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
+/// turn without it.
 std::string ConditionReader::follower_member(const std::string& text, const std::string& point,
                                              const ParameterPath& path) const {
+  const auto joined = joined_at_.find(point);
+  const auto is_joined = [&](const std::string& name) {
+    return joined != joined_at_.end() && joined->second.count(name) > 0;
+  };
   std::vector<std::string> touching;
   for (const Member* candidate : *names_.members_at(point))
-    if (has_one_end_at(*candidate, point)) touching.push_back(candidate->name);
+    if (has_one_end_at(*candidate, point) && !is_joined(candidate->name)) touching.push_back(candidate->name);
   const std::vector<std::string> meant = names_meant(text, touching);
   if (meant.size() == 1) return meant.front();
   const Member* const member = names_.member(text);
   const bool closed = member != nullptr && member->start_point == point && member->end_point == point;
   const std::string seen = text.empty() ? "missing for a follower load" : "value \"" + excerpt(text) + "\"";
-  const std::string problem = closed ? " has both ends at the point" : meant.empty() ? "" : " means several of them";
+  const std::string problem = closed            ? " has both ends at the point"
+                              : is_joined(text) ? " is in a joint at the point, and turns without it"
+                              : meant.empty()   ? ""
+                                                : " means several of them";
   throw source_.error(child(path, "Member"), seen + problem + "; allowed: a member with one end at \"" +
-                                                 excerpt(point) + "\": " + quoted_list(touching) +
+                                                 excerpt(point) + "\", not in a joint there: " + quoted_list(touching) +
                                                  did_you_mean(text, touching));
 }
 

@@ -233,6 +233,18 @@ TEST(Joints, AreRefusedWithAPlace) {
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + axis + number("Stiffness", "-1")), {"value >= 0"});
 }
 
+// The member's end has a triad of its own, which the load on the point does not see.
+TEST(Joints, AreNotPassedByFollowerLoads) {
+  const auto pinned = [](const std::string& member) {
+    return joint(word("Point", "hub") + words("Members", "{leg 1}") + word("Kind", "ball")) +
+           list("Point Loads", list("push", word("Point", "hub") + numbers("Force", "{0, 0, 1}") +
+                                                word("Frame", "follower") + word("Member", member)));
+  };
+  EXPECT_EQ(tripod_with(pinned("leg 2")).point_loads.back().member, "leg 2");
+  expect_refused(pinned("leg 1"), {"scene.xml:", "\"Scene / Point Loads / push / Member\"",
+                                   "value \"leg 1\" is in a joint at the point", "not in a joint there: \"leg 2\""});
+}
+
 const std::string kCases = words("Load Cases", "{wind, snow}");
 
 std::string force_at_hub(const std::string& name, const std::string& more) {
