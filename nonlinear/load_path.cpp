@@ -1,6 +1,6 @@
 #include "nonlinear/load_path.hpp"
 
-#include "discretization/errors.hpp"
+#include "discretization/message_text.hpp"
 #include "nonlinear/automatic_path.hpp"
 #include "nonlinear/loca_stage.hpp"
 
@@ -12,24 +12,26 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-/// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted.
-void check_end_angles(const BeamProblem& problem) {
+/// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
+/// which element turns by as much at the end of a stage, if any.
+std::string problem_of_end_angles(BeamProblem& problem, const State& state, double load_factor) {
   constexpr double kMargin = 1e-9;
+  MixedVector residual = problem.assembler.create_vector();
+  problem.assembler.residual(state, load_factor, residual);
   const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
-  if (angle.angle < kPi * (1.0 - kMargin)) return;
-  throw ConvergenceError(
-      "element " + std::to_string(angle.element) + " of member \"" + angle.member +
-      "\" turns by pi against its vertices, where rotations are no longer unique: use more elements there");
+  if (angle.angle < kPi * (1.0 - kMargin)) return "";
+  return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
+         "\" turns by pi against its vertices, where rotations are no longer unique";
 }
 
 /// What is left of a stage for a path that stands at the end of `result`.
-StageRange range_of_stage(int stage, const SolverParameters& parameters, const PathControl& control,
+StageRange range_of_stage(int stage, int stages, const SolverParameters& parameters, const PathControl& control,
                           const LoadPathResult& result) {
   StageRange range;
   range.stage = stage;
   range.from = stage - 1;
   range.to = stage;
-  range.attempts = parameters.load_path.maximum_steps - result.steps;
+  range.attempts = parameters.load_path.most_steps(stages) - result.steps;
   const bool inside = control.resume && result.steps == control.resume->step && result.load_factor != range.from;
   if (!inside) return range;
   range.from = control.resume->load_factor;
@@ -38,15 +40,11 @@ StageRange range_of_stage(int stage, const SolverParameters& parameters, const P
   return range;
 }
 
-/// Stages that are behind a path when it is resumed. The last one may have ended without the check that follows it.
-int finished_stages(const Teuchos::RCP<BeamProblem>& problem, const State& state, const PathControl& control) {
+/// Stages that are behind a path when it is resumed.
+int finished_stages(const PathControl& control) {
   if (!control.resume) return 0;
   const int stage = control.resume->stage;
-  if (control.resume->step == 0 || !is_end_of_stage(control.resume->load_factor, stage)) return stage - 1;
-  MixedVector residual = problem->assembler.create_vector();
-  problem->assembler.residual(state, control.resume->load_factor, residual);
-  check_end_angles(*problem);
-  return stage;
+  return control.resume->step > 0 && is_end_of_stage(control.resume->load_factor, stage) ? stage : stage - 1;
 }
 
 bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
@@ -59,6 +57,23 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   return arrived;
 }
 
+void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+             LoadPathResult& result) {
+  const double minimum = step_size_rule(problem->assembler.scene(), parameters).minimum;
+  const int most = parameters.load_path.most_steps(problem->assembler.scene().stages);
+  const bool used_up = result.steps + result.failed_steps >= most;
+  result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
+  result.failure = text_of(*result.report);
+}
+
+/// Whether the end of a stage may be believed. A resumed path may stand at one whose check was not reached.
+bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state, PathRecorder& recorder) {
+  const std::string cause = problem_of_end_angles(*problem, state, recorder.load_factor());
+  if (!cause.empty()) recorder.rejected(cause, 0);
+  recorder.leave_stage();
+  return cause.empty();
+}
+
 }  // namespace
 
 LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
@@ -66,24 +81,19 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
   LoadPathResult result;
   PathRecorder recorder(problem, parameters, state, observer, control, result);
   problem->attempts.start_path(result.steps, control.step_failed);
-  const int stages = problem->assembler.scene().stages;
-  for (int stage = finished_stages(problem, state, control) + 1; stage <= stages; ++stage) {
+  const int stages = problem->assembler.scene().stages, finished = finished_stages(control);
+  bool goes_on = finished == 0 || is_trustworthy(problem, state, recorder);
+  for (int stage = finished + 1; goes_on && stage <= stages; ++stage) {
     const int before = problem->work.newton_iterations;
-    const bool arrived =
-        follow_stage(problem, parameters, state, range_of_stage(stage, parameters, control, result), recorder);
+    const StageRange range = range_of_stage(stage, stages, parameters, control, result);
+    const bool arrived = follow_stage(problem, parameters, state, range, recorder);
     result.iterations_of_stage.push_back(problem->work.newton_iterations - before);
     result.newton_iterations += result.iterations_of_stage.back();
     if (result.interrupted) return result;
-    if (!arrived) {
-      const double minimum = step_size_rule(problem->assembler.scene(), parameters).minimum;
-      const bool used_up = result.steps + result.failed_steps >= parameters.load_path.maximum_steps;
-      result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
-      result.failure = text_of(*result.report);
-      return result;
-    }
-    check_end_angles(*problem);
+    goes_on = arrived && is_trustworthy(problem, state, recorder);
   }
-  result.finished = true;
+  result.finished = goes_on;
+  if (!goes_on) give_up(problem, parameters, state, result);
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include "nonlinear/status_test_check.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <vector>
 
@@ -52,7 +53,8 @@ ListSpec load_path_spec() {
                .at_least(1)
                .at_most(kMostSteps)
                .by_default(defaults.maximum_steps)
-               .means("The run is given up after this many steps."));
+               .means("The run is given up after this many steps; fixed: after as many on top of those that \"Steps\" "
+                      "asks for, which failed ones and shorter ones take."));
   spec.add(
       real("Aggressiveness")
           .at_least(0.0)
@@ -217,6 +219,12 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   if (!parameters.loca.is_null() && parameters.load_path.method == LoadPathMethod::automatic)
     parameters.load_path.method = LoadPathMethod::adaptive;
   return parameters;
+}
+
+int LoadPathParameters::most_steps(int stages) const {
+  if (method != LoadPathMethod::fixed) return maximum_steps;
+  const long long asked = static_cast<long long>(steps) * stages;
+  return static_cast<int>(std::min<long long>(asked + maximum_steps, std::numeric_limits<int>::max()));
 }
 
 }  // namespace mixbeam

@@ -25,8 +25,11 @@ struct LoadPathParameters {
   double initial_step = 1.0;
   double minimum_step = 1e-4;
   double maximum_step = 1.0;
-  int maximum_steps = 1000;  ///< of all stages together
+  int maximum_steps = 1000;  ///< of all stages together; fixed: on top of those asked for
   double aggressiveness = 0.5;
+
+  /// Attempts that a path of so many stages may make.
+  int most_steps(int stages) const;
 };
 
 struct NewtonParameters {

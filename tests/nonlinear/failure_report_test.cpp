@@ -223,8 +223,8 @@ TEST(FailureReport, OfElementsThatTurnTooFar) {
 
 TEST(FailureReport, OfTooFewSteps) {
   SolverParameters parameters;
-  parameters.load_path.method = LoadPathMethod::fixed;
-  parameters.load_path.steps = 10;
+  parameters.load_path.method = LoadPathMethod::adaptive;
+  parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.1;
   parameters.load_path.maximum_steps = 3;
   const Outcome outcome = follow(elastica(10.0), parameters);
   ASSERT_TRUE(outcome.result.report.has_value());

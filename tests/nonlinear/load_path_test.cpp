@@ -141,13 +141,51 @@ TEST(LoadPath, GivesUpAtTheMinimumStepWithTheLastConvergedState) {
 }
 
 TEST(LoadPath, GivesUpAfterTheLargestNumberOfSteps) {
-  SolverParameters parameters = fixed_steps(10);
+  SolverParameters parameters;
+  parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.1;
   parameters.load_path.maximum_steps = 3;
   const Path path = follow(elastica(), parameters);
   EXPECT_FALSE(path.result.finished);
   EXPECT_FALSE(path.result.failure.empty());
   EXPECT_LE(path.result.steps, 3);
   EXPECT_EQ(path.result.load_factor, path.reports.back().load_factor);
+}
+
+// What was asked for is permitted; the limit is for what comes on top.
+TEST(LoadPath, TakesAsManyFixedStepsAsAreAskedFor) {
+  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 1, 1);
+  scene.point_loads = {dead_load("tip", {0, 1.0, 0})};
+  SolverParameters parameters = fixed_steps(20);
+  parameters.load_path.maximum_steps = 20;
+  parameters.analysis.stability = false;
+  const Path path = follow(scene, parameters);
+  EXPECT_TRUE(path.result.finished) << path.result.failure;
+  EXPECT_EQ(path.result.steps, parameters.load_path.steps);
+  parameters.load_path.method = LoadPathMethod::adaptive;
+  parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.5 / parameters.load_path.maximum_steps;
+  EXPECT_FALSE(follow(scene, parameters).result.finished);
+}
+
+/// One element whose ends turn by `share` of pi against its triad.
+Path rolled_up(double share) {
+  Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, 1, 1);
+  scene.point_loads = {dead_load("tip", {}, {0, 0, share * 2.0 * 3.14159265358979323846})};
+  SolverParameters parameters;
+  parameters.analysis.stability = false;
+  return follow(scene, parameters);
+}
+
+// The step converges, but rotations are no longer unique: that is a failed path with a report, not an exception.
+TEST(LoadPath, AnElementThatTurnsByPiAtTheEndIsReported) {
+  EXPECT_TRUE(rolled_up(1.0 - 1e-6).result.finished);
+  const LoadPathResult result = rolled_up(1.0 - 1e-11).result;
+  EXPECT_FALSE(result.finished);
+  EXPECT_EQ(result.load_factor, 1.0);
+  EXPECT_GE(result.failed_steps, 1);
+  ASSERT_TRUE(result.report.has_value());
+  EXPECT_EQ(result.report->cause, FailureCause::end_angle);
+  for (const char* part : {"element 0 of member \"beam\" turns by pi", "too long for the rotations", "\"Elements\""})
+    EXPECT_NE(result.failure.find(part), std::string::npos) << part << " is missing in: " << result.failure;
 }
 
 /// A beam that slides along its axis: no equilibrium, and a singular tangent from the start.
