@@ -209,7 +209,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     problem_->assembler.use_scales(scales_);
     problem_->assembler.condense(state_, load_factor(), rhs);
     solve_condensed(increment.values());
-    if (const double cap_ratio = problem_->assembler.least_cap_ratio(); cap_ratio > 0.0) {
+    const double cap_ratio = problem_->keeps_cap ? 0.0 : problem_->assembler.least_cap_ratio();
+    if (cap_ratio > 0.0) {
       MixedVector left_out = problem_->assembler.create_vector();
       problem_->assembler.softening_rows(increment.values(), left_out);
       remove_softening(softening_operators(), left_out, cap_ratio, increment.values());
