@@ -33,6 +33,7 @@ ResidualScales residual_scales(const StateMagnitude& state, double length, doubl
   scales.strain = std::max(amplitude, noise);
   scales.displacement_noise = noise * std::min(state.displacement, kLargestDisplacement * length);
   scales.length = length;
+  scales.amplitude = amplitude;
   return scales;
 }
 

@@ -7,11 +7,12 @@
 namespace mixbeam {
 
 struct ResidualScales {
-  double force = 1.0;     ///< vertex force rows
-  double moment = 1.0;    ///< vertex moment rows
-  double strain = 1.0;    ///< N rows: a strain
-  double rotation = 1.0;  ///< M rows: a relative rotation
-  double length = 1.0;    ///< rows of prescribed displacements
+  double force = 1.0;      ///< vertex force rows
+  double moment = 1.0;     ///< vertex moment rows
+  double strain = 1.0;     ///< N rows: a strain
+  double rotation = 1.0;   ///< M rows: a relative rotation
+  double length = 1.0;     ///< rows of prescribed displacements
+  double amplitude = 1.0;  ///< how far the structure has moved: strain and rotation before they allow for rounding
   /// What the rounding errors of displacements leave of a strain over a length, divided by the tolerance.
   double displacement_noise = 0.0;
 

@@ -37,6 +37,7 @@ BeamGroup::BeamGroup(const BeamGroup& other, NOX::CopyType type)
   if (type == NOX::DeepCopy) {
     valid_f_ = other.valid_f_;
     valid_newton_ = other.valid_newton_;
+    softened_ = other.softened_;
   }
 }
 
@@ -65,6 +66,7 @@ void BeamGroup::copy(const NOX::Abstract::Group& source) {
   }
   if (other.valid_newton_) {
     *newton_ = *other.newton_;
+    softened_ = other.softened_;
     valid_newton_ = true;
   }
 }
@@ -154,6 +156,7 @@ constexpr double kNegligible = 0.1;
 }  // namespace
 
 void BeamGroup::correct_newton() {
+  softened_ = true;
   const double cap_ratio = problem_->assembler.least_cap_ratio();
   if (cap_ratio == 0.0 || problem_->keeps_cap) return;
   BeamVector left_out(problem_->assembler.create_vector());
@@ -166,7 +169,7 @@ void BeamGroup::correct_newton() {
   const double present = problem_->assembler.compatibility_norm(f_->values());
   if (!(left > kNegligible * std::max({reached, from_turning, present}))) return;
   try {
-    remove_softening(softening_operators(), left_out.values(), cap_ratio, newton_->values());
+    softened_ = !remove_softening(softening_operators(), left_out.values(), cap_ratio, newton_->values());
   } catch (const LinearSolverError&) {
     // the increment is still that of the capped tangent, which only converges more slowly
   }
@@ -228,6 +231,20 @@ const NOX::Abstract::Vector& BeamGroup::getGradient() const {
 }
 
 double BeamGroup::equilibrium_norm() const { return problem_->assembler.equilibrium_norm(f_->values()); }
+
+double BeamGroup::left_out_since(const BeamGroup& before) const {
+  if (scales_.amplitude == 0.0 || !before.softened_) return 0.0;
+  MixedVector step = x_->values().clone(true);
+  step.update(-1.0, before.x_->values(), 1.0);
+  ResidualScales as_moved = scales_;
+  as_moved.strain = as_moved.rotation = scales_.amplitude;
+  as_moved.displacement_noise = 0.0;
+  BeamVector rows(problem_->assembler.create_vector());
+  problem_->assembler.use_scales(as_moved);
+  problem_->assembler.softening_rows(step, rows.values());
+  problem_->assembler.use_scales(scales_);
+  return rows.norm(NOX::Abstract::Vector::MaxNorm);
+}
 
 void BeamGroup::setParamsMulti(const std::vector<int>& ids, const NOX::Abstract::MultiVector::DenseMatrix& values) {
   for (size_t k = 0; k < ids.size(); ++k) setParam(ids[k], values(static_cast<int>(k), 0));

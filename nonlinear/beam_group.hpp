@@ -33,6 +33,9 @@ class BeamGroup : public LOCA::Abstract::Group {
   const ResidualScales& scales() const { return scales_; }
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
   double equilibrium_norm() const;
+  /// Largest strain or relative rotation that the cap of the last tangent left out of the Newton step from `before` to
+  /// here, over how far the structure has moved; zero where the increment was corrected (softening_correction.hpp).
+  double left_out_since(const BeamGroup& before) const;
   /// The beam group inside any group that NOX or LOCA hands over.
   static const BeamGroup& of(const NOX::Abstract::Group& group);
 
@@ -96,6 +99,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   ResidualScales scales_;
   StepObserver observer_;
   bool valid_f_ = false, valid_jacobian_ = false, valid_newton_ = false;
+  bool softened_ = true;  ///< the Newton increment is that of the capped tangent
 };
 
 }  // namespace mixbeam

@@ -2,11 +2,13 @@
 
 #include "nonlinear/beam_group.hpp"
 #include "nonlinear/rotation_limited_line_search.hpp"
+#include "nonlinear/softening_status_test.hpp"
 
 #include <NOX_StatusTest_Combo.H>
 #include <NOX_StatusTest_Factory.H>
 #include <NOX_StatusTest_FiniteValue.H>
 #include <NOX_StatusTest_MaxIters.H>
+#include <NOX_StatusTest_NormF.H>
 #include <NOX_Observer.hpp>
 #include <Teuchos_oblackholestream.hpp>
 
@@ -47,14 +49,15 @@ class IterationRecorder : public NOX::Observer {
   SolveRecord& record_;
 };
 
-Teuchos::ParameterList default_status_tests(const NewtonParameters& newton) {
-  Teuchos::ParameterList tests("Status Tests");
-  tests.set("Test Type", "Combo").set("Combo Type", "OR").set("Number of Tests", 3);
-  Teuchos::ParameterList& residual = tests.sublist("Test 0");
-  residual.set("Test Type", "NormF").set("Norm Type", "Max Norm").set("Scale Type", "Unscaled");
-  residual.set("Tolerance", newton.residual_tolerance);
-  tests.sublist("Test 1").set("Test Type", "FiniteValue");
-  tests.sublist("Test 2").set("Test Type", "MaxIters").set("Maximum Iterations", newton.maximum_iterations);
+Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParameters& newton) {
+  namespace Test = NOX::StatusTest;
+  const auto converged = Teuchos::rcp(new Test::Combo(Test::Combo::AND));
+  converged->addStatusTest(
+      Teuchos::rcp(new Test::NormF(newton.residual_tolerance, NOX::Abstract::Vector::MaxNorm, Test::NormF::Unscaled)));
+  converged->addStatusTest(Teuchos::rcp(new SofteningStatusTest()));
+  const auto tests = Teuchos::rcp(new Test::Combo(Test::Combo::OR, converged));
+  tests->addStatusTest(Teuchos::rcp(new Test::FiniteValue()));
+  tests->addStatusTest(Teuchos::rcp(new Test::MaxIters(newton.maximum_iterations)));
   return tests;
 }
 
@@ -102,8 +105,8 @@ Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const 
 
 Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
                                                             const NOX::Utils& utils) {
-  Teuchos::ParameterList tests =
-      parameters.status_tests.is_null() ? default_status_tests(parameters.newton) : *parameters.status_tests;
+  if (parameters.status_tests.is_null()) return with_guards(default_status_tests(parameters.newton));
+  Teuchos::ParameterList tests = *parameters.status_tests;
   return with_guards(NOX::StatusTest::buildStatusTests(tests, utils));
 }
 

@@ -68,10 +68,10 @@ class Hessenberg {
 }  // namespace
 
 // With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
-void remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
+bool remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
                       MixedVector& increment) {
   const double beta = norm(left_out);
-  if (!(beta > 0.0) || !std::isfinite(beta)) return;
+  if (!(beta > 0.0) || !std::isfinite(beta)) return false;
   std::vector<MixedVector> basis, response;
   basis.push_back(left_out.clone(true));
   basis[0].scale(1.0 / beta);
@@ -92,17 +92,18 @@ void remove_softening(const SofteningOperators& operators, const MixedVector& le
     column.push_back(norm(next));
     const double length = column.back();
     left = system.add(std::move(column));
-    if (!std::isfinite(left)) return;
+    if (!std::isfinite(left)) return false;
     if (!(length > 0.0)) break;
     next.scale(1.0 / length);
     basis.push_back(std::move(next));
   }
-  if (!(left <= kWorthwhile * beta)) return;
+  if (!(left <= kWorthwhile * beta)) return false;
   const std::vector<double> y = system.solution();
   for (size_t k = 0; k < y.size(); ++k) {
-    if (!std::isfinite(y[k])) return;
+    if (!std::isfinite(y[k])) return false;
   }
   for (size_t k = 0; k < y.size(); ++k) increment.update(y[k], response[k], 1.0);
+  return true;
 }
 
 }  // namespace mixbeam

@@ -19,9 +19,9 @@ struct SofteningOperators {
 /// From d with J_c d = -r to d with (J_c + D) d = -r. `left_out`: D d of the given increment. `cap_ratio`: of the cap
 /// to the largest finite stiffness (Assembler::least_cap_ratio); what answers less belongs to closed frames that are
 /// exactly rigid, may carry any stress of their own, and are left alone. The increment stays as it is where the
-/// iteration gains nothing. Throws what the operators throw, the increment being untouched then. Collective; the same
-/// for any number of threads.
-void remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
+/// iteration gains nothing. Returns whether it gained something. Throws what the operators throw, the increment
+/// being untouched then. Collective; the same for any number of threads.
+bool remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
                       MixedVector& increment);
 
 }  // namespace mixbeam

@@ -162,9 +162,8 @@ Sweep load_steps() {
           {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000},
           [](const Cantilever& rod, const SolverParameters& solver, double value) {
             const Cantilever changed = rod.with_torsional_stiffness(0.5 * rod.bending_stiffness());
-            SolverParameters stepped = with_fixed_steps(solver, static_cast<int>(value));
-            stepped.load_path.maximum_steps = 2 * std::max(stepped.load_path.maximum_steps, static_cast<int>(value));
-            return Trial{changed.with_tip_moment({{0.0, 2.0, 1.0}}, 1.0), stepped};
+            return Trial{changed.with_tip_moment({{0.0, 2.0, 1.0}}, 1.0),
+                         with_fixed_steps(solver, static_cast<int>(value))};
           },
           1e-9,
           1.0,
@@ -250,13 +249,11 @@ Sweep tip_force() {
         return Trial{rod.with_graded_mesh(24, std::pow(1.4, 23)).with_tip_force(value), solver};
       },
       1e-8,
-      1e-10,
+      1e-12,
       1e8,
       "Large forces bend the rod within sqrt(EI / F) of the clamp, which the mesh has to resolve. Small ones move it "
       "by less than the rounding error of its coordinates, but displacements are unknowns of their own; where the "
-      "linear solution already meets the tolerance, the nonlinear part of the motion is left out. At 1e-12 the "
-      "allowance for rounding in short elements accepts even the first increment, whose force stiffness is capped at "
-      "1e5 EI / L^2: three times 1e-5 of the displacement."};
+      "linear solution already meets the tolerance, the nonlinear part of the motion is left out."};
 }
 
 Sweep order() {
