@@ -4,6 +4,7 @@
 #include "discretization/reactions.hpp"
 #include "discretization/sampling.hpp"
 #include "discretization/state_snapshot.hpp"
+#include "nonlinear/force_sharing.hpp"
 #include "nonlinear/load_path.hpp"
 
 namespace mixbeam {
@@ -36,6 +37,9 @@ class Simulation {
   /// Of the linear system that Newton's method would solve next: condition_estimate() of the tangent at state(). Costs
   /// about two iterations; infinity where that system is singular. Collective.
   double condition_estimate();
+
+  /// The force at state() that rounding errors make least certain, see force_sharing.hpp. Collective.
+  std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }
 
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).
   Vector3 displacement(const std::string& point) const;

@@ -171,6 +171,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
   json["seconds"] = nlohmann::ordered_json::object();
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
   if (!failure.empty()) json["failure"] = failure;
+  if (!warnings.empty()) json["warnings"] = warnings;
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));

@@ -50,6 +50,7 @@ class Summary {
   int load_steps = 0;
   int newton_iterations = 0;
   std::string failure;                    ///< why the run ended early; empty if it did not
+  std::vector<std::string> warnings;      ///< what should be known of the results
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused

@@ -24,6 +24,13 @@ void check_expected(Application& app, const Simulation& simulation, const StepRe
   app.check_expected(simulation, step, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
 }
 
+void warn_of_uncertain_forces(Application& app, const std::string& run, Simulation& simulation) {
+  const std::optional<UncertainForce> force = simulation.uncertain_force();
+  if (!force) return;
+  app.summary.warnings.push_back(run + ": " + text_of(*force));
+  app.out() << "warning: " << text_of(*force) << "\n";
+}
+
 void say_how_to_resume(Application& app, const SolverParameters& solver, const Simulation& simulation,
                        const std::filesystem::path& file) {
   char progress[64];
@@ -59,10 +66,11 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
     check_expected(app, simulation, step);
   };
-  const Simulation simulation = app.record(scene, app.solver, recording);
+  Simulation simulation = app.record(scene, app.solver, recording);
   app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << ", " << file.string() << "\n";
   report.print(app.out());
+  warn_of_uncertain_forces(app, file.stem().string(), simulation);
   report.check_balance(app, file.stem().string());
   if (!simulation.result().interrupted) return RunEnd::arrived;
   say_how_to_resume(app, app.solver, simulation, file);

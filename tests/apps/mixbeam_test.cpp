@@ -69,6 +69,77 @@ TEST_F(Mixbeam, ExitCodes) {
   ASSERT_TRUE(contents_of(folder_ / "results" / "scene.h5"));
 }
 
+/// One element of order 1, rolled up by a tip moment to `share` of the angle at which its ends stand at pi.
+std::string rolled_up(double share) {
+  std::ostringstream text;
+  text.precision(17);
+  text << R"(<ParameterList name="ring"><ParameterList name="Scene">
+    <ParameterList name="Sections"><ParameterList name="rod">
+      <Parameter name="Inextensible" type="bool" value="true"/><Parameter name="Shear Rigid" type="bool" value="true"/>
+      <Parameter name="GIt" type="double" value="1"/><Parameter name="EI2" type="double" value="1"/>
+      <Parameter name="EI3" type="double" value="1"/></ParameterList></ParameterList>
+    <ParameterList name="Points"><Parameter name="wall" type="Array(double)" value =
+      "{0, 0, 0}" / > <Parameter name = "tip" type = "Array(double)" value = "{1, 0, 0}" /></ ParameterList>
+      <ParameterList name = "Members"><ParameterList name = "beam">
+      <Parameter name = "Start" type = "string" value = "wall" />
+      <Parameter name = "End" type = "string" value = "tip" />
+      <Parameter name = "Section" type = "string" value = "rod" /><Parameter name = "Order" type = "int" value = "1" />
+      <Parameter name = "Elements" type = "int" value = "1" /></ ParameterList></ ParameterList>
+      <ParameterList name = "Supports"><ParameterList name = "clamp">
+      <Parameter name = "Point" type = "string" value = "wall" /></ ParameterList></ ParameterList>
+      <ParameterList name = "Point Loads"><ParameterList name = "roll">
+      <Parameter name = "Point" type = "string" value = "tip" /> <
+      Parameter name = "Moment" type = "Array(double)" value =
+          "{0, 0, )" << share * 2.0 * 3.14159265358979323846 << R"(}"/></ParameterList></ParameterList></ParameterList>
+    <ParameterList name="Analysis"><Parameter name="Stability" type="bool" value="false"/></ParameterList>
+    </ParameterList>)";
+  return text.str();
+}
+
+TEST_F(Mixbeam, AnElementThatReachesPiAtTheEndLeavesThePageOfAFailure) {
+  const std::string output = (folder_ / "results").string();
+  EXPECT_EQ(run({"run", write_scene(rolled_up(1.0 - 1e-6)), "--output", output}).exit_code, kOk);
+  EXPECT_FALSE(fs::exists(folder_ / "results" / "scene_failure.txt"));
+  const Ended ended = run({"run", write_scene(rolled_up(1.0 - 1e-11)), "--output", output});
+  EXPECT_EQ(ended.exit_code, kNoConvergence);
+  expect_in(ended.err, {"no convergence", "turns by pi against its vertices", "What to try"});
+  expect_in(text_of(folder_ / "results" / "scene_failure.txt"), {"turns by pi against its vertices", "\"Elements\""});
+}
+
+/// A bar between two walls, pushed in the middle by nearly nothing.
+std::string pushed_bar(const std::string& stiffness) {
+  std::string text = rolled_up(1.0);
+  text = changed(text, R"(value="{1, 0, 0}"/></ParameterList>)", R"(value="{1, 0, 0}"/>
+      <Parameter name="far" type="Array(double)" value = "{2, 0, 0}" / > </ ParameterList>) ");
+      text = changed(text, R"(<Parameter name="Inextensible" type="bool" value="true"/>)",
+                     "<Parameter name=\"EA\" type=\"double\" value=\"" + stiffness + "\"/>");
+  text = changed(text, R"(value="1"/></ParameterList></ParameterList>
+    <ParameterList name="Supports">)",
+                 R"(value="1"/></ParameterList><ParameterList name="other">
+      <Parameter name="Start" type="string" value="tip"/><Parameter name="End" type="string" value="far"/>
+      <Parameter name="Section" type="string" value="rod"/></ParameterList></ParameterList>
+    <ParameterList name="Supports"><ParameterList name="end">
+      <Parameter name="Point" type="string" value="far"/></ParameterList>)");
+  const std::size_t load = text.find("<Parameter name=\"Moment\"");
+  return text.replace(load, text.find("/>", load) + 2 - load,
+                      R"(<Parameter name="Force" type="Array(double)" value = "{1, 0, 0}" / >) ");
+}
+
+TEST_F(Mixbeam, WarnsOfForcesThatRoundingErrorsShare) {
+  const std::string output = (folder_ / "results").string(), summary = (folder_ / "summary.json").string();
+  const auto run_bar = [&](const std::string& stiffness) {
+    return run({"run", write_scene(pushed_bar(stiffness)), "--output", output, "--summary", summary});
+  };
+  const Ended fine = run_bar("1e6");
+  EXPECT_EQ(fine.exit_code, kOk) << fine.err;
+  EXPECT_EQ(fine.out.find("warning"), std::string::npos) << fine.out;
+  EXPECT_EQ(text_of(summary).find("warnings"), std::string::npos);
+  const Ended doubtful = run_bar("1e15");
+  EXPECT_EQ(doubtful.exit_code, kOk) << doubtful.err;
+  expect_in(doubtful.out, {"warning: member", "rounding errors"});
+  expect_in(text_of(summary), {"\"warnings\"", "rounding errors"});
+}
+
 TEST_F(Mixbeam, ValuesOfALoadCaseThatNoStepComparesAreAnError) {
   const std::string text =
       changed(text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/verification/elastica.xml"), "<Parameter name=\"Value\"",

@@ -65,6 +65,31 @@ TEST(Extremes, RedundantBarsShareByStiffness) {
     }
 }
 
+// Where the strains drown in their rounding errors the answer cannot be had, and the run says so.
+TEST(Extremes, ForcesSharedByRoundingErrorsAreReported) {
+  EXPECT_FALSE(pushed_bar(1e6, 4e6).uncertain_force().has_value());
+  EXPECT_FALSE(pushed_bar(1e9, 4e9).uncertain_force().has_value());
+  for (double axial : {1e13, 1e15}) {
+    const std::optional<UncertainForce> force = pushed_bar(axial, 4.0 * axial).uncertain_force();
+    ASSERT_TRUE(force.has_value()) << axial;
+    EXPECT_FALSE(force->rigid) << axial;
+    EXPECT_TRUE(force->member == "left" || force->member == "right") << force->member;
+    EXPECT_GT(force->change, 1e-5) << axial;
+    EXPECT_NE(text_of(*force).find("redundant"), std::string::npos);
+  }
+  const std::optional<UncertainForce> rigid = pushed_bar(kRigid, kRigid).uncertain_force();
+  ASSERT_TRUE(rigid.has_value());
+  EXPECT_TRUE(rigid->rigid);
+}
+
+// The same stiffness where equilibrium determines the forces: rounding errors of strains move nothing.
+TEST(Extremes, ForcesThatEquilibriumDeterminesAreCertain) {
+  for (double stiffness : {1e13, 1e25, kRigid}) {
+    EXPECT_FALSE(solved(elastica(section(stiffness, stiffness, 1.0, 1.0), 2, 16)).uncertain_force().has_value());
+    EXPECT_FALSE(solved(l_frame(section(stiffness, stiffness, 1.0, 1.0))).uncertain_force().has_value());
+  }
+}
+
 /// Of unit length: EA = 12 EI s^2 and GA half of it, or rigid.
 Section slender(double bending, double slenderness, bool axial_rigid, bool shear_rigid) {
   const double axial = 12.0 * bending * slenderness * slenderness;
@@ -245,6 +270,48 @@ TEST(Extremes, RelativeRotationsUpToPi) {
         EXPECT_NEAR(std::remainder(rod.rotation("tip")[2] - angle, 2.0 * kPi), 0.0, kRoundOff) << what;
         EXPECT_GT(std::abs(std::remainder(rod.rotation("tip")[2] - angle * (1.0 + 1e-8), 2.0 * kPi)), kRoundOff);
       }
+}
+
+/// Elements that grow by one factor from the clamp to the tip; 1: a uniform mesh.
+Scene tiny_tip_force(double force, double growth, const Section& rod) {
+  constexpr int kElements = 24;
+  Scene scene = cantilever(rod, 1.0, 4, kElements);
+  if (growth != 1.0) {
+    std::vector<double>& stations = scene.members[0].stations;
+    for (int i = 0; i <= kElements; ++i)
+      stations.push_back((std::pow(growth, i) - 1.0) / (std::pow(growth, kElements) - 1.0));
+  }
+  scene.point_loads = {dead_load("tip", {0, force, 0})};
+  return scene;
+}
+
+// Linear theory: F L^3/3EI + F L/GA and F L^2/2EI, where the square of the load is less than rounding. The residual
+// allows for rounding errors of strains that are as large as these strains themselves.
+TEST(Extremes, TinyForcesGiveLinearTheory) {
+  constexpr double kShare = 1e-8, kSmallestStiffness = 1e3;
+  for (double force : {1e-12, 1e-10, 1e-8})
+    for (double growth : {1.0, 1.1, 1.4})
+      for (double stiffness : {kRigid, 1e9, kSmallestStiffness}) {
+        const Simulation rod = solved(tiny_tip_force(force, growth, section(stiffness, stiffness, 1.0, 1.0)));
+        const std::string what = "force " + std::to_string(std::log10(force)) + ", growth " + std::to_string(growth) +
+                                 ", stiffness " + std::to_string(stiffness);
+        EXPECT_NEAR(rod.displacement("tip")[1] / force, 1.0 / 3.0 + 1.0 / stiffness, kShare / 3.0) << what;
+        EXPECT_NEAR(rod.rotation("tip")[2] / force, 0.5, kShare / 2.0) << what;
+        EXPECT_LE(iterations(rod), 3) << what;
+        const double without_shear = 1.0 / 3.0;  // the twin: shear flexibility is seen, as that of the cap was
+        if (stiffness == kSmallestStiffness)
+          EXPECT_GT(std::abs(rod.displacement("tip")[1] / force - without_shear), kShare / 3.0) << what;
+      }
+}
+
+// A tangent with a cap that no one looks at ends with its first increment.
+TEST(Extremes, TinyForcesNeedALookAtTheCap) {
+  SolverParameters residual_only;
+  residual_only.status_tests = Teuchos::rcp(new Teuchos::ParameterList("Status Tests"));
+  Teuchos::ParameterList& tests = *residual_only.status_tests;
+  tests.set("Test Type", "NormF").set("Norm Type", "Max Norm").set("Scale Type", "Unscaled").set("Tolerance", 1e-11);
+  const Simulation rod = solved(tiny_tip_force(1e-12, 1.4, section(kRigid, kRigid, 1.0, 1.0)), residual_only);
+  EXPECT_GT(std::abs(rod.displacement("tip")[1] / 1e-12 - 1.0 / 3.0), 1e-6);
 }
 
 TEST(Extremes, TinyAngles) {
