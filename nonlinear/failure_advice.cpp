@@ -118,6 +118,14 @@ class Adviser {
         "orders "
         "of magnitude for double precision; \"Inextensible\" and \"Shear Rigid\" serve better than huge numbers.");
   }
+  void finite_stiffness() {
+    const EquationPlace& place = report_.attempts.back().peak->place;
+    add(AdviceKind::finite_stiffness,
+        "Give member \"" + excerpt(place.member) + "\" " + (place.component == 0 ? "an axial" : "a shear") +
+            " stiffness (" + (place.component == 0 ? "\"EA\"" : "\"GA2\", \"GA3\"") +
+            ") with which it can yield, or take away what is imposed: eigenstrains and prescribed motions that only " +
+            "fit if it changes its length or shears.");
+  }
 
  private:
   void add(AdviceKind kind, const std::string& text) { advice.push_back({kind, text}); }
@@ -164,6 +172,9 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
       break;
     case FailureCause::path_lost:
       to.prescribe_displacement(), to.smaller_minimum_step(), to.smaller_first_step(), to.stay_below();
+      break;
+    case FailureCause::incompatible:
+      to.finite_stiffness(), to.smaller_minimum_step(), to.more_elements(), to.stay_below();
       break;
     case FailureCause::slow:
       to.more_iterations(), to.smaller_minimum_step(), to.smaller_rotation(), to.more_elements();

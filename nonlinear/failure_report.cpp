@@ -162,7 +162,24 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
   }
 }
 
-FailureCause cause_of(const FailureReport& report) {
+bool imposes_deformation(const Scene& scene) {
+  const auto moves = [](const Support& support) {
+    return support.prescribed_displacement != Vector3{} || support.prescribed_rotation != Vector3{};
+  };
+  return !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), moves);
+}
+
+/// Whether even the smallest step leaves strains in a member that is rigid, or nearly so, while some are imposed.
+bool is_incompatible(const FailureReport& report, const Assembler& assembler) {
+  const FailedAttempt& last = report.attempts.back();
+  if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;
+  const int member = member_index(assembler.scene(), last.peak->place.member);
+  const double softening =
+      assembler.structure().views.member_section(member).force_softening[last.peak->place.component];
+  return softening > 0.0 && imposes_deformation(assembler.scene());
+}
+
+FailureCause cause_of(const FailureReport& report, const Assembler& assembler) {
   if (report.attempts.empty() || report.steps_used_up) return FailureCause::steps_used_up;
   const FailedAttempt& last = report.attempts.back();
   const bool lost = last.end == AttemptEnd::not_finite;
@@ -173,6 +190,7 @@ FailureCause cause_of(const FailureReport& report) {
   if (lost) return FailureCause::overflow;
   if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
   if (last.end == AttemptEnd::refused) return FailureCause::path_lost;
+  if (is_incompatible(report, assembler)) return FailureCause::incompatible;
   const bool falls = last.last_residual == last.smallest_residual && last.last_residual < kFallen * last.first_residual;
   return falls ? FailureCause::slow : FailureCause::wandering;
 }
@@ -195,7 +213,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
   report.wide_angles = wide_angles(problem.assembler, end, report.attempts);
   report.tangent = tangent_report(problem, end);
   report.tangent.condition = condition_of_tangent(problem, parameters, end);
-  report.cause = cause_of(report);
+  report.cause = cause_of(report, problem.assembler);
   report.next = advice_for(report, problem, parameters);
   return report;
 }

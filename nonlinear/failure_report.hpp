@@ -20,6 +20,7 @@ enum class FailureCause {
   overflow,         ///< numbers beyond double precision
   linear_solver,    ///< the tangent is regular, but could not be solved with
   path_lost,        ///< equilibria go on, but not to the end of the stage
+  incompatible,     ///< strains or motions are imposed that members without give cannot take on
   slow,             ///< the residual was still falling when the iterations were used up
   wandering         ///< the residual did not fall
 };
@@ -74,6 +75,7 @@ enum class AdviceKind {
   smaller_minimum_step,
   more_steps,
   check_sections,
+  finite_stiffness,
   stay_below
 };
 

@@ -100,6 +100,8 @@ const char* words_of(FailureCause cause) {
       return "the linear equations are too ill-conditioned to be solved";
     case FailureCause::path_lost:
       return "equilibria go on from here, but not to the end of the stage";
+    case FailureCause::incompatible:
+      return "strains or motions are imposed that members which cannot stretch or shear, or hardly, do not take on";
     case FailureCause::slow:
       return "Newton's method was on its way, but had too few iterations";
     case FailureCause::wandering:
