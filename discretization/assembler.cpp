@@ -31,7 +31,7 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
 }
 
 MixedVector Assembler::create_vector() const {
-  return MixedVector(maps_.rows, structure_.increment_size, owned_interior_);
+  return MixedVector(maps_.rows, structure_.increment_size, owned_interior_, vectors_);
 }
 
 void Assembler::set_load_factor(double load_factor) {

@@ -140,6 +140,7 @@ class Assembler {
   ConstraintRows constraints_;
   AssemblerOptions options_;
   VertexMaps maps_;
+  std::shared_ptr<VectorPool> vectors_ = std::make_shared<VectorPool>();
   /// Where the tangent was taken.
   struct {
     State state;

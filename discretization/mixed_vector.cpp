@@ -65,23 +65,47 @@ double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
   return result;
 }
 
+namespace {
+
+/// This vector and the pool; more hold an array that several vectors share.
+constexpr int kOwnersOfUnshared = 2;
+
+Teuchos::RCP<DofVector> zero_vertex_dofs(const Teuchos::RCP<const DofMap>& map, VectorPool& pool) {
+  using Values = DofVector::dual_view_type;
+  const Values::t_dev values = pool.vertex.take("mixbeam::vertex_dofs", map->getNodeNumElements());
+  const Teuchos::RCP<DofVector> vector = Teuchos::rcp(new DofVector(map, Values(values, values)));
+  const Entries y(values.data(), values.extent(0));
+  for_each_entry(
+      "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
+  return vector;
+}
+
+}  // namespace
+
 MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
-                         const KernelView<const unsigned char*>& owned_interior)
-    : vertex_dofs_(Teuchos::rcp(new DofVector(map))),
-      interior_("mixbeam::mixed_vector", interior_size),
-      owned_interior_(owned_interior) {}
+                         const KernelView<const unsigned char*>& owned_interior,
+                         const std::shared_ptr<VectorPool>& pool)
+    : MixedVector(map, pool->interior.take("mixbeam::mixed_vector", interior_size), owned_interior, pool) {
+  const Entries y = interior_;
+  for_each_entry(
+      "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
+}
+
+MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, const Entries& interior,
+                         const KernelView<const unsigned char*>& owned_interior,
+                         const std::shared_ptr<VectorPool>& pool)
+    : pool_(pool), vertex_dofs_(zero_vertex_dofs(map, *pool)), interior_(interior), owned_interior_(owned_interior) {}
 
 MixedVector MixedVector::clone(bool copy_values) const {
-  MixedVector copy(vertex_dofs_->getMap(), 0, owned_interior_);
-  copy.interior_ = interior_;
+  MixedVector copy(vertex_dofs_->getMap(), interior_, owned_interior_, pool_);
   if (copy_values) copy_entries(vertex(), copy.vertex());
   return copy;
 }
 
 KernelView<double*> MixedVector::writable_interior(bool keep_values) {
-  if (interior_.use_count() > 1) {
+  if (interior_.use_count() > kOwnersOfUnshared) {
     const Entries shared = interior_;
-    interior_ = Entries(Kokkos::ViewAllocateWithoutInitializing("mixbeam::mixed_vector"), shared.extent(0));
+    interior_ = pool_->interior.take("mixbeam::mixed_vector", shared.extent(0));
     if (keep_values) copy_entries(shared, interior_);
   }
   return interior_;

@@ -4,17 +4,26 @@
 
 #include "discretization/structure.hpp"
 #include "discretization/tpetra_types.hpp"
+#include "discretization/view_pool.hpp"
+
+#include <memory>
 
 namespace mixbeam {
 
 constexpr int kVertexDofs = 6;
+
+/// Arrays of vectors that are not in use.
+struct VectorPool {
+  ViewPool<DofVector::dual_view_type::t_dev> vertex;
+  ViewPool<KernelView<double*>> interior;
+};
 
 class MixedVector {
  public:
   /// `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on two
   /// ranks).
   MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
-              const KernelView<const unsigned char*>& owned_interior);
+              const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
 
   /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy
   /// vectors far more often than they change them.
@@ -49,9 +58,13 @@ class MixedVector {
   double largest_vertex_spin() const;
 
  private:
+  MixedVector(const Teuchos::RCP<const DofMap>& map, const KernelView<double*>& interior,
+              const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
+
   template <class Action>
   void combine_with(const MixedVector& other, const Action& action);
 
+  std::shared_ptr<VectorPool> pool_;
   Teuchos::RCP<DofVector> vertex_dofs_;
   KernelView<double*> interior_;
   KernelView<const unsigned char*> owned_interior_;  ///< empty: all

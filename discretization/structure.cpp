@@ -201,16 +201,13 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
 }
 
 State allocate_state(const Structure& structure) {
-  using Kokkos::ViewAllocateWithoutInitializing;
+  StatePool& pool = *structure.states;
   State state;
-  state.views.vertex_displacement = KernelView<double* [3]>(
-      ViewAllocateWithoutInitializing("mixbeam::vertex_displacement"), structure.local_vertices());
-  state.views.vertex_rotation =
-      KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::vertex_rotation"), structure.local_vertices());
-  state.views.element_triad =
-      KernelView<double* [4]>(ViewAllocateWithoutInitializing("mixbeam::element_triad"), structure.local_elements());
-  state.views.interior =
-      KernelView<double*>(ViewAllocateWithoutInitializing("mixbeam::interior"), structure.interior_size);
+  state.views.vertex_displacement =
+      pool.vertex_displacement.take("mixbeam::vertex_displacement", structure.local_vertices());
+  state.views.vertex_rotation = pool.vertex_rotation.take("mixbeam::vertex_rotation", structure.local_vertices());
+  state.views.element_triad = pool.element_triad.take("mixbeam::element_triad", structure.local_elements());
+  state.views.interior = pool.interior.take("mixbeam::interior", structure.interior_size);
   return state;
 }
 

@@ -5,8 +5,10 @@
 
 #include "discretization/element_compliance.hpp"
 #include "discretization/mesh.hpp"
+#include "discretization/view_pool.hpp"
 #include "kernels/element_block.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace mixbeam {
@@ -31,6 +33,13 @@ class VertexPartition {
   int first_ = 0, end_ = 0;
 };
 
+/// Arrays of states that are not in use.
+struct StatePool {
+  ViewPool<KernelView<double* [3]>> vertex_displacement;
+  ViewPool<KernelView<double*[4]>> vertex_rotation, element_triad;
+  ViewPool<KernelView<double*>> interior;
+};
+
 struct Structure {
   VertexPartition partition;
   std::vector<int> local_vertex_to_global;  ///< owned vertices first, then ghosts in ascending order
@@ -45,6 +54,7 @@ struct Structure {
   double bending_reference =
       0.0;  ///< largest bending or torsional stiffness of the scene that is not rigid beside the others
   size_t interior_size = 0, increment_size = 0, response_size = 0;
+  std::shared_ptr<StatePool> states = std::make_shared<StatePool>();
 
   int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
   int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }

@@ -1,0 +1,34 @@
+/// Arrays that come and go with every iteration are used again instead of given back: fresh pages of the system cost
+/// more than what is computed in them.
+#pragma once
+
+#include <Kokkos_Core.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Keeps every array it has ever handed out. An array is free again when nobody else holds it. From outside of kernels,
+/// one thread at a time.
+template <class View>
+class ViewPool {
+ public:
+  /// `size` rows (and one column, where the type leaves their number open); not initialised.
+  View take(const std::string& label, size_t size) {
+    for (const View& view : views_)
+      if (view.use_count() == 1 && view.extent(0) == size) return view;
+    constexpr bool has_columns = View::rank_dynamic == 2;
+    if constexpr (has_columns)
+      views_.emplace_back(Kokkos::view_alloc(label, Kokkos::WithoutInitializing), size, 1);
+    else
+      views_.emplace_back(Kokkos::view_alloc(label, Kokkos::WithoutInitializing), size);
+    return views_.back();
+  }
+
+ private:
+  std::vector<View> views_;
+};
+
+}  // namespace mixbeam
