@@ -12,8 +12,8 @@ namespace {
 
 /// Condensation leaves rounding errors where a mechanism has a zero, and no sparse solver can tell any more. A response
 /// this large, in units in which the diagonal is one, is that of rounding errors: the condition of what remains of real
-/// structures is far below (capped force stiffness 1e5, ratios of sections), that of rounding errors about 1e15.
-constexpr double kResponseOfRounding = 1e12;
+/// structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11 and more.
+constexpr double kResponseOfRounding = 1e10;
 
 /// max |x_i| sqrt(|A_ii|) / max |b_i| / sqrt(|A_ii|): never more than the condition of the matrix scaled to a diagonal
 /// of ones. Collective.
