@@ -23,15 +23,14 @@ constexpr double kRounding = std::numeric_limits<double>::epsilon();
 /// bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
 constexpr double kSelfStress = 1e-2;
 
-double largest_stiffness(const Section& section) {
-  return std::max({section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1]});
-}
-
-double stiffness_of(const Scene& scene, const Member& member) {
-  double largest = 0.0;
-  for (const Section& section : scene.sections)
-    if (section.name == member.section || section.name == member.end_section)
-      largest = std::max(largest, largest_stiffness(section));
+/// EA, GA2, GA3: the largest of a member's sections.
+std::array<double, 3> stiffness_of(const Scene& scene, const Member& member) {
+  std::array<double, 3> largest{};
+  for (const Section& section : scene.sections) {
+    if (section.name != member.section && section.name != member.end_section) continue;
+    largest[0] = std::max(largest[0], section.axial_stiffness);
+    for (int i = 0; i < 2; ++i) largest[i + 1] = std::max(largest[i + 1], section.shear_stiffness[i]);
+  }
   return largest;
 }
 
@@ -69,19 +68,20 @@ class Perturbation {
   void solve(const MixedVector& rhs, MixedVector& increment);
   MixedVector rounding_errors() const;
   std::optional<UncertainForce> largest(const MixedVector& increment, bool rigid) const;
-  bool is_rigid(int member) const { return std::isinf(stiffness_[member]); }
+  bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
 
   BeamProblem& problem_;
   Assembler& assembler_;
   const State& state_;
   double load_factor_;
   ResidualScales scales_;
-  std::vector<double> stiffness_;  ///< (member of the scene): the largest of its sections
+  std::vector<std::array<double, 3>> stiffness_;  ///< (member of the scene)
 };
 
 bool Perturbation::is_worth_a_look() const {
-  for (const double stiffness : stiffness_)
-    if (stiffness * kRounding > kUncertain * scales_.force) return scales_.force > 0.0;
+  for (const std::array<double, 3>& stiffness : stiffness_)
+    if (*std::max_element(stiffness.begin(), stiffness.end()) * kRounding > kUncertain * scales_.force)
+      return scales_.force > 0.0;
   return false;
 }
 
@@ -107,14 +107,14 @@ void Perturbation::solve(const MixedVector& rhs, MixedVector& increment) {
   assembler_.recover(state_, increment);
 }
 
-/// Among members that are rigid, or among the others.
+/// Among components that are rigid, or among the others.
 std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment, bool rigid) const {
   const Structure& structure = assembler_.structure();
   const KernelView<const double*> interior = increment.interior();
   std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
-  for_each_force(structure, [&](const ElementBlock& block, int e, int, size_t index) {
+  for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
     const int member = block.member(e);
-    if (is_rigid(member) != rigid) return;
+    if (is_rigid(member, i % 3) != rigid) return;
     const double change = std::abs(interior(index)),
                  limit = structure.views.member_section(member).force_stiffness_limit;
     const double share = rigid ? change / (kSelfStress * kRounding * limit) : change / (kUncertain * scales_.force);
