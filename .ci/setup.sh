@@ -12,7 +12,7 @@ readonly required_packages=(
   # included by the headers of those above, although their packages do not say so
   libtrilinos-thyra-dev libtrilinos-belos-dev libtrilinos-epetra-dev libtrilinos-rtop-dev
   libtrilinos-anasazi-dev libtrilinos-shylu-dev
-  libtrilinos-sacado-dev libgtest-dev
+  libtrilinos-sacado-dev libgtest-dev libbenchmark-dev
   # counts the negative pivots of a symmetric matrix, which no solver of Trilinos does
   libmumps-dev
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev

@@ -7,15 +7,21 @@
 import argparse
 import csv
 import pathlib
+import statistics
 import sys
 
 BEGIN, END = "<!-- performance:begin -->", "<!-- performance:end -->"
 PHASES = [
-    ("element work", "element kernels"),
-    ("assemble", "assembly"),
-    ("numeric factorisation", "factorisation (KLU2, one thread)"),
-    ("solve", "solve (KLU2, one thread)"),
-    ("whole iteration", "whole iteration"),
+    ("residual", "residual of the elements"),
+    ("element tangent", "condensed tangent of the elements"),
+    ("condense chains", "condensation of the chain"),
+    ("solve", "solve"),
+    ("check of the solve", "check of the solve"),
+    ("recover", "interior of the elements"),
+    ("update", "update"),
+    ("linear solver", "**linear solver, all of it**"),
+    ("linear solver, KLU2", "the same by KLU2"),
+    ("whole iteration", "**whole iteration**"),
     ("run, per iteration", "run to equilibrium, per iteration (NOX and LOCA included)"),
 ]
 
@@ -27,26 +33,49 @@ def read_rows(path):
 
 def table(folder):
     machine = {row["name"]: row["value"] for row in read_rows(folder / "machine.csv")}
-    rows = read_rows(folder / "thread_scaling.csv")
-    seconds = {(int(r["elements"]), int(r["order"]), int(r["threads"]), r["phase"]): float(r["median_seconds"]) for r in rows}
-    elements = max(key[0] for key in seconds)
-    orders = sorted({key[1] for key in seconds if key[0] == elements})
-    threads = sorted({key[2] for key in seconds})
+    ceilings = {int(row["threads"]): row for row in read_rows(folder / "ceilings.csv")}
+    figures = {(r["kind"], int(r["elements"]), int(r["order"]), int(r["threads"]), r["phase"]): r
+               for r in read_rows(folder / "thread_scaling.csv")}
+    kinds = list(dict.fromkeys(key[0] for key in figures))
+    elements = max(key[1] for key in figures)
+    orders = sorted({key[2] for key in figures if key[1] == elements})
+    one, many = (pick(key[3] for key in figures) for pick in (min, max))
+    cases = [r for r in read_rows(folder / "cases.csv") if r["kind"] == kinds[0] and int(r["elements"]) == elements]
+    unit = statistics.median(float(r["unit_seconds"]) for r in cases)
+    peak, bandwidth = (1e-9 * float(ceilings[one][name]) for name in ("flops_per_second", "bytes_per_second"))
     lines = [
-        f"Milliseconds for one Newton iteration on a chain of {elements:,} elements, medians, and how many times as fast",
-        f"{threads[-1]} threads are as {threads[0]} (`thread_scaling`; {machine['processor']}, {machine['cores']} cores, shared;",
-        f"mixbeam {machine['version']}, {machine['compiler']}, `{machine['flags']}`):",
+        f"One Newton iteration on a {kinds[0]} chain of {elements:,} elements of order k: milliseconds with {one} thread, the same",
+        f"as a multiple of B, and how many times as fast {many} threads are. B is the time of LAPACK's dgbtrf and dgbtrs (reference",
+        f"BLAS, one thread) for the block-tridiagonal matrix of a chain with as many vertices, {1e3 * unit:.0f} ms, measured beside",
+        f"each iteration (`thread_scaling`, medians; {machine['processor']}, {machine['cores']} cores, shared: load",
+        f"{machine['load average before']} before; {peak:.0f} GFlop/s, {bandwidth:.0f} GB/s on {one} core; mixbeam {machine['version']}, {machine['compiler']},",
+        f"`{machine['flags']}`):",
         "",
-        "| | " + " | ".join(f"k = {k}: {threads[0]} thread | {threads[-1]} threads | ratio" for k in orders) + " |",
+        "| | " + " | ".join(f"k = {k}: ms | B | {many} threads" for k in orders) + " |",
         "|---|" + "---:|---:|---:|" * len(orders),
     ]
-    for phase, label in PHASES:
+
+    def add_row(label, kind, phase):
         cells = []
         for k in orders:
-            one, many = (seconds.get((elements, k, n, phase)) for n in (threads[0], threads[-1]))
-            cells += ["", "", ""] if one is None or many is None else [f"{1e3 * one:.0f}", f"{1e3 * many:.0f}", f"{one / many:.2f}"]
+            first, last = (figures.get((kind, elements, k, n, phase)) for n in (one, many))
+            cells += ["", "", ""] if first is None or last is None else [
+                rounded(1e3 * float(first["median_seconds"])), rounded(float(first["ratio_to_unit"])),
+                f"{float(last['speed_up']):.2f}"]
         lines.append(f"| {label} | " + " | ".join(cells) + " |")
+
+    for phase, label in PHASES:
+        add_row(label, kinds[0], phase)
+    for kind in kinds[1:]:
+        add_row(f"whole iteration, {kind} chain", kind, "whole iteration")
+    memory = ", ".join(f"{float(r['memory_bytes_per_element']) / 1024:.1f}" for r in cases)
+    lines += ["", f"Memory: {memory} kB for each element (problem, state and one iteration)."]
     return "\n".join(lines)
+
+
+def rounded(number):
+    """Two significant digits at least, no more decimals than they need."""
+    return f"{number:.0f}" if number >= 10 else f"{number:.1f}" if number >= 1 else f"{number:.2f}"
 
 
 def update(readme, text):

@@ -1,49 +1,160 @@
-"""Figure of the thread-scaling measurement."""
+"""Figures of the measurement of time, speed-up and machine use of a Newton iteration."""
 
+import matplotlib.lines
 import numpy as np
 
 import style
 from results import InputError, read_table
 
-COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.RED, style.PURPLE, style.SKY, style.GREY, style.BLACK)
+THREAD_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.RED, style.PURPLE, style.SKY, style.GREY, style.BLACK)
+# Phases of an iteration from the bottom of a bar to its top, with their colours.
+PHASE_COLORS = {
+    "residual": style.SKY, "element tangent": style.BLUE, "condense chains": style.ORANGE, "assemble": style.GREY,
+    "numeric factorisation": style.PURPLE, "solve": style.RED, "check of the solve": "#F2B49B",
+    "recover": style.GREEN, "update": "#7FCEB8", "other": style.BLACK}
+SUMS = ("element work", "linear solver", "linear solver, KLU2", "whole iteration", "run, per iteration")
+COLUMNS = ["kind", "elements", "order", "threads", "phase", "median_seconds", "speed_up", "ratio_to_unit",
+           "flops_per_element", "bytes_per_element", "flops_per_second"]
+KIND = "spatial"
 
 
-def speed_up_figure(folder):
-    """Speed-up of each phase against one thread, a panel for each mesh."""
-    columns = ["elements", "order", "threads", "phase", "median_seconds"]
-    table = read_table(folder / "thread_scaling.csv", columns)
-    meshes = sorted({(elements, order) for elements, order in zip(table["elements"], table["order"])})
-    canvas, axes = style.figure(max(7.0, 6.0 * len(meshes)), 4.6, 1, len(meshes), sharey=True, squeeze=False)
-    for panel, (elements, order) in zip(axes[0], meshes):
-        _bars(panel, table.where(elements=elements, order=order), folder)
-        panel.set_title(f"{elements:g} elements of order $k={order:g}$")
-    axes[0, 0].set_ylabel("speed-up against one thread")
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    axes[0, -1].legend(handles, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+def _table(folder):
+    """The rows of spatial chains, or of the only kind there is."""
+    table = read_table(folder / "thread_scaling.csv", COLUMNS)
+    kinds = list(table.values("kind"))
+    return table.where(kind=KIND if KIND in kinds else kinds[0])
+
+
+def _seconds(table, **key):
+    rows = table.where(**key)
+    return float(rows["median_seconds"][0]) if len(rows) else 0.0
+
+
+def cost_figure(folder):
+    """Microseconds for each element against the number of elements, phases stacked, with the unit B beside it."""
+    table, units = _table(folder), read_table(folder / "cases.csv", ["kind", "elements", "order", "unit_seconds"])
+    orders, sizes, threads = table.values("order"), table.values("elements"), table.values("threads")[[0, -1]]
+    canvas, axes = style.figure(3.1 * len(orders) + 1.5, 4.6, 1, len(orders), squeeze=False)
+    width = 0.8 / len(threads)
+    for panel, order in zip(axes[0], orders):
+        for i, size in enumerate(sizes):
+            for j, count in enumerate(threads):
+                place = i + (j - (len(threads) - 1) / 2) * width
+                _stack(panel, table.where(elements=size, order=order, threads=count), place, 0.92 * width, size)
+                panel.annotate(f"{count:g}", (place, 0), (0, -3), textcoords="offset points", ha="center", va="top",
+                               fontsize=8.5, color=style.GREY)
+            unit = np.median(units.where(elements=size, order=order)["unit_seconds"])
+            panel.plot([i - 0.47, i + 0.47], 2 * [1e6 * unit / size], color=style.BLACK, linewidth=1.6,
+                       linestyle=(0, (3, 2)), label="B (dgbtrf + dgbtrs)")
+        panel.set_xticks(range(len(sizes)), [f"$10^{{{np.log10(size):.0f}}}$" if np.log10(size) % 1 == 0 else f"{size:g}"
+                                            for size in sizes])
+        panel.tick_params(axis="x", pad=13, length=0)
+        panel.grid(axis="x", visible=False)
+        panel.set_title(f"order $k={order:g}$")
+        panel.set_xlabel("threads, number of elements")
+    axes[0, 0].set_ylabel("microseconds for each element")
+    handles = {label: handle for panel in axes[0] for handle, label in zip(*panel.get_legend_handles_labels())}
+    labels = [label for label in (*reversed(PHASE_COLORS), "B (dgbtrf + dgbtrs)") if label in handles]
+    axes[0, -1].legend([handles[label] for label in labels], labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     return canvas
 
 
-def _bars(panel, table, folder):
-    phases = list(dict.fromkeys(table["phase"]))  # in the order of the file
+def _stack(panel, table, place, width, size):
+    bottom = 0.0
+    for phase, color in PHASE_COLORS.items():
+        height = 1e6 * _seconds(table, phase=phase) / size
+        if height > 0.0:
+            panel.bar(place, height, width, bottom, color=color, label=phase)
+            bottom += height
+
+
+def speed_up_figure(folder):
+    """Speed-up of each phase on the longest chain, a panel for each order."""
+    table = _table(folder)
+    size = max(table["elements"])
+    table = table.where(elements=size)
+    orders = table.values("order")
+    canvas, axes = style.figure(11.0, 1.0 + 2.0 * len(orders), len(orders), 1, sharex=True, squeeze=False)
+    for panel, order in zip(axes[:, 0], orders):
+        _speed_ups(panel, table.where(order=order))
+        panel.set_ylabel(f"$k={order:g}$")
+    axes[0, 0].set_title(f"speed-up against {min(table['threads']):g} thread, {size:g} elements")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    axes[0, 0].legend(handles, labels, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return canvas
+
+
+def _speed_ups(panel, table):
+    names = set(table["phase"])
+    phases = [phase for phase in (*PHASE_COLORS, *SUMS) if phase in names and phase != "other"]
     threads = table.values("threads")
     width = 0.8 / len(threads)
     for i, count in enumerate(threads):
-        speed_ups = [_seconds(table, phase, 1, folder) / _seconds(table, phase, count, folder) for phase in phases]
+        rows = table.where(threads=count)
+        heights = [float(rows.where(phase=phase)["speed_up"][0]) for phase in phases]
         places = np.arange(len(phases)) + (i - (len(threads) - 1) / 2) * width
-        bars = panel.bar(places, speed_ups, 0.92 * width, color=COLORS[i % len(COLORS)],
-                         label=f"{count:g} thread" + ("s" if count > 1 else ""))
-        panel.bar_label(bars, fmt="%.2f", fontsize=9, padding=1)
-        panel.axhline(count, color=COLORS[i % len(COLORS)], linewidth=0.9, linestyle=(0, (4, 3)))
-    panel.set_xticks(np.arange(len(phases)), phases, rotation=20 if len(phases) > 4 else 0)
+        color = THREAD_COLORS[i % len(THREAD_COLORS)]
+        bars = panel.bar(places, heights, 0.92 * width, color=color, label=f"{count:g} thread" + ("s" if count > 1 else ""))
+        panel.bar_label(bars, fmt="%.2f", fontsize=8.5, padding=1)
+        panel.axhline(count, color=color, linewidth=0.9, linestyle=(0, (4, 3)))
+    panel.set_xticks(np.arange(len(phases)), phases, rotation=25, ha="right")
     panel.grid(axis="x", visible=False)
-    panel.set_ylim(0, max(threads) * 1.12)
+    panel.set_ylim(0, max(threads) * 1.2)
 
 
-def _seconds(table, phase, threads, folder):
-    rows = table.where(phase=phase, threads=threads)
-    if len(rows) == 0:
-        raise InputError(f"{folder / 'thread_scaling.csv'}: no row for phase {phase} with {threads:g} threads")
-    return float(np.median(rows["median_seconds"]))
+def ceilings_figure(folder):
+    """Operations in a second over operations for each byte, with what the machine can do at most."""
+    table = _table(folder)
+    size = max(table["elements"])
+    table = table.where(elements=size)
+    ceilings = read_table(folder / "ceilings.csv", ["threads", "flops_per_second", "bytes_per_second"])
+    threads = table.values("threads")[[0, -1]]
+    canvas, axes = style.figure(6.2 * len(threads) + 2, 5.0, 1, len(threads), sharey=True, squeeze=False)
+    for panel, count in zip(axes[0], threads):
+        shown = _machine_use(panel, table.where(threads=count))
+        _roof(panel, ceilings.where(threads=count), shown)
+        panel.set_title(f"{count:g} thread" + ("s" if count > 1 else "") + f", {size:g} elements")
+        panel.set_xlabel("floating-point operations for each byte")
+    axes[0, 0].set_ylabel("GFlop/s")
+    phases = [phase for phase in PHASE_COLORS if phase in set(table["phase"])]
+    handles = [matplotlib.lines.Line2D([], [], color=PHASE_COLORS[phase], marker="o", linestyle="") for phase in phases]
+    orders = table.values("order")
+    handles += [matplotlib.lines.Line2D([], [], color=style.BLACK, marker=style.ORDER_MARKERS[int(order)], linestyle="")
+                for order in orders]
+    axes[0, -1].legend(handles, [*phases, *(f"$k={order:g}$" for order in orders)], loc="upper left",
+                       bbox_to_anchor=(1.0, 1.0))
+    return canvas
 
 
-FIGURES = {"speed_up": (["thread_scaling.csv"], speed_up_figure)}
+def _machine_use(panel, table):
+    """A point for each phase and order whose operations are counted; returns the range of operations for each byte."""
+    intensities = []
+    for phase, color in PHASE_COLORS.items():
+        rows = table.where(phase=phase)
+        for order, flops, size, rate in zip(rows["order"], rows["flops_per_element"], rows["bytes_per_element"],
+                                            rows["flops_per_second"]):
+            if np.isfinite(flops) and np.isfinite(rate):
+                intensities.append(flops / size)
+                panel.loglog(flops / size, 1e-9 * rate, color=color, marker=style.ORDER_MARKERS[int(order)],
+                             linestyle="")
+    if not intensities:
+        raise InputError("thread_scaling.csv: no phase with a number of operations")
+    return min(intensities), max(intensities)
+
+
+def _roof(panel, ceiling, shown):
+    peak, bandwidth = (1e-9 * float(ceiling[name][0]) for name in ("flops_per_second", "bytes_per_second"))
+    ends = np.array([0.5 * shown[0], max(2 * shown[1], 2 * peak / bandwidth)])
+    corner = peak / bandwidth
+    panel.plot([ends[0], corner, ends[1]], [bandwidth * ends[0], peak, peak], color=style.BLACK)
+    panel.annotate(f"multiply-add: {peak:.1f} GFlop/s", (ends[1], peak), (0, 4), textcoords="offset points", ha="right",
+                   fontsize=10)
+    panel.annotate(f"triad: {bandwidth:.1f} GB/s", (ends[0], bandwidth * ends[0]), (8, 16), textcoords="offset points",
+                   ha="left", va="bottom", fontsize=10)
+
+
+FIGURES = {
+    "cost": (["thread_scaling.csv", "cases.csv"], cost_figure),
+    "speed_up": (["thread_scaling.csv"], speed_up_figure),
+    "ceilings": (["thread_scaling.csv", "ceilings.csv"], ceilings_figure),
+}

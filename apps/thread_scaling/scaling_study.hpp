@@ -1,4 +1,4 @@
-/// Thread scaling of one Newton iteration.
+/// Cost of one Newton iteration against size, order and number of threads.
 #pragma once
 
 #include "apps/common/application.hpp"
@@ -8,9 +8,9 @@ namespace mixbeam {
 /// Declaration of the list "Study".
 ListSpec scaling_spec();
 
-/// For each size, order and number of threads: median wall time of residual, element tangent, assembly, factorisation,
-/// solve, recovery and update, over iterations in which the numbers of threads take turns (a shared machine drifts;
-/// ratios of neighbouring runs do not). Writes thread_scaling.csv, prints the table.
+/// For each kind, size, order and number of threads: median wall time of the phases of an iteration, as a multiple of
+/// the unit of time (see ChainUnit), against the machine's ceilings, and memory. Each case has a process of its own.
+/// Writes machine.csv, ceilings.csv, thread_scaling.csv and cases.csv, prints the tables.
 void run_scaling_study(Application& app);
 
 }  // namespace mixbeam

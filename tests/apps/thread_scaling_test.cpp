@@ -3,33 +3,95 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace mixbeam {
 namespace {
 
-TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
-  const auto folder = folder_for("thread_scaling_tiny");
+/// Runs the study with these parameters in place of the defaults and returns the exit code.
+int run_study(const fs::path& folder, const std::string& parameters) {
   const std::string end_of_file = "</ParameterList>\n</ParameterList>\n";
-  const std::string study = R"xml(</ParameterList>
-  <ParameterList name="Study">
+  const std::string study =
+      "</ParameterList>\n  <ParameterList name=\"Study\">\n" + parameters + "  </ParameterList>\n</ParameterList>\n";
+  return run_program("thread_scaling", changed_scene("thread_scaling", end_of_file, study, folder), folder);
+}
+
+constexpr const char* kTiny = R"xml(
     <Parameter name="Elements" type="Array(int)" value="{40}"/>
     <Parameter name="Orders" type="Array(int)" value="{1, 3}"/>
     <Parameter name="Threads" type="Array(int)" value="{1, 2}"/>
     <Parameter name="Repetitions" type="int" value="1"/>
     <Parameter name="Repetitions of Runs" type="int" value="1"/>
-  </ParameterList>
-</ParameterList>
+    <Parameter name="Seconds" type="double" value="0"/>
 )xml";
-  const std::string scene = changed_scene("thread_scaling", end_of_file, study, folder);
-  ASSERT_EQ(run_program("thread_scaling", scene, folder), 0) << text_of(folder / "output.txt");
-  const std::string table = text_of(folder / "thread_scaling.csv");
-  for (const char* phase : {"residual", "element tangent", "assemble", "numeric factorisation", "solve", "recover",
-                            "update", "element work", "whole iteration", "run, per iteration"})
-    for (const char* key : {"40,1,1,", "40,3,2,"}) {
-      const std::string text = phase;
-      const std::string cell = text.find(',') == std::string::npos ? text : "\"" + text + "\"";
-      EXPECT_NE(table.find(key + cell + ","), std::string::npos) << key << phase << "\n" << table;
+
+std::vector<std::vector<std::string>> rows_of(const fs::path& file) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    rows.emplace_back(1);
+    bool quoted = false;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      if (c == ',' && !quoted) rows.back().emplace_back();
+      if (c != '"' && (c != ',' || quoted)) rows.back().back() += c;
     }
-  EXPECT_NE(text_of(folder / "machine.csv").find("processor"), std::string::npos);
+  }
+  return rows;
+}
+
+bool has_phase(const std::vector<std::vector<std::string>>& rows, const std::vector<std::string>& key) {
+  for (const auto& row : rows)
+    if (row.size() > key.size() && std::equal(key.begin(), key.end(), row.begin())) return true;
+  return false;
+}
+
+TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
+  const auto folder = folder_for("thread_scaling_tiny");
+  ASSERT_EQ(run_study(folder, kTiny), 0) << text_of(folder / "output.txt");
+  const auto rows = rows_of(folder / "thread_scaling.csv");
+  for (const char* phase : {"residual", "element tangent", "condense chains", "assemble", "numeric factorisation",
+                            "solve", "check of the solve", "recover", "update", "element work", "linear solver",
+                            "linear solver, KLU2", "whole iteration", "run, per iteration"})
+    for (const char* kind : {"spatial", "planar"}) {
+      EXPECT_TRUE(has_phase(rows, {kind, "40", "1", "1", phase})) << kind << " " << phase;
+      EXPECT_TRUE(has_phase(rows, {kind, "40", "3", "2", phase})) << kind << " " << phase;
+    }
+  EXPECT_FALSE(has_phase(rows, {"spatial", "40", "2", "1", "solve"})) << "an order that was not asked for";
+  for (const char* file : {"machine.csv", "ceilings.csv", "cases.csv"})
+    EXPECT_GT(rows_of(folder / file).size(), 2U) << file;
+  expect_in(text_of(folder / "machine.csv"), {"processor", "compiler", "flags", "version", "BLAS of the unit"});
+}
+
+/// Ratios, costs and shares are numbers that fit together.
+TEST(ThreadScalingApplication, FiguresOfAPhaseAgree) {
+  const auto folder = folder_for("thread_scaling_figures");
+  ASSERT_EQ(run_study(folder, kTiny), 0) << text_of(folder / "output.txt");
+  const auto rows = rows_of(folder / "thread_scaling.csv");
+  const auto column = [&](const std::vector<std::string>& row, const std::string& name) {
+    const auto place = std::find(rows[0].begin(), rows[0].end(), name);
+    return std::stod(row.at(place - rows[0].begin()));
+  };
+  int with_costs = 0;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    const double seconds = column(rows[r], "median_seconds");
+    EXPECT_GT(column(rows[r], "ratio_to_unit"), 0.0) << rows[r][4];
+    const double flops = column(rows[r], "flops_per_element"), rate = column(rows[r], "flops_per_second");
+    if (std::isnan(flops)) continue;
+    ++with_costs;
+    EXPECT_NEAR(flops * 40 / seconds, rate, 1e-9 * rate) << rows[r][4];
+    EXPECT_GT(column(rows[r], "share_of_flop_peak"), 0.0) << rows[r][4];
+    EXPECT_GT(column(rows[r], "share_of_bandwidth"), 0.0) << rows[r][4];
+  }
+  EXPECT_GT(with_costs, 0);
+  EXPECT_GT(std::stod(rows_of(folder / "cases.csv").at(1).back()), 0.0) << "memory";
+}
+
+TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
+  const auto folder = folder_for("thread_scaling_bad_order");
+  EXPECT_EQ(run_study(folder, changed(kTiny, "{1, 3}", "{9}")), 2);
+  expect_in(text_of(folder / "output.txt"), {"Orders", "9"});
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#include "apps/thread_scaling/chain_unit.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kBlock = 6;                       ///< unknowns of a vertex
+constexpr int kDiagonals = 2 * kBlock - 1;      ///< on either side of the main one
+constexpr int kBandRows = 3 * kDiagonals + 1;   ///< of LAPACK's band storage, with room for exchanged rows
+constexpr int kMainRow = 2 * kDiagonals;        ///< that of the main diagonal
+constexpr double kAxial = 100.0, kTwist = 1.0;  ///< stiffness over that of bending, in units of the element's length
+/// Stiffness of the foundation over that of bending: without it the condition of a clamped chain grows with the fourth
+/// power of its length, and the solution could not be checked.
+constexpr double kFoundation = 0.1;
+/// Condition times rounding is 1e-12.
+constexpr double kUnitTolerance = 1e-9;
+
+using ElementStiffness = std::array<std::array<double, 2 * kBlock>, 2 * kBlock>;
+
+/// Euler and Bernoulli's beam of length and bending stiffness one; unknowns of an end: displacements, rotations.
+ElementStiffness element_stiffness() {
+  ElementStiffness k{};
+  const auto spring = [&k](int i, double stiffness) {
+    k[i][i] = k[i + kBlock][i + kBlock] = stiffness;
+    k[i][i + kBlock] = k[i + kBlock][i] = -stiffness;
+  };
+  spring(0, kAxial);
+  spring(3, kTwist);
+  const auto bending = [&k](int deflection, int rotation, double sign) {
+    const int at[4] = {deflection, rotation, deflection + kBlock, rotation + kBlock};
+    const double s = 6.0 * sign;
+    const double values[4][4] = {{12.0, s, -12.0, s}, {s, 4.0, -s, 2.0}, {-12.0, -s, 12.0, -s}, {s, 2.0, -s, 4.0}};
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j) k[at[i]][at[j]] = values[i][j];
+  };
+  bending(1, 5, 1.0);
+  bending(2, 4, -1.0);
+  return k;
+}
+
+/// The exact solution: different at neighbours, of size one.
+double known_solution(int row) { return 1.0 + 0.5 * ((row * 7) % 11) / 11.0; }
+
+/// Libraries that have threads offer one of these.
+void use_one_thread() {
+  for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
+    if (void* found = dlsym(RTLD_DEFAULT, name)) reinterpret_cast<void (*)(int)>(found)(1);
+}
+
+}  // namespace
+
+ChainUnit::ChainUnit(int vertices)
+    : vertices_(vertices),
+      band_(static_cast<size_t>(kBandRows) * kBlock * vertices),
+      rhs_(static_cast<size_t>(kBlock) * vertices),
+      pivots_(static_cast<size_t>(kBlock) * vertices) {
+  use_one_thread();
+}
+
+void ChainUnit::fill() {
+  const ElementStiffness stiffness = element_stiffness();
+  std::fill(band_.begin(), band_.end(), 0.0);
+  std::fill(rhs_.begin(), rhs_.end(), 0.0);
+  const auto add = [this](int i, int j, double value) {
+    band_[static_cast<size_t>(kBandRows) * j + kMainRow + i - j] += value;
+    rhs_[i] += value * known_solution(j);
+  };
+  for (int v = 0; v < vertices_; ++v)
+    for (int i = 0; i < kBlock; ++i) add(kBlock * v + i, kBlock * v + i, kFoundation);
+  for (int i = 0; i < kBlock; ++i)  // the element between the clamp and the first vertex
+    for (int j = 0; j < kBlock; ++j) add(i, j, stiffness[kBlock + i][kBlock + j]);
+  for (int e = 0; e + 1 < vertices_; ++e)
+    for (int i = 0; i < 2 * kBlock; ++i)
+      for (int j = 0; j < 2 * kBlock; ++j) add(kBlock * e + i, kBlock * e + j, stiffness[i][j]);
+}
+
+ChainUnit::Seconds ChainUnit::time() {
+  using Clock = std::chrono::steady_clock;
+  fill();
+  const Teuchos::LAPACK<int, double> lapack;
+  const int rows = kBlock * vertices_;
+  int info[2] = {0, 0};
+  const auto start = Clock::now();
+  lapack.GBTRF(rows, rows, kDiagonals, kDiagonals, band_.data(), kBandRows, pivots_.data(), &info[0]);
+  const auto factorized = Clock::now();
+  lapack.GBTRS('N', rows, kDiagonals, kDiagonals, 1, band_.data(), kBandRows, pivots_.data(), rhs_.data(), rows,
+               &info[1]);
+  const auto solved = Clock::now();
+  double error = info[0] == 0 && info[1] == 0 ? 0.0 : HUGE_VAL;
+  for (int i = 0; i < rows; ++i) error = std::max(error, std::abs(rhs_[i] - known_solution(i)));
+  if (!(error <= kUnitTolerance)) throw std::runtime_error("LAPACK does not solve the chain that is the unit of time");
+  return {std::chrono::duration<double>(factorized - start).count(),
+          std::chrono::duration<double>(solved - factorized).count()};
+}
+
+std::string blas_library() {
+  void* function = dlsym(RTLD_DEFAULT, "dgemm_");
+  Dl_info info;
+  if (function == nullptr || dladdr(function, &info) == 0 || info.dli_fname == nullptr) return "unknown";
+  std::error_code problem;
+  const auto path = std::filesystem::canonical(info.dli_fname, problem);
+  return problem ? info.dli_fname : path.string();
+}
+
+}  // namespace mixbeam

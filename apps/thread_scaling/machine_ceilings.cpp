@@ -1,0 +1,97 @@
+#include "apps/thread_scaling/machine_ceilings.hpp"
+
+#include "kernels/element_block.hpp"
+#include "kernels/pack.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+
+namespace mixbeam {
+
+namespace {
+
+using Register = Pack<kLanes>;
+
+/// Sums that do not wait for each other: latency (4 cycles) times units (2) of present processors is 8, and with two
+/// constants they must fit into 16 registers.
+constexpr int kIndependentSums = 10;
+constexpr long kMultiplyAdds = 2'000'000;  ///< of each sum: some ten milliseconds
+/// Of each of three arrays, 64 MB: together several times the last cache of a desktop or a server's core complex.
+constexpr long kTriadNumbers = 8L << 20;
+constexpr int kTriadBlock = 512;  ///< numbers of one index, so that the loop over indices costs nothing
+constexpr int kAttempts = 8;
+
+/// Each index keeps one thread busy. Values stay near one: x <- x f + (1 - f).
+struct MultiplyAddLoop {
+  KernelView<double*> value;  ///< (thread): read and written, so that nothing is computed beforehand or left out
+  double factor, summand;
+
+  void operator()(int thread) const {
+    Register sum[kIndependentSums];
+    for (int i = 0; i < kIndependentSums; ++i) sum[i] = value(thread) + i;
+    const Register f = factor, s = summand;
+    for (long n = 0; n < kMultiplyAdds; ++n)
+#pragma GCC unroll 16
+      for (int i = 0; i < kIndependentSums; ++i) sum[i] = sum[i] * f + s;
+    Register total = 0.0;
+    for (int i = 0; i < kIndependentSums; ++i) total += sum[i];
+    for (int lane = 0; lane < kLanes; ++lane) value(thread) += total[lane] - 1.0;
+  }
+};
+
+template <class Work>
+double shortest_seconds(const Work& work) {
+  using Clock = std::chrono::steady_clock;
+  double shortest = 0.0;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const auto start = Clock::now();
+    work();
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    shortest = attempt == 0 ? seconds : std::min(shortest, seconds);
+  }
+  return shortest;
+}
+
+double multiply_add_peak(int threads) {
+  const MultiplyAddLoop loop{KernelView<double*>("mixbeam::ceiling::value", threads), 0.999, 0.001};
+  const double seconds = shortest_seconds([&] {
+    Kokkos::parallel_for("mixbeam::ceiling::multiply_add", Kokkos::RangePolicy<ExecutionSpace>(0, threads), loop);
+  });
+  return 2.0 * kLanes * kIndependentSums * kMultiplyAdds * threads / seconds;
+}
+
+double triad_peak() {
+  using Range = Kokkos::RangePolicy<ExecutionSpace>;
+  const auto array = [](const std::string& name) {
+    return KernelView<double*>(Kokkos::view_alloc(name, Kokkos::WithoutInitializing), kTriadNumbers);
+  };
+  const auto a = array("mixbeam::ceiling::a"), b = array("mixbeam::ceiling::b"), c = array("mixbeam::ceiling::c");
+  const Range blocks(0, kTriadNumbers / kTriadBlock);
+  Kokkos::parallel_for(
+      "mixbeam::ceiling::fill", blocks, KOKKOS_LAMBDA(long block) {  // first touched by the threads that use them
+        for (long i = block * kTriadBlock; i < (block + 1) * kTriadBlock; ++i) a(i) = b(i) = c(i) = 1.0;
+      });
+  const double seconds = shortest_seconds([&] {
+    Kokkos::parallel_for(
+        "mixbeam::ceiling::triad", blocks, KOKKOS_LAMBDA(long block) {
+          const double *from_b = b.data() + block * kTriadBlock, *from_c = c.data() + block * kTriadBlock;
+          double* to = a.data() + block * kTriadBlock;
+#pragma GCC ivdep
+          for (int i = 0; i < kTriadBlock; ++i) to[i] = from_b[i] + 0.5 * from_c[i];
+        });
+  });
+  return 3.0 * sizeof(double) * kTriadNumbers / seconds;
+}
+
+}  // namespace
+
+MachineCeilings measure_ceilings(int threads) {
+  const int before = number_of_threads();
+  set_number_of_threads(threads);
+  const MachineCeilings ceilings{multiply_add_peak(threads), triad_peak()};
+  set_number_of_threads(before);
+  return ceilings;
+}
+
+}  // namespace mixbeam

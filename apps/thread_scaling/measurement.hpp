@@ -1,0 +1,57 @@
+/// Times of one case of the study, and what is read from them.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// What is measured together.
+struct ScalingCase {
+  std::string kind;  ///< "spatial", "planar"
+  int elements = 0, order = 0;
+};
+
+/// Phases that are not single timers of the assembler.
+inline constexpr const char* kWholeIteration = "whole iteration";
+inline constexpr const char* kElementWork = "element work";    ///< residual, element tangent, recover, update
+inline constexpr const char* kLinearSolver = "linear solver";  ///< factorise, solve and check
+inline constexpr const char* kLinearSolverSparse =
+    "linear solver, KLU2";                                      ///< the same tangent by the sparse solver alone
+inline constexpr const char* kOther = "other";                  ///< of an iteration, outside of all timers
+inline constexpr const char* kWholeRun = "run, per iteration";  ///< to equilibrium, with NOX and LOCA
+
+using PhaseSeconds = std::map<std::string, double>;
+
+/// With one number of threads, and the unit of time measured right after it.
+struct Sample {
+  double unit_factorize = 0.0, unit_solve = 0.0;
+  PhaseSeconds phases;
+  double unit() const { return unit_factorize + unit_solve; }
+};
+
+/// One sample for each number of threads, taken one after the other: a shared machine drifts, ratios inside of a round
+/// do not.
+using Round = std::map<int, Sample>;
+
+struct Measurement {
+  std::vector<Round> rounds;
+  /// Bytes that problem, state and iteration (not the unit of time) keep or kept resident; not a number where several
+  /// cases shared a process.
+  double memory = 0.0;
+
+  std::vector<std::string> phases() const;
+  // Medians over the rounds that have the phase; not a number where none has.
+  double seconds(int threads, const std::string& phase) const;
+  double ratio_to_unit(int threads, const std::string& phase) const;
+  double speed_up(int reference_threads, int threads, const std::string& phase) const;
+  double unit() const;
+  double unit_factorize() const;
+};
+
+/// As text, between processes.
+std::string written(const Measurement& measurement);
+Measurement read_measurement(const std::string& text);
+
+}  // namespace mixbeam

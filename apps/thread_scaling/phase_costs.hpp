@@ -1,0 +1,22 @@
+/// What the phases of an iteration cost for each element of a chain, in floating-point operations and in bytes that
+/// have to move.
+#pragma once
+
+#include <map>
+#include <string>
+
+namespace mixbeam {
+
+/// Not a number: not counted.
+struct PhaseCost {
+  double flops = 0.0;  ///< counted by running the kernel on CountedNumber
+  /// Between memory and processor when every array that the phase reads or writes passes once, in the layouts of
+  /// StateViews, ElementBlock, ElementEquations and ChainLevel; what caches keep between phases is not subtracted, the
+  /// read before a write not added. Vertex data once for each element: a chain has as many vertices as elements.
+  double bytes = 0.0;
+};
+
+/// By the name of the phase: those of Assembler::times() when chains are condensed, and their sums.
+std::map<std::string, PhaseCost> phase_costs(int order);
+
+}  // namespace mixbeam

@@ -1,0 +1,129 @@
+/// Micro-benchmarks of what Newton's method calls for each point, element and vertex, on one thread and with data that
+/// stay in the cache: rotation maps, element residual and tangent of every order, elimination of one vertex.
+#include "kernels/chain_elimination.hpp"
+#include "kernels/execution_space.hpp"
+#include "kernels/rotation.hpp"
+#include "tests/kernels/element_samples.hpp"
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+
+namespace mixbeam {
+namespace {
+
+using element_test::RandomNumbers;
+
+/// Different arguments in turn, so that no branch is always the same; few enough for the first cache.
+constexpr int kArguments = 64;
+/// Fills all lanes and packs several times, and a state of order 8 still fits into the second cache.
+constexpr int kElements = 32;
+constexpr std::uint64_t kSeed = 1;
+
+std::array<Vec3<double>, kArguments> rotation_vectors() {
+  RandomNumbers random(kSeed);
+  std::array<Vec3<double>, kArguments> vectors;
+  for (auto& v : vectors) v = random.between(0.0, 3.1) * random.direction();
+  return vectors;
+}
+
+/// map(argument) for every argument in turn; the rate is that of single calls.
+template <class Argument, class Map>
+void call_in_turn(benchmark::State& state, const std::array<Argument, kArguments>& arguments, const Map& map) {
+  for (auto _ : state)
+    for (const Argument& argument : arguments) {
+      auto result = map(argument);
+      benchmark::DoNotOptimize(result);
+    }
+  state.SetItemsProcessed(state.iterations() * kArguments);
+}
+
+void exp_of_a_rotation_vector(benchmark::State& state) {
+  call_in_turn(state, rotation_vectors(), [](const Vec3<double>& psi) { return exp_quaternion(psi); });
+}
+BENCHMARK(exp_of_a_rotation_vector);
+
+void log_of_a_quaternion(benchmark::State& state) {
+  std::array<Quaternion<double>, kArguments> quaternions;
+  const auto vectors = rotation_vectors();
+  for (int i = 0; i < kArguments; ++i) quaternions[i] = exp_quaternion(vectors[i]);
+  call_in_turn(state, quaternions, [](const Quaternion<double>& q) { return log_quaternion(q); });
+}
+BENCHMARK(log_of_a_quaternion);
+
+void tangent_map_of_a_rotation_vector(benchmark::State& state) {
+  call_in_turn(state, rotation_vectors(), [](const Vec3<double>& psi) { return tangent_map(psi); });
+}
+BENCHMARK(tangent_map_of_a_rotation_vector);
+
+void inverse_tangent_map_of_a_rotation_vector(benchmark::State& state) {
+  call_in_turn(state, rotation_vectors(), [](const Vec3<double>& psi) { return inverse_tangent_map(psi); });
+}
+BENCHMARK(inverse_tangent_map_of_a_rotation_vector);
+
+element_test::SampleBlock elements_of_order(int order) {
+  std::vector<element_test::ElementSample> samples;
+  for (std::uint64_t e = 0; e < kElements; ++e)
+    samples.push_back(element_test::random_sample({order, ForceIntegration::both_reduced, kSeed + e}));
+  return element_test::SampleBlock(samples);
+}
+
+void element_residual(benchmark::State& state) {
+  const auto samples = elements_of_order(static_cast<int>(state.range(0)));
+  for (auto _ : state) evaluate_residual(samples.block, samples.structure, samples.state, samples.equations);
+  state.SetItemsProcessed(state.iterations() * kElements);
+}
+BENCHMARK(element_residual)->DenseRange(1, kMaximumOrder);
+
+void element_tangent(benchmark::State& state) {
+  const auto samples = elements_of_order(static_cast<int>(state.range(0)));
+  for (auto _ : state) evaluate_tangent(samples.block, samples.structure, samples.state, samples.equations);
+  state.SetItemsProcessed(state.iterations() * kElements);
+}
+BENCHMARK(element_tangent)->DenseRange(1, kMaximumOrder);
+
+/// A link with positive pivots, the same in all lanes.
+template <int N>
+LinkMatrix<N, Pack<kLanes>> sample_link() {
+  RandomNumbers random(kSeed);
+  LinkMatrix<N, Pack<kLanes>> link;
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j <= i; ++j) {
+      link.first[triangle(i, j)] = random.between(-1.0, 1.0) + (i == j ? 4.0 * N : 0.0);
+      link.second[triangle(i, j)] = random.between(-1.0, 1.0) + (i == j ? 4.0 * N : 0.0);
+    }
+  for (auto& row : link.coupling)
+    for (auto& number : row) number = random.between(-1.0, 1.0);
+  return link;
+}
+
+/// kLanes chains side by side, N unknowns for each vertex: 6 in space, 3 in a plane.
+template <int N>
+void elimination_of_one_vertex(benchmark::State& state) {
+  const auto link = sample_link<N>();
+  VertexFactors<N, Pack<kLanes>> factors;
+  PivotWatch<Pack<kLanes>> watch;
+  auto chain = link;
+  for (auto _ : state) {
+    chain.second[0] = link.second[0];  // keeps the chain from being computed once for all
+    eliminate_vertex<N>(chain, link, factors, watch);
+    benchmark::DoNotOptimize(factors);
+    benchmark::ClobberMemory();
+  }
+  state.SetItemsProcessed(state.iterations() * kLanes);
+}
+BENCHMARK_TEMPLATE(elimination_of_one_vertex, 6);
+BENCHMARK_TEMPLATE(elimination_of_one_vertex, 3);
+
+}  // namespace
+}  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  Kokkos::initialize(argc, argv);
+  mixbeam::set_number_of_threads(1);
+  benchmark::Initialize(&argc, argv);
+  const bool understood = !benchmark::ReportUnrecognizedArguments(argc, argv);
+  if (understood) benchmark::RunSpecifiedBenchmarks();
+  Kokkos::finalize();
+  return understood ? 0 : 1;
+}
