@@ -299,8 +299,9 @@ TEST(Extremes, TinyForcesGiveLinearTheory) {
         EXPECT_NEAR(rod.rotation("tip")[2] / force, 0.5, kShare / 2.0) << what;
         EXPECT_LE(iterations(rod), 3) << what;
         const double without_shear = 1.0 / 3.0;  // the twin: shear flexibility is seen, as that of the cap was
-        if (stiffness == kSmallestStiffness)
+        if (stiffness == kSmallestStiffness) {
           EXPECT_GT(std::abs(rod.displacement("tip")[1] / force - without_shear), kShare / 3.0) << what;
+        }
       }
 }
 
