@@ -33,7 +33,7 @@ PhaseCost condense_cost() {
   VertexFactors<kDofs, CountedNumber> factors;
   PivotWatch<CountedNumber> watch;
   const double flops = operations_of([&] { eliminate_vertex<kDofs>(chain, next, factors, watch); }).flops();
-  return {flops, bytes_of(kLinkNumbers + kVertexFactorSize, 2)};
+  return {flops, bytes_of(kLinkNumbers + vertex_factor_size(kDofs), 2)};
 }
 
 /// Right-hand side inwards, solution outwards.
@@ -47,7 +47,7 @@ PhaseCost solve_cost() {
     follow<kDofs>(factors.left, neighbour, b);
     follow<kDofs>(factors.right, neighbour, b);
   });
-  const int inwards = kVertexFactorSize + 2 * kDofs, outwards = 2 * kDofs * kDofs + 2 * kDofs;
+  const int inwards = vertex_factor_size(kDofs) + 2 * kDofs, outwards = 2 * kDofs * kDofs + 2 * kDofs;
   return {static_cast<double>(count.flops() + kDofs), bytes_of(inwards + outwards, 3)};
 }
 
