@@ -7,8 +7,8 @@ namespace {
 
 constexpr double kSlendernesses[] = {1e1, 1e2, 1e3, 1e4, 1e6, 1e8, 1e10, 1e12};
 
-// Vertices of these two are exact, up to the scaled residual (1e-11 by default, far less in the last iteration).
-constexpr double kExact = 1e-12;
+// Vertices of these two are exact, up to the scaled residual (1e-11 by default).
+constexpr double kExact = 1e-11;
 
 // Both sides of the comparison of slender with rigid sections are solved to a scaled residual of 1e-11 at most.
 constexpr double kRigidLimit = 1e-10;
