@@ -87,19 +87,19 @@ def speed_up_figure(folder):
 def _speed_ups(panel, table):
     names = set(table["phase"])
     phases = [phase for phase in (*PHASE_COLORS, *SUMS) if phase in names and phase != "other"]
-    threads = table.values("threads")
-    width = 0.8 / len(threads)
+    threads = table.values("threads")[1:]  # the first is the reference
+    width = 0.8 / max(1, len(threads))
     for i, count in enumerate(threads):
         rows = table.where(threads=count)
         heights = [float(rows.where(phase=phase)["speed_up"][0]) for phase in phases]
         places = np.arange(len(phases)) + (i - (len(threads) - 1) / 2) * width
         color = THREAD_COLORS[i % len(THREAD_COLORS)]
-        bars = panel.bar(places, heights, 0.92 * width, color=color, label=f"{count:g} thread" + ("s" if count > 1 else ""))
-        panel.bar_label(bars, fmt="%.2f", fontsize=8.5, padding=1)
         panel.axhline(count, color=color, linewidth=0.9, linestyle=(0, (4, 3)))
+        bars = panel.bar(places, heights, 0.92 * width, color=color, label=f"{count:g} threads")
+        panel.bar_label(bars, fmt="%.2f", fontsize=9.5, padding=-14, color="white")
     panel.set_xticks(np.arange(len(phases)), phases, rotation=25, ha="right")
     panel.grid(axis="x", visible=False)
-    panel.set_ylim(0, max(threads) * 1.2)
+    panel.set_ylim(0, 1.1 * max(table["threads"]))
 
 
 def ceilings_figure(folder):
@@ -116,7 +116,8 @@ def ceilings_figure(folder):
         panel.set_title(f"{count:g} thread" + ("s" if count > 1 else "") + f", {size:g} elements")
         panel.set_xlabel("floating-point operations for each byte")
     axes[0, 0].set_ylabel("GFlop/s")
-    phases = [phase for phase in PHASE_COLORS if phase in set(table["phase"])]
+    counted = set(table["phase"][np.isfinite(table["flops_per_second"])])
+    phases = [phase for phase in PHASE_COLORS if phase in counted]
     handles = [matplotlib.lines.Line2D([], [], color=PHASE_COLORS[phase], marker="o", linestyle="") for phase in phases]
     orders = table.values("order")
     handles += [matplotlib.lines.Line2D([], [], color=style.BLACK, marker=style.ORDER_MARKERS[int(order)], linestyle="")
@@ -149,8 +150,8 @@ def _roof(panel, ceiling, shown):
     panel.plot([ends[0], corner, ends[1]], [bandwidth * ends[0], peak, peak], color=style.BLACK)
     panel.annotate(f"multiply-add: {peak:.1f} GFlop/s", (ends[1], peak), (0, 4), textcoords="offset points", ha="right",
                    fontsize=10)
-    panel.annotate(f"triad: {bandwidth:.1f} GB/s", (ends[0], bandwidth * ends[0]), (8, 16), textcoords="offset points",
-                   ha="left", va="bottom", fontsize=10)
+    panel.annotate(f"triad: {bandwidth:.1f} GB/s", (np.sqrt(ends[0] * corner), bandwidth * np.sqrt(ends[0] * corner)),
+                   (-8, 6), textcoords="offset points", ha="right", va="bottom", fontsize=10)
 
 
 FIGURES = {

@@ -14,7 +14,8 @@ class ChainUnit {
   explicit ChainUnit(int vertices);
 
   struct Seconds {
-    double factorize = 0.0, solve = 0.0;
+    double factorize = 0.0, solve = 0.0;  ///< wall time
+    double processor = 0.0;               ///< processor time of both
     double sum() const { return factorize + solve; }
   };
   /// Factorises and solves once; std::runtime_error unless the solution is the known one.

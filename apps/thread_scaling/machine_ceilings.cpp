@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <string>
 
 namespace mixbeam {
@@ -20,7 +21,8 @@ constexpr long kMultiplyAdds = 2'000'000;  ///< of each sum: some ten millisecon
 /// Of each of three arrays, 64 MB: together several times the last cache of a desktop or a server's core complex.
 constexpr long kTriadNumbers = 8L << 20;
 constexpr int kTriadBlock = 512;  ///< numbers of one index, so that the loop over indices costs nothing
-constexpr int kAttempts = 8;
+/// Other work on the machine disturbs many attempts: one that it leaves alone is waited for.
+constexpr double kSecondsOfAttempts = 0.7;
 
 /// Each index keeps one thread busy. Values stay near one: x <- x f + (1 - f).
 struct MultiplyAddLoop {
@@ -43,12 +45,15 @@ struct MultiplyAddLoop {
 template <class Work>
 double shortest_seconds(const Work& work) {
   using Clock = std::chrono::steady_clock;
-  double shortest = 0.0;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+  const auto seconds_since = [](Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  };
+  const auto begin = Clock::now();
+  double shortest = std::numeric_limits<double>::max();
+  while (seconds_since(begin) < kSecondsOfAttempts) {
     const auto start = Clock::now();
     work();
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    shortest = attempt == 0 ? seconds : std::min(shortest, seconds);
+    shortest = std::min(shortest, seconds_since(start));
   }
   return shortest;
 }

@@ -8,7 +8,7 @@ struct MachineCeilings {
   double bytes_per_second = 0.0;  ///< a_i = b_i + s c_i from and to memory (McCalpin's triad: 24 bytes for each i)
 };
 
-/// The best of several attempts with that many threads; takes about half a second.
+/// The best of several attempts with that many threads; takes about two seconds.
 MachineCeilings measure_ceilings(int threads);
 
 }  // namespace mixbeam

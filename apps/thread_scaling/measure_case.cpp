@@ -34,6 +34,7 @@ Round take_round(const std::vector<int>& threads, ChainUnit& unit, const Phases&
     const ChainUnit::Seconds seconds = unit.time();
     sample.unit_factorize = seconds.factorize;
     sample.unit_solve = seconds.solve;
+    sample.unit_processor_seconds = seconds.processor;
   }
   return round;
 }

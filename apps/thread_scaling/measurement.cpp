@@ -73,6 +73,10 @@ double Measurement::unit_factorize() const {
   return median_over_samples(*this, [](const Sample& sample) { return sample.unit_factorize; });
 }
 
+double Measurement::share_of_processor() const {
+  return median_over_samples(*this, [](const Sample& sample) { return sample.unit_processor_seconds / sample.unit(); });
+}
+
 std::string written(const Measurement& measurement) {
   std::ostringstream text;
   text.precision(std::numeric_limits<double>::max_digits10);
@@ -80,7 +84,8 @@ std::string written(const Measurement& measurement) {
   for (const Round& round : measurement.rounds) {
     text << "round\n";
     for (const auto& [threads, sample] : round) {
-      text << "sample " << threads << " " << sample.unit_factorize << " " << sample.unit_solve << "\n";
+      text << "sample " << threads << " " << sample.unit_factorize << " " << sample.unit_solve << " "
+           << sample.unit_processor_seconds << "\n";
       for (const auto& [phase, seconds] : sample.phases) text << "phase " << seconds << " " << phase << "\n";
     }
   }
@@ -105,7 +110,7 @@ Measurement read_measurement(const std::string& text) {
       int threads = 0;
       words >> threads;
       sample = &measurement.rounds.at(measurement.rounds.size() - 1)[threads];
-      words >> sample->unit_factorize >> sample->unit_solve;
+      words >> sample->unit_factorize >> sample->unit_solve >> sample->unit_processor_seconds;
     } else if (kind == "phase" && sample != nullptr) {
       double seconds = 0.0;
       std::string phase;

@@ -27,6 +27,7 @@ using PhaseSeconds = std::map<std::string, double>;
 /// With one number of threads, and the unit of time measured right after it.
 struct Sample {
   double unit_factorize = 0.0, unit_solve = 0.0;
+  double unit_processor_seconds = 0.0;  ///< that the processor spent on the unit: less than its time if others ran
   PhaseSeconds phases;
   double unit() const { return unit_factorize + unit_solve; }
 };
@@ -48,6 +49,8 @@ struct Measurement {
   double speed_up(int reference_threads, int threads, const std::string& phase) const;
   double unit() const;
   double unit_factorize() const;
+  /// Processor time over wall time of the unit: 1 on an idle machine; far below, times are those of a busy machine.
+  double share_of_processor() const;
 };
 
 /// As text, between processes.

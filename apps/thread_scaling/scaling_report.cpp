@@ -10,6 +10,9 @@ namespace mixbeam {
 
 namespace {
 
+/// Share of the processor from which on times in seconds are those of the program alone.
+constexpr double kIdleMachine = 0.95;
+
 /// In the order of an iteration; sums behind their parts, whatever else there is at the end.
 constexpr std::array<const char*, 15> kOrderOfPhases = {"residual",
                                                         "element tangent",
@@ -94,7 +97,7 @@ ScalingReport::ScalingReport(std::ostream& out, const std::optional<std::filesys
               "share_of_flop_peak", "share_of_bandwidth"});
   cases_ = std::make_unique<CsvTable>(
       *folder / "cases.csv", Columns{"kind", "elements", "order", "rounds", "unit_seconds", "unit_factorize_seconds",
-                                     "unit_solve_seconds", "memory_bytes_per_element"});
+                                     "unit_solve_seconds", "memory_bytes_per_element", "share_of_processor"});
 }
 
 void ScalingReport::add(const ScalingCase& of, const Measurement& measurement) {
@@ -107,6 +110,9 @@ void ScalingReport::print_phases(const ScalingCase& of, const Measurement& measu
   out_ << text_of_line("\n%s, %d elements of order %d: B = %.3f ms (dgbtrf %.3f), %.0f bytes of memory per element\n",
                        of.kind.c_str(), of.elements, of.order, 1e3 * measurement.unit(),
                        1e3 * measurement.unit_factorize(), measurement.memory / of.elements);
+  if (measurement.share_of_processor() < kIdleMachine)
+    out_ << text_of_line("The machine was busy: B had the processor %.0f %% of its time. Judge by t / B alone.\n",
+                         100.0 * measurement.share_of_processor());
   out_ << text_of_line("%-24s%8s%10s%8s%9s%6s%9s%9s%5s%9s%8s%5s\n", "phase", "threads", "ms", "t / B", "speed-up",
                        "eff.", "flop/el.", "GFlop/s", "%", "byte/el.", "GB/s", "%");
   for (const std::string& phase : ordered_phases(measurement))
@@ -134,7 +140,7 @@ void ScalingReport::write(const ScalingCase& of, const Measurement& measurement)
     }
   const double unit = measurement.unit(), factorize = measurement.unit_factorize();
   cases_->add_row({of.kind, of.elements, of.order, measurement.rounds.size(), unit, factorize, unit - factorize,
-                   measurement.memory / of.elements});
+                   measurement.memory / of.elements, measurement.share_of_processor()});
 }
 
 void ScalingReport::print_summary() const {

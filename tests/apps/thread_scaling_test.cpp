@@ -47,6 +47,26 @@ bool has_phase(const std::vector<std::vector<std::string>>& rows, const std::vec
   return false;
 }
 
+/// Ratios, costs and shares are numbers that fit together.
+void expect_figures_agree(const std::vector<std::vector<std::string>>& rows, int elements) {
+  const auto column = [&](const std::vector<std::string>& row, const std::string& name) {
+    const auto place = std::find(rows[0].begin(), rows[0].end(), name);
+    return std::stod(row.at(place - rows[0].begin()));
+  };
+  int with_costs = 0;
+  for (size_t r = 1; r < rows.size(); ++r) {
+    const double seconds = column(rows[r], "median_seconds");
+    EXPECT_GT(column(rows[r], "ratio_to_unit"), 0.0) << rows[r][4];
+    const double flops = column(rows[r], "flops_per_element"), rate = column(rows[r], "flops_per_second");
+    if (std::isnan(flops)) continue;
+    ++with_costs;
+    EXPECT_NEAR(flops * elements / seconds, rate, 1e-9 * rate) << rows[r][4];
+    EXPECT_GT(column(rows[r], "share_of_flop_peak"), 0.0) << rows[r][4];
+    EXPECT_GT(column(rows[r], "share_of_bandwidth"), 0.0) << rows[r][4];
+  }
+  EXPECT_GT(with_costs, 0);
+}
+
 TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
   const auto folder = folder_for("thread_scaling_tiny");
   ASSERT_EQ(run_study(folder, kTiny), 0) << text_of(folder / "output.txt");
@@ -59,33 +79,14 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
       EXPECT_TRUE(has_phase(rows, {kind, "40", "3", "2", phase})) << kind << " " << phase;
     }
   EXPECT_FALSE(has_phase(rows, {"spatial", "40", "2", "1", "solve"})) << "an order that was not asked for";
+  expect_figures_agree(rows, 40);
+  const auto cases = rows_of(folder / "cases.csv");
+  ASSERT_GT(cases.size(), 1U);
+  ASSERT_EQ(cases[0].at(7), "memory_bytes_per_element");
+  EXPECT_GT(std::stod(cases[1].at(7)), 0.0);
   for (const char* file : {"machine.csv", "ceilings.csv", "cases.csv"})
     EXPECT_GT(rows_of(folder / file).size(), 2U) << file;
   expect_in(text_of(folder / "machine.csv"), {"processor", "compiler", "flags", "version", "BLAS of the unit"});
-}
-
-/// Ratios, costs and shares are numbers that fit together.
-TEST(ThreadScalingApplication, FiguresOfAPhaseAgree) {
-  const auto folder = folder_for("thread_scaling_figures");
-  ASSERT_EQ(run_study(folder, kTiny), 0) << text_of(folder / "output.txt");
-  const auto rows = rows_of(folder / "thread_scaling.csv");
-  const auto column = [&](const std::vector<std::string>& row, const std::string& name) {
-    const auto place = std::find(rows[0].begin(), rows[0].end(), name);
-    return std::stod(row.at(place - rows[0].begin()));
-  };
-  int with_costs = 0;
-  for (size_t r = 1; r < rows.size(); ++r) {
-    const double seconds = column(rows[r], "median_seconds");
-    EXPECT_GT(column(rows[r], "ratio_to_unit"), 0.0) << rows[r][4];
-    const double flops = column(rows[r], "flops_per_element"), rate = column(rows[r], "flops_per_second");
-    if (std::isnan(flops)) continue;
-    ++with_costs;
-    EXPECT_NEAR(flops * 40 / seconds, rate, 1e-9 * rate) << rows[r][4];
-    EXPECT_GT(column(rows[r], "share_of_flop_peak"), 0.0) << rows[r][4];
-    EXPECT_GT(column(rows[r], "share_of_bandwidth"), 0.0) << rows[r][4];
-  }
-  EXPECT_GT(with_costs, 0);
-  EXPECT_GT(std::stod(rows_of(folder / "cases.csv").at(1).back()), 0.0) << "memory";
 }
 
 TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
