@@ -1,6 +1,8 @@
-/// A number that counts what is done with it: run a kernel on it in place of `double` to learn how many floating-point
-/// operations the kernel takes for one element or vertex.
+/// A number that counts what is done with it: run a kernel on it in place of `double` or of lanes to learn how many
+/// floating-point operations the kernel takes for one element or vertex.
 #pragma once
+
+#include "kernels/pack.hpp"
 
 #include <cmath>
 
@@ -14,10 +16,25 @@ struct OperationCount {
   long flops() const { return sums + products + divisions + functions; }
 };
 
-class CountedNumber {
+/// One number in no lane: kernels take it for a pack. Where lanes that need a rare branch are treated one by one there
+/// is none to treat, so that what is counted is the usual way.
+template <>
+struct Pack<0> {
  public:
-  CountedNumber() = default;
-  CountedNumber(double x) : value_(x) {}  // NOLINT(google-explicit-constructor): stands in place of double
+  /// What comparisons give.
+  struct Mask {
+    bool holds = false;
+    explicit operator bool() const { return holds; }
+    long long operator[](int) const { return holds ? -1 : 0; }
+    Mask operator~() const { return {!holds}; }
+    Mask& operator|=(const Mask& b) { return holds = holds || b.holds, *this; }
+  };
+
+  Pack() = default;
+  Pack(double x) : value_(x) {}  // NOLINT(google-explicit-constructor): stands in place of double
+
+  double operator[](int) const { return value_; }
+  void set(int, double x) { value_ = x; }
 
   double value() const { return value_; }
   /// All operations of this thread since it was set.
@@ -26,51 +43,49 @@ class CountedNumber {
     return operations;
   }
 
-  friend CountedNumber operator+(const CountedNumber& a, const CountedNumber& b) {
+  friend Pack operator+(const Pack& a, const Pack& b) {
     ++count().sums;
     return a.value_ + b.value_;
   }
-  friend CountedNumber operator-(const CountedNumber& a, const CountedNumber& b) {
+  friend Pack operator-(const Pack& a, const Pack& b) {
     ++count().sums;
     return a.value_ - b.value_;
   }
-  friend CountedNumber operator*(const CountedNumber& a, const CountedNumber& b) {
+  friend Pack operator*(const Pack& a, const Pack& b) {
     ++count().products;
     return a.value_ * b.value_;
   }
-  friend CountedNumber operator/(const CountedNumber& a, const CountedNumber& b) {
+  friend Pack operator/(const Pack& a, const Pack& b) {
     ++count().divisions;
     return a.value_ / b.value_;
   }
-  friend CountedNumber operator-(const CountedNumber& a) { return -a.value_; }
-  CountedNumber& operator+=(const CountedNumber& b) { return *this = *this + b; }
-  CountedNumber& operator-=(const CountedNumber& b) { return *this = *this - b; }
-  CountedNumber& operator*=(const CountedNumber& b) { return *this = *this * b; }
+  friend Pack operator-(const Pack& a) { return -a.value_; }
+  Pack& operator+=(const Pack& b) { return *this = *this + b; }
+  Pack& operator-=(const Pack& b) { return *this = *this - b; }
+  Pack& operator*=(const Pack& b) { return *this = *this * b; }
 
-  friend bool operator<(const CountedNumber& a, const CountedNumber& b) { return a.value_ < b.value_; }
-  friend bool operator<=(const CountedNumber& a, const CountedNumber& b) { return a.value_ <= b.value_; }
-  friend bool operator>(const CountedNumber& a, const CountedNumber& b) { return a.value_ > b.value_; }
-  friend bool operator>=(const CountedNumber& a, const CountedNumber& b) { return a.value_ >= b.value_; }
+  friend Mask operator<(const Pack& a, const Pack& b) { return {a.value_ < b.value_}; }
+  friend Mask operator<=(const Pack& a, const Pack& b) { return {a.value_ <= b.value_}; }
+  friend Mask operator>(const Pack& a, const Pack& b) { return {a.value_ > b.value_}; }
+  friend Mask operator>=(const Pack& a, const Pack& b) { return {a.value_ >= b.value_}; }
 
-  friend CountedNumber sqrt(const CountedNumber& a) { return function(std::sqrt(a.value_)); }
-  friend CountedNumber sin(const CountedNumber& a) { return function(std::sin(a.value_)); }
-  friend CountedNumber cos(const CountedNumber& a) { return function(std::cos(a.value_)); }
-  friend CountedNumber atan2(const CountedNumber& y, const CountedNumber& x) {
-    return function(std::atan2(y.value_, x.value_));
-  }
-  friend CountedNumber fabs(const CountedNumber& a) { return std::fabs(a.value_); }
-  friend CountedNumber select(bool condition, const CountedNumber& a, const CountedNumber& b) {
-    return condition ? a : b;
-  }
+  friend Pack sqrt(const Pack& a) { return function(std::sqrt(a.value_)); }
+  friend Pack sin(const Pack& a) { return function(std::sin(a.value_)); }
+  friend Pack cos(const Pack& a) { return function(std::cos(a.value_)); }
+  friend Pack atan2(const Pack& y, const Pack& x) { return function(std::atan2(y.value_, x.value_)); }
+  friend Pack fabs(const Pack& a) { return std::fabs(a.value_); }
+  friend Pack select(const Mask& condition, const Pack& a, const Pack& b) { return condition.holds ? a : b; }
 
  private:
-  static CountedNumber function(double value) {
+  static Pack function(double value) {
     ++count().functions;
     return value;
   }
 
   double value_ = 0.0;
 };
+
+using CountedNumber = Pack<0>;
 
 /// Operations of one call of `work`.
 template <class Work>

@@ -150,8 +150,8 @@ def _roof(panel, ceiling, shown):
     panel.plot([ends[0], corner, ends[1]], [bandwidth * ends[0], peak, peak], color=style.BLACK)
     panel.annotate(f"multiply-add: {peak:.1f} GFlop/s", (ends[1], peak), (0, 4), textcoords="offset points", ha="right",
                    fontsize=10)
-    panel.annotate(f"triad: {bandwidth:.1f} GB/s", (np.sqrt(ends[0] * corner), bandwidth * np.sqrt(ends[0] * corner)),
-                   (-8, 6), textcoords="offset points", ha="right", va="bottom", fontsize=10)
+    panel.annotate(f"triad: {bandwidth:.1f} GB/s", (corner, peak), (4, -8), textcoords="offset points", ha="left",
+                   va="top", fontsize=10)
 
 
 FIGURES = {
