@@ -1,13 +1,12 @@
 #include "apps/thread_scaling/phase_costs.hpp"
 
+#include "apps/thread_scaling/element_operations.hpp"
 #include "apps/thread_scaling/measurement.hpp"
 #include "kernels/chain_elimination.hpp"
 #include "kernels/chain_level.hpp"
 #include "kernels/counted_number.hpp"
 #include "kernels/element_layout.hpp"
 #include "kernels/rotation.hpp"
-
-#include <limits>
 
 namespace mixbeam {
 
@@ -16,7 +15,6 @@ namespace {
 constexpr int kDofs = 6;  ///< of a vertex
 constexpr int kVertexState = 3 + 4, kTriad = 4;
 constexpr int kLinkNumbers = 4 * kDofs * kDofs;
-constexpr double kNotCounted = std::numeric_limits<double>::quiet_NaN();
 
 double bytes_of(double numbers, double integers = 0.0) { return sizeof(double) * numbers + sizeof(int) * integers; }
 
@@ -68,16 +66,17 @@ struct Layouts {
 };
 
 /// The element writes its rows, which are gathered by vertex and all divided by their scales; sizes are found before.
-PhaseCost residual_cost(const Layouts& layouts) {
+PhaseCost residual_cost(const Layouts& layouts, double element_flops) {
   const int interior = layouts.interior.increments();
   const int written = 2 * kDofs + interior + 1, gathered = 3 * kDofs;
   const int magnitude = kVertexState + layouts.interior.unknowns(), scaled = 2 * (interior + kDofs);
-  return {kNotCounted, layouts.input() + bytes_of(written + gathered + magnitude + scaled)};
+  const double flops = element_flops + 2.0 * kDofs + interior + kDofs;
+  return {flops, layouts.input() + bytes_of(written + gathered + magnitude + scaled)};
 }
 
-PhaseCost tangent_cost(const Layouts& layouts) {
+PhaseCost tangent_cost(const Layouts& layouts, double element_flops) {
   const int written = 2 * kDofs + kLinkNumbers + kResponseColumns * layouts.interior.increments();
-  return {kNotCounted, layouts.input() + bytes_of(written)};
+  return {element_flops, layouts.input() + bytes_of(written)};
 }
 
 /// Response times (change of slope, spins of both vertices, one), which are turned to the element frame.
@@ -110,8 +109,9 @@ PhaseCost operator+(const PhaseCost& a, const PhaseCost& b) { return {a.flops + 
 
 std::map<std::string, PhaseCost> phase_costs(int order) {
   const Layouts layouts(order);
-  std::map<std::string, PhaseCost> costs = {{"residual", residual_cost(layouts)},
-                                            {"element tangent", tangent_cost(layouts)},
+  const ElementOperations element = element_operations(order);
+  std::map<std::string, PhaseCost> costs = {{"residual", residual_cost(layouts, element.residual)},
+                                            {"element tangent", tangent_cost(layouts, element.tangent)},
                                             {"recover", recover_cost(layouts)},
                                             {"update", update_cost(layouts)},
                                             {"condense chains", condense_cost()},
