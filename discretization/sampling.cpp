@@ -184,16 +184,42 @@ void for_each_sample(const Assembler& assembler, const State& state, const std::
     }
 }
 
-/// Every sample has one place in the order of the mesh; a rank fills its own and zeros elsewhere, and they are added.
-std::vector<double> samples_of_all_ranks(const Assembler& assembler, const State& state,
-                                         const std::vector<size_t>& first) {
-  std::vector<double> mine(first.back() * kSampleNumbers, 0.0), all(mine.size());
-  for_each_sample(assembler, state, first, [&](int, size_t place, const PointSample& sample) {
-    std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, &mine[place * kSampleNumbers]);
+/// Samples of one rank: their elements, and the numbers of all samples of these one after the other.
+struct RankSamples {
+  std::vector<int> elements;
+  std::vector<double> numbers;
+};
+
+RankSamples own_samples(const Assembler& assembler, const State& state, const std::vector<size_t>& first) {
+  RankSamples mine;
+  for_each_sample(assembler, state, first, [&](int element, size_t place, const PointSample& sample) {
+    if (place == first[element]) mine.elements.push_back(element);
+    const auto* numbers = reinterpret_cast<const double*>(&sample);
+    mine.numbers.insert(mine.numbers.end(), numbers, numbers + kSampleNumbers);
   });
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
-                     all.data());
-  return all;
+  return mine;
+}
+
+/// One rank after the other, so that rank 0 never holds more than its own samples and those of one other rank.
+template <class Keep>
+void send_samples_to_root(const Teuchos::Comm<int>& comm, const RankSamples& mine, const Keep& keep) {
+  constexpr int root = 0;
+  if (comm.getRank() != root) {
+    const int sizes[2] = {static_cast<int>(mine.elements.size()), static_cast<int>(mine.numbers.size())};
+    Teuchos::send<int, int>(comm, 2, sizes, root);
+    Teuchos::send<int, int>(comm, sizes[0], mine.elements.data(), root);
+    Teuchos::send<int, double>(comm, sizes[1], mine.numbers.data(), root);
+    return;
+  }
+  keep(mine);
+  for (int rank = 1; rank < comm.getSize(); ++rank) {
+    int sizes[2];
+    Teuchos::receive<int, int>(comm, rank, 2, sizes);
+    RankSamples other{std::vector<int>(sizes[0]), std::vector<double>(sizes[1])};
+    Teuchos::receive<int, int>(comm, rank, sizes[0], other.elements.data());
+    Teuchos::receive<int, double>(comm, rank, sizes[1], other.numbers.data());
+    keep(other);
+  }
 }
 
 }  // namespace
@@ -218,14 +244,15 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& a
     for_each_sample(assembler, state, first, keep);
     return members;
   }
-  const std::vector<double> numbers = samples_of_all_ranks(assembler, state, first);
-  if (comm.getRank() != 0) return members;
-  for (size_t e = 0; e < mesh.elements.size(); ++e)
-    for (size_t place = first[e]; place < first[e + 1]; ++place) {
-      PointSample sample;
-      std::copy_n(&numbers[place * kSampleNumbers], kSampleNumbers, reinterpret_cast<double*>(&sample));
-      keep(static_cast<int>(e), place, sample);
-    }
+  send_samples_to_root(comm, own_samples(assembler, state, first), [&](const RankSamples& of_rank) {
+    const double* numbers = of_rank.numbers.data();
+    for (int element : of_rank.elements)
+      for (size_t place = first[element]; place < first[element + 1]; ++place, numbers += kSampleNumbers) {
+        PointSample sample;
+        std::copy_n(numbers, kSampleNumbers, reinterpret_cast<double*>(&sample));
+        keep(element, place, sample);
+      }
+  });
   return members;
 }
 
