@@ -79,6 +79,14 @@ TEST_P(Gallery, KnowsNoFrameAndNoUnits) {
   }
 }
 
+TEST_P(Gallery, CondensedChainsGiveTheAnswerOfTheWholeMatrix) {
+  auto [scene, solver] = read_gallery_scene(GetParam());
+  const Simulation chains = solved(scene, solver);
+  solver.linear.method = kSparseSolver;
+  const Simulation whole = solved(scene, solver);
+  expect_same_answer(whole, chains, identity_matrix<double>(), 1.0);
+}
+
 TEST(GalleryTwin, AnotherLoadGivesAnotherAnswer) {
   const auto [scene, solver] = read_gallery_scene(MIXBEAM_SOURCE_DIR "/apps/gallery/elastica.xml");
   const Simulation here = solved(scene, solver);
