@@ -34,11 +34,14 @@ std::string step_group_name(int step) {
 }
 
 template <class Field>
+void append_values(const MemberSamples& member, Field field, std::vector<double>& values) {
+  for (const auto& sample : member.*field) values.insert(values.end(), sample.begin(), sample.end());
+}
+
+template <class Field>
 std::vector<double> concatenated(const std::vector<MemberSamples>& members, Field field) {
   std::vector<double> values;
-  for (const auto& member : members) {
-    for (const auto& sample : member.*field) values.insert(values.end(), sample.begin(), sample.end());
-  }
+  for (const auto& member : members) append_values(member, field, values);
   return values;
 }
 
@@ -126,8 +129,9 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members) {
     hdf5::write_attribute(group, "points_per_element", points_per_element(member));
     hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
     hdf5::write_dataset(group, "element", member.element);
-    hdf5::write_dataset(group, "reference_position",
-                        concatenated(std::vector<MemberSamples>{member}, &MemberSamples::reference_position), 3);
+    std::vector<double> reference_position;
+    append_values(member, &MemberSamples::reference_position, reference_position);
+    hdf5::write_dataset(group, "reference_position", reference_position, 3);
     first_sample += static_cast<int>(member.size());
   }
   const auto polyline = hdf5::create_group(file, "polyline");
@@ -378,7 +382,7 @@ ResultFile::ResultFile(const StoredRun& run)
   copies_[0].path = hidden(path_, "a");
   copies_[1].path = hidden(path_, "b");
   remove_hidden_files();
-  previous_ = run.layout();
+  previous_ = std::make_shared<const StepRecord>(run.layout());
   for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor});
   for (auto& copy : copies_) {
     std::error_code error;
@@ -399,15 +403,15 @@ ResultFile::~ResultFile() {
   }
 }
 
-void ResultFile::append_step(const StepRecord& record) {
+void ResultFile::append_step(std::shared_ptr<const StepRecord> record) {
   if (failed_ || closed_) throw ResultFileError("result file " + path_.string() + ": takes no more steps");
-  check_consistent(record);
+  check_consistent(*record);
   Copy& copy = copies_[next_copy_];
-  write_copy(copy, &record);
+  write_copy(copy, record.get());
   publish(copy);
   next_copy_ = 1 - next_copy_;
-  previous_ = record;
-  labels_.push_back({record.step, record.load_factor});
+  labels_.push_back({record->step, record->load_factor});
+  previous_ = std::move(record);
   if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
 }
 
@@ -433,13 +437,13 @@ void ResultFile::check_consistent(const StepRecord& record) const {
     if (quantity.components.empty()) throw ResultFileError(prefix + quantity.name + " has no components");
   }
   if (labels_.empty()) return;
-  if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
+  if (record.step <= previous_->step) throw ResultFileError(prefix + "steps must grow");
   bool same =
-      record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
+      record.members.size() == previous_->members.size() && record.monitored.size() == previous_->monitored.size();
   for (std::size_t i = 0; same && i < record.members.size(); ++i) {
-    same = same_sampling(record.members[i], previous_.members[i]);
+    same = same_sampling(record.members[i], previous_->members[i]);
   }
-  same = same && sizes_of(record.monitored) == sizes_of(previous_.monitored);
+  same = same && sizes_of(record.monitored) == sizes_of(previous_->monitored);
   if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
 }
 
@@ -449,7 +453,7 @@ void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
   try {
     std::size_t bytes = kOverheadPerStep + header_.scene_xml.size();
     for (const auto& [name, text] : header_.imported) bytes += 4096 + name.size() + text.size();
-    if (record != nullptr) bytes += bytes_of(*record) + bytes_of(previous_);
+    if (record != nullptr) bytes += bytes_of(*record) + bytes_of(*previous_);
     reserve_space(copy.path, bytes);
     auto file = copy.created ? hdf5::open_file(copy.path) : hdf5::create_file(copy.path);
     if (!copy.created) write_header(file, header_);
@@ -460,7 +464,7 @@ void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
         write_supports(file, record->reactions);
       }
       copy.has_members = true;
-      if (!labels_.empty() && copy.last_step != previous_.step) write_step(file, previous_);
+      if (!labels_.empty() && copy.last_step != previous_->step) write_step(file, *previous_);
       write_step(file, *record);
       copy.last_step = record->step;
     }
@@ -490,8 +494,8 @@ void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
   for (const auto& label : labels_)
     steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
-  const std::size_t members = previous_.members.size();
-  const std::size_t samples = count_samples(previous_.members);
+  const std::size_t members = previous_->members.size();
+  const std::size_t samples = count_samples(previous_->members);
   replace_file(xdmf_path_, new_name_,
                xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members));
   steps_in_xdmf_ = labels_.size();

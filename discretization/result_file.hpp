@@ -37,6 +37,7 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -67,7 +68,8 @@ class ResultFile {
   /// Appends a step and publishes it: once this returns, readers of the file see it. On an error (ResultFileError) the
   /// published file keeps the steps it had, and the file takes no more steps.
   /// Members, their samples and the monitored names must be those of the first record, and `step` must grow.
-  void append_step(const StepRecord& record);
+  void append_step(std::shared_ptr<const StepRecord> record);
+  void append_step(const StepRecord& record) { append_step(std::make_shared<const StepRecord>(record)); }
 
   /// Brings the XDMF file up to date and removes the second copy. Called once; later calls do nothing.
   void close();
@@ -99,8 +101,9 @@ class ResultFile {
   std::filesystem::path new_name_;  ///< hidden name that is renamed to path_
   ResultHeader header_;
   std::array<Copy, 2> copies_;
-  std::size_t next_copy_ = 0;      ///< the copy that is not published
-  StepRecord previous_;            ///< missing in the next copy; its members also describe the sampling
+  std::size_t next_copy_ = 0;  ///< the copy that is not published
+  /// Missing in the next copy; its members also describe the sampling.
+  std::shared_ptr<const StepRecord> previous_ = std::make_shared<const StepRecord>();
   std::vector<StepLabel> labels_;  ///< of all published steps
   std::size_t steps_in_xdmf_ = 0;
   bool failed_ = false;

@@ -243,13 +243,13 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
   bool recorded = false;
   const auto keep = [&](const Simulation& running, const StepReport& report) {
     recorded = true;
-    StepRecord step = running.record(report, recording.points_per_element, points);
-    follow_reactions(points, step);
+    auto step = std::make_shared<StepRecord>(running.record(report, recording.points_per_element, points));
+    follow_reactions(points, *step);
     if (report.step == 0 && parameters.analysis.buckling_modes > 0)
-      step.buckling = running.buckling_modes(parameters.analysis.buckling_modes, recording.points_per_element);
+      step->buckling = running.buckling_modes(parameters.analysis.buckling_modes, recording.points_per_element);
     if (results != nullptr) results->append_step(step);
-    if (monitor) monitor->add(step);
-    if (recording.record_observer) recording.record_observer(step);
+    if (monitor) monitor->add(*step);
+    if (recording.record_observer) recording.record_observer(*step);
     if (recording.observer) recording.observer(running, report);
   };
   const auto prepare = [&](Simulation& simulation) {
