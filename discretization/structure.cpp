@@ -127,7 +127,7 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   const size_t n = elements.size();
   structure.interior_size += n * block.interior.unknowns();
   structure.increment_size += n * block.interior.increments();
-  structure.response_size += n * block.interior.increments() * kResponseColumns;
+  structure.response_size += n * block.response_size();
   block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
   block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
   block.member = KernelView<int*>("mixbeam::element_member", n);

@@ -15,6 +15,9 @@ void residual_loop(const ElementBlock&, const StructureViews&, const StateViews&
 template <int K, bool General>
 void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
                   const ElementEquations&);
+template <int K, bool General>
+void recover_loop(const ElementBlock&, const StateViews&, const ElementEquations&, const KernelView<const double* [6]>&,
+                  const KernelView<double*>&);
 
 namespace {
 
@@ -40,35 +43,6 @@ void for_kind(const ElementBlock& block, Action&& action) {
       action(order, std::false_type());
   });
 }
-
-/// Interior increments are the response rows times (d slope_0, spin a, spin b, 1).
-struct RecoverLoop {
-  KernelView<const int* [2]> vertices;
-  KernelView<const double**> reference;
-  KernelView<const double* [4]> element_triad;
-  KernelView<const double*> response;
-  KernelView<const double* [6]> vertex_increment;
-  KernelView<double*> increment;
-  int first_element, rows;
-  size_t increment_offset, response_offset;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const Mat triad = rotation_matrix(load_quaternion(&element_triad(first_element + e, 0)));
-    const double* a = &vertex_increment(vertices(e, 0), 0);
-    const double* b = &vertex_increment(vertices(e, 1), 0);
-    double local[9];
-    store_vector((1.0 / reference(e, 0)) * transpose_times(triad, load_vector(b) - load_vector(a)), local);
-    store_vector(transpose_times(triad, load_vector(a + 3)), local + 3);
-    store_vector(transpose_times(triad, load_vector(b + 3)), local + 6);
-    const double* row = response.data() + response_offset + static_cast<size_t>(e) * rows * kResponseColumns;
-    double* out = increment.data() + increment_offset + static_cast<size_t>(e) * rows;
-    for (int r = 0; r < rows; ++r, row += kResponseColumns) {
-      double sum = row[9];
-      for (int c = 0; c < 9; ++c) sum += row[c] * local[c];
-      out[r] = sum;
-    }
-  }
-};
 
 struct ApplyLoop {
   KernelView<const double* [4]> from_triad;
@@ -121,10 +95,9 @@ void softening_rows(const ElementBlock& block, const StructureViews& structure,
 
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
-  const RecoverLoop loop{
-      block.vertices, block.reference,     state.element_triad,         equations.response,     vertex_increment,
-      increment,      block.first_element, block.interior.increments(), block.increment_offset, block.response_offset};
-  Kokkos::parallel_for("mixbeam::elements::recover", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+  for_kind(block, [&](auto order, auto general) {
+    recover_loop<order.value, general.value>(block, state, equations, vertex_increment, increment);
+  });
 }
 
 void apply_interior_increment(const ElementBlock& block, const StateViews& from,

@@ -17,6 +17,20 @@ using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
 /// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
 constexpr int kResponseColumns = 10;
 
+/// What the tangent of a plain element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
+/// and slope_j in the element frame, then right-hand sides and stiffnesses. N and M follow from these and the state.
+/// Their rows would more than double what is kept, and memory is what limits the tangent of low orders. An element with
+/// a general section keeps a row for each of its increments (InteriorLayout).
+struct ResponseLayout {
+  int order = 0, force_points = 0;
+  KOKKOS_INLINE_FUNCTION constexpr int rows() const { return 3 * (2 * order - 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int strain_error(int q) const { return kResponseColumns * rows() + 3 * q; }
+  KOKKOS_INLINE_FUNCTION constexpr int moment_row(int j) const { return strain_error(force_points + j); }
+  KOKKOS_INLINE_FUNCTION constexpr int force_stiffness() const { return moment_row(order + 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int moment_stiffness() const { return force_stiffness() + 3; }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return moment_stiffness() + 3; }
+};
+
 /// State of a structure: total, from the reference to the current configuration.
 struct StateViews {
   KernelView<double* [3]> vertex_displacement;  ///< (vertex, 3) spatial
@@ -31,8 +45,8 @@ struct ElementEquations {
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double* [144]> condensed_tangent;  ///< (element, 12 x 12 row-major), spatial
-  KernelView<double*> response;           ///< (increment row, kResponseColumns) of each element, block after block
-  KernelView<double*> largest_end_angle;  ///< (element): relative rotation between element and vertex, radians
+  KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
+  KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
 };
 
 /// Constant data of the structure that elements of all blocks share.
@@ -59,6 +73,12 @@ struct ElementBlock {
   /// element of the block has any
   KernelView<int* [kLineFields]> field_row;
   KernelView<double* [3]> field_value;  ///< at the present load factor
+
+  /// Numbers that the tangent keeps of each element for recover_interior.
+  int response_size() const {
+    return general_section ? kResponseColumns * interior.increments()
+                           : ResponseLayout{order, interior.force_points}.size();
+  }
 };
 
 /// Mixed residual: vertex and interior rows, largest relative end rotation.
@@ -79,7 +99,8 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
 void softening_rows(const ElementBlock& block, const StructureViews& structure,
                     const KernelView<const double*>& increment, const KernelView<double*>& rows);
 
-/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial).
+/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial). `state`:
+/// that of the tangent.
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
 

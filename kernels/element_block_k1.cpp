@@ -1,4 +1,5 @@
 #include "kernels/element_block_loops.hpp"
+#include "kernels/element_recovery.hpp"
 
 namespace mixbeam {
 
@@ -6,5 +7,7 @@ template void residual_loop<1, false>(const ElementBlock&, const StructureViews&
                                       const ElementEquations&);
 template void tangent_loop<1, false>(const ElementBlock&, const StructureViews&, const StateViews&,
                                      const KernelView<const double*>&, const ElementEquations&);
+template void recover_loop<1, false>(const ElementBlock&, const StateViews&, const ElementEquations&,
+                                     const KernelView<const double* [6]>&, const KernelView<double*>&);
 
 }  // namespace mixbeam

@@ -147,6 +147,7 @@ struct LaneInput {
     in.triad = load_quaternion(x);
     in.interior = interior;
     in.reference = reference;
+    if (gather.section.extent(0) == 0) return;  // recovery has what it needs of them
     const auto constants = [&](int e) -> const SectionConstants& { return gather.section(gather.member(e)); };
     load(
         lanes, 3, [&](int e) { return constants(e).force_compliance; }, section.force_compliance);
@@ -235,7 +236,7 @@ struct CondensedElement {
   using Stiffness = std::conditional_t<General, Mat, Vec3<Real>>;
   ReducedSystem<K, Real> system;
   std::conditional_t<General, GeneralMomentRows<K>, MomentRows<K, Real>> moment_rows;
-  ForceRows<Real, Stiffness> force_rows_[ElementTables<K>::kMaximumForcePoints];
+  ForceRows<Real, Stiffness> force_rows_[General ? ElementTables<K>::kMaximumForcePoints : 1];  ///< general only
   ElementGradient<K, Real> gradient;
   InteriorResponse<K, Real> response;
   CondensedSystem<Real> condensed;
@@ -273,22 +274,29 @@ struct CondensedElement {
     add_gradient();
   }
 
-  /// Rows of the increments: response of N (pointwise), M (by mode), psi, beta (spatial) and w.
+  /// General: rows of all increments, response of N (pointwise), M (by mode), psi, beta (spatial) and w. Plain:
+  /// ResponseLayout.
   template <class Section>
   KOKKOS_FORCEINLINE_FUNCTION void store_response(const ElementGather<K, General>& gather,
                                                   const ElementKinematics<K, Real>& kinematics, const Section& section,
                                                   const ElementRows<Real>& rows) const {
-    const InteriorLayout& layout = gather.layout;
-    store_moment_response(section, kinematics.length, layout, rows);
-    for (int q = 0; q < layout.force_points; ++q)
-      store_force_response(q, section, gather.tables.force_legendre[q], layout, rows);
-    for (int j = 1; j < K; ++j) {
-      store_rows(response.by[Blocks::psi(j)], response.constant[Blocks::psi(j)], layout.relative_rotation(j), rows);
-      Mat3<Real> by[3];
-      for (int c = 0; c < 3; ++c) by[c] = kinematics.triad * response.by[Blocks::slope(j)][c];
-      store_rows(by, kinematics.triad * response.constant[Blocks::slope(j)], layout.bubble(j), rows);
+    if constexpr (General) {
+      store_moment_response(gather.layout, rows);
+      for (int q = 0; q < gather.layout.force_points; ++q)
+        store_force_response(q, section, gather.tables.force_legendre[q], gather.layout, rows);
+      store_reduced_response(gather.layout, kinematics, rows);
+    } else {
+      const ResponseLayout layout{K, gather.layout.force_points};
+      for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, rows);
+      Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 3)];
+      const int first = layout.strain_error(0);
+      for (int q = 0; q < layout.force_points; ++q)
+        store_vector(gradient.strain_error[q], numbers + layout.strain_error(q) - first);
+      for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + layout.moment_row(m) - first);
+      store_vector(load_vector(section.tangent_force_stiffness), numbers + layout.force_stiffness() - first);
+      store_vector(load_vector(section.moment_stiffness), numbers + layout.moment_stiffness() - first);
+      rows.store(first, layout.size() - first, numbers);
     }
-    store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), rows);
   }
 
  private:
@@ -299,7 +307,7 @@ struct CondensedElement {
     Vec3<Real> force = stress(stiffness, gradient.strain_error[q]);
     if (own_gradient) force += point.force;
     add_force_gradient(point, force, P, gradient);
-    force_rows_[q] = force_rows(point, stiffness);
+    if constexpr (General) force_rows_[q] = force_rows(point, stiffness);
     add_force_tangent(point, stiffness, P, system);
   }
   KOKKOS_FORCEINLINE_FUNCTION void add_gradient() {
@@ -319,106 +327,46 @@ struct CondensedElement {
     }
     rows.store(kResponseColumns * first_row, 3 * kResponseColumns, numbers);
   }
-  /// Change of gamma at a force point by column c of a response in which slope_0, w, psi_j and slope_j take part.
-  template <class Columns>
-  KOKKOS_FORCEINLINE_FUNCTION static Columns strain_change(const ForceRows<Real, Stiffness>& force,
-                                                           const Columns& slope, const Columns& psi,
-                                                           const Columns& spin) {
-    const Columns moved = slope + cross_columns(force.p, spin);
-    if constexpr (K == 1) return moved;
-    return transposed_times(force.exp, moved) + cross_columns(force.pulled_back, transposed_times(force.tangent, psi));
-  }
-  KOKKOS_FORCEINLINE_FUNCTION static Mat3<Real> cross_columns(const Vec3<Real>& a, const Mat3<Real>& m) {
-    return -1.0 * hat_transpose_times(a, m);
-  }
-  KOKKOS_FORCEINLINE_FUNCTION static Vec3<Real> cross_columns(const Vec3<Real>& a, const Vec3<Real>& v) {
-    return cross(a, v);
-  }
-  KOKKOS_FORCEINLINE_FUNCTION static Mat3<Real> transposed_times(const Mat3<Real>& m, const Mat3<Real>& n) {
-    return transpose(m) * n;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION static Vec3<Real> transposed_times(const Mat3<Real>& m, const Vec3<Real>& v) {
-    return transpose_times(m, v);
-  }
-  /// dN = C (gamma - C^-1 N + d gamma); with coupling less S_NM dM, whose response is in `rows` already.
-  template <class Section>
-  KOKKOS_FORCEINLINE_FUNCTION void store_force_response(int q, [[maybe_unused]] const Section& section, const double* P,
-                                                        const InteriorLayout& layout,
-                                                        const ElementRows<Real>& rows) const {
-    const ForceRows<Real, Stiffness>& force = force_rows_[q];
-    Mat3<Real> by[3];
-    for (int c = 0; c < 3; ++c) {
-      Mat3<Real> slope = c == 0 ? identity_matrix<Real>() : zero_matrix<Real>(), psi = zero_matrix<Real>();
-      for (int j = 1; j < K; ++j) {
-        slope += P[j] * response.by[Blocks::slope(j)][c];
-        psi += P[j] * response.by[Blocks::psi(j)][c];
-      }
-      by[c] = strain_change(force, slope, psi, response.by[Blocks::spin()][c]);
-    }
-    Vec3<Real> slope{{Real(0.0), Real(0.0), Real(0.0)}}, psi = slope;
+  KOKKOS_INLINE_FUNCTION void store_reduced_response(const InteriorLayout& layout,
+                                                     const ElementKinematics<K>& kinematics,
+                                                     const ElementRows<double>& rows) const {
     for (int j = 1; j < K; ++j) {
-      slope += P[j] * response.constant[Blocks::slope(j)];
-      psi += P[j] * response.constant[Blocks::psi(j)];
+      store_rows(response.by[Blocks::psi(j)], response.constant[Blocks::psi(j)], layout.relative_rotation(j), rows);
+      Mat by[3];
+      for (int c = 0; c < 3; ++c) by[c] = kinematics.triad * response.by[Blocks::slope(j)][c];
+      store_rows(by, kinematics.triad * response.constant[Blocks::slope(j)], layout.bubble(j), rows);
     }
-    Vec3<Real> constant =
-        strain_change(force, slope, psi, response.constant[Blocks::spin()]) + gradient.strain_error[q];
-    if constexpr (General) {
-      subtract_moment_strain(section.force_moment(q), P, layout, rows, by, constant);
-      for (int c = 0; c < 3; ++c) by[c] = force.stiffness * by[c];
-      constant = force.stiffness * constant;
-    } else {
-      for (int c = 0; c < 3; ++c) by[c] = scaled_rows(force.stiffness, by[c]);
-      constant = stress(force.stiffness, constant);
-    }
-    store_rows(by, constant, layout.force(q), rows);
+    store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), rows);
   }
-  KOKKOS_INLINE_FUNCTION static void subtract_moment_strain(const Mat& force_moment, const double* P,
-                                                            const InteriorLayout& layout,
-                                                            const ElementRows<double>& rows, Mat* by, Vec& constant) {
+  /// dN = C (gamma error + d gamma - S_NM dM); the response of all of M is in `rows` already.
+  KOKKOS_INLINE_FUNCTION void store_force_response(int q, const GeneralSection& section, const double* P,
+                                                   const InteriorLayout& layout,
+                                                   const ElementRows<double>& rows) const {
+    const ForceRows<double, Mat>& force = force_rows_[q];
     const double* moments = rows.row + kResponseColumns * layout.moment(0);
+    double* out = rows.row + kResponseColumns * layout.force(q);
     for (int c = 0; c < kResponseColumns; ++c) {
-      Vec moment{{0.0, 0.0, 0.0}};
-      for (int j = 0; j < K; ++j)
-        for (int i = 0; i < 3; ++i) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
-      const Vec strain = force_moment * moment;
-      for (int i = 0; i < 3; ++i) (c < 9 ? by[c / 3](i, c % 3) : constant[i]) -= strain[i];
+      Vec slope{{0.0, 0.0, 0.0}}, psi = slope, moment = slope;
+      if (c < 3) slope[c] = 1.0;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 1; j < K; ++j) {
+          slope[i] += P[j] * response(3 * Blocks::slope(j) + i, c);
+          psi[i] += P[j] * response(3 * Blocks::psi(j) + i, c);
+        }
+        for (int j = 0; j < K; ++j) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
+      }
+      const Vec spin{{response(0, c), response(1, c), response(2, c)}};
+      Vec strain = strain_change<K>(force.exp, force.tangent, force.p, force.pulled_back, slope, spin, psi) -
+                   section.force_moment(q) * moment;
+      if (c == 9) strain += gradient.strain_error[q];
+      const Vec change = force.stiffness * strain;
+      for (int i = 0; i < 3; ++i) out[kResponseColumns * i + c] = change[i];
     }
   }
-  KOKKOS_INLINE_FUNCTION void store_moment_response(const GeneralSection&, double, const InteriorLayout& layout,
+  KOKKOS_INLINE_FUNCTION void store_moment_response(const InteriorLayout& layout,
                                                     const ElementRows<double>& rows) const {
     for (int r = 0; r < 3 * (K + 1); ++r)
       moment_rows.response_row(r, response, rows.row + kResponseColumns * (layout.moment(0) + r));
-  }
-  /// dM_j = (2j + 1)/h C (row_j + d row_j). Both ends see the difference of their spin and that of the element; their
-  /// sum is what degrees 0, 2, .. take of it, or with the left end turned round 1, 3, ..
-  KOKKOS_FORCEINLINE_FUNCTION void store_moment_response(const SectionNumbers<Real>& section, const Real& length,
-                                                         const InteriorLayout& layout,
-                                                         const ElementRows<Real>& rows) const {
-    Mat3<Real> by_end[2][3];
-    Vec3<Real> constant_end[2];
-    for (int end = 0; end < 2; ++end) {
-      const Mat3<Real>& row = moment_rows.end[end];
-      for (int c = 0; c < 3; ++c) {
-        const Mat3<Real> back = -1.0 * response.by[Blocks::spin()][c];
-        by_end[end][c] = row * (c == 1 + end ? identity_matrix<Real>() + back : back);
-      }
-      constant_end[end] = -(row * response.constant[Blocks::spin()]);
-    }
-    const Real inverse = 1.0 / length;
-    const Vec3<Real> stiffness = inverse * load_vector(section.moment_stiffness);
-    for (int j = 0; j <= K; ++j) {
-      const Vec3<Real> of_mode = Real(2 * j + 1) * stiffness;
-      const double a = signed_end_value(0, j), b = signed_end_value(1, j);
-      Mat3<Real> by[3];
-      for (int c = 0; c < 3; ++c) {
-        by[c] = a * by_end[0][c] + b * by_end[1][c];
-        for (int i = 1; i < K; ++i) by[c] += moment_rows.psi[j][i] * response.by[Blocks::psi(i)][c];
-        by[c] = scaled_rows(of_mode, by[c]);
-      }
-      Vec3<Real> constant = gradient.moment_row[j] + a * constant_end[0] + b * constant_end[1];
-      for (int i = 1; i < K; ++i) constant += moment_rows.psi[j][i] * response.constant[Blocks::psi(i)];
-      store_rows(by, stress(of_mode, constant), layout.moment(j), rows);
-    }
   }
 };
 
@@ -441,6 +389,7 @@ struct TangentLoop {
   KernelView<double*> response;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
   size_t increment_offset, response_offset;
+  int response_size;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e) const {
     const ElementInput<> in = gather.input(e);
@@ -473,7 +422,7 @@ struct TangentLoop {
     return given_rhs.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments();
   }
   KOKKOS_INLINE_FUNCTION double* response_row(int e) const {
-    return response.data() + response_offset + static_cast<size_t>(e) * gather.layout.increments() * kResponseColumns;
+    return response.data() + response_offset + static_cast<size_t>(e) * response_size;
   }
 };
 
@@ -548,7 +497,8 @@ void tangent_loop(const ElementBlock& block, const StructureViews& structure, co
                                      equations.response,
                                      given_rhs,
                                      block.increment_offset,
-                                     block.response_offset};
+                                     block.response_offset,
+                                     block.response_size()};
   using Range = Kokkos::RangePolicy<ExecutionSpace>;
   if constexpr (!General)
     if (runs_in_lanes(loop.gather)) {

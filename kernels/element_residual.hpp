@@ -21,6 +21,17 @@ struct ElementGradient {
   Real largest_end_angle;        ///< |phi| at the two ends; the element is valid below pi
 };
 
+/// d gamma = exp(psi)^T (d slope + p x w) + (gamma + e1) x T(psi)^T d psi at a force point.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> strain_change(const Mat3<Real>& exp, const Mat3<Real>& tangent,
+                                                     const Vec3<Real>& p, const Vec3<Real>& pulled_back,
+                                                     const Vec3<Real>& slope, const Vec3<Real>& spin,
+                                                     const Vec3<Real>& psi) {
+  const Vec3<Real> moved = slope + cross(p, spin);
+  if constexpr (K == 1) return moved;
+  return transpose_times(exp, moved) + cross(pulled_back, transpose_times(tangent, psi));
+}
+
 /// Work of a material force at one point, the stored one or what takes its place.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& point, const Vec3<Real>& force,

@@ -8,8 +8,7 @@
 
 namespace mixbeam {
 
-/// What a force point leaves behind for the recovery of N:
-///   d gamma = exp(psi)^T (d slope + p x w) + (gamma + e1) x T(psi)^T d psi,   dN = C (error + d gamma).
+/// What a force point leaves behind for the response of N: strain_change, dN = C (error + d gamma).
 template <class Real, class Stiffness>
 struct ForceRows {
   Mat3<Real> exp, tangent;

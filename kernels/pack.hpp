@@ -115,12 +115,12 @@ inline __attribute__((always_inline)) void exchange(Pack<W>* rows) {
 
 /// numbers[i] = rows[lane][i] for i < count: W rows of memory, one for each lane.
 template <int W>
-inline void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
+inline __attribute__((always_inline)) void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
   if (W == 1 || count < W) {
     for (int i = 0; i < count; ++i) {
-      double of_lanes[W];
-      for (int lane = 0; lane < W; ++lane) of_lanes[lane] = rows[lane][i];
-      __builtin_memcpy(&numbers[i], of_lanes, sizeof of_lanes);
+      typename Pack<W>::Vector one = {};
+      for (int lane = 0; lane < W; ++lane) one[lane] = rows[lane][i];
+      numbers[i] = Pack<W>(one);
     }
     return;
   }

@@ -28,6 +28,15 @@ struct BothWays {
     one_by_one.block.field_row = KernelView<int* [kLineFields]>("field_row", samples.size());
     Kokkos::deep_copy(one_by_one.block.field_row, -1);
   }
+  /// Interior increments for random increments of the vertices.
+  static KernelView<double*> recovered(const SampleBlock& samples) {
+    const KernelView<double* [6]> vertex_increment("vertex_increment", samples.state.vertex_rotation.extent(0));
+    RandomNumbers random(3);
+    for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
+    const KernelView<double*> increment("increment", samples.interior_row(samples.block.count));
+    recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
+    return increment;
+  }
   void evaluate() {
     for (const SampleBlock* samples : {&lanes, &one_by_one}) {
       evaluate_residual(samples->block, samples->structure, samples->state, samples->equations);
@@ -67,7 +76,9 @@ Differences differences(const BothWays& both) {
                     difference(a.largest_end_angle, b.largest_end_angle, 0, 1)}),
           std::max({difference(a.condensed_tangent, b.condensed_tangent, 0, 144),
                     difference(a.condensed_residual, b.condensed_residual, 0, 12),
-                    difference(a.response, b.response, block.response_offset, increments * kResponseColumns)})};
+                    difference(a.response, b.response, block.response_offset, block.response_size()),
+                    difference(both.recovered(both.lanes), both.recovered(both.one_by_one), block.increment_offset,
+                               increments)})};
 }
 
 class ElementLanes : public testing::TestWithParam<int> {};

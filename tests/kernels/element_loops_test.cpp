@@ -116,7 +116,7 @@ TEST_P(ElementLoops, SameBitsWithAnyNumberOfThreads) {
 TEST_P(ElementLoops, EachElementIsAloneInItsRows) {
   const SampleBlock many = many_elements(GetParam(), ForceIntegration::both_reduced);
   evaluate_tangent(many.block, many.structure, many.state, many.equations);
-  const int e = 17, rows = kResponseColumns * many.increments();
+  const int e = 17, rows = many.block.response_size();
   const ElementSample sample = loaded_element(GetParam(), ForceIntegration::both_reduced, e);
   const SampleBlock one({sample}, true);
   evaluate_tangent(one.block, one.structure, one.state, one.equations);
@@ -139,8 +139,10 @@ TEST_P(ElementLoops, OwnResidualAsRightHandSide) {
     condense_right_hand_side(given.block, given.structure, given.state, own.equations.interior_residual,
                              given.equations);
     Difference response, residual;
+    const int rows = ResponseLayout{GetParam(), 0}.rows();
     for (size_t i = own.block.response_offset; i < own.equations.response.size(); ++i) {
-      const bool constant = (i - own.block.response_offset) % kResponseColumns == kResponseColumns - 1;
+      const int place = static_cast<int>(i - own.block.response_offset) % own.block.response_size();
+      const bool constant = place >= kResponseColumns * rows || place % kResponseColumns == kResponseColumns - 1;
       if (constant)
         response.add(0, given.equations.response(i), own.equations.response(i));
       else

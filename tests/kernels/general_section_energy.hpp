@@ -147,6 +147,8 @@ inline SampleBlock general_block(const GeneralSample& general, double force_limi
   SampleBlock samples({general.sample});
   const int k = general.sample.element.order;
   samples.block.general_section = true;
+  samples.equations.response =
+      KernelView<double*>("response", samples.block.response_offset + samples.block.response_size());
   samples.block.compliance = KernelView<double**>("compliance", 1, GeneralSectionLayout{k, k}.size());
   fill_compliance(general.sample.element, general.law, &samples.block.compliance(0, 0));
   SectionConstants& constants = samples.structure.member_section(samples.block.member(0));

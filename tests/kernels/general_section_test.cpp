@@ -115,12 +115,16 @@ TEST_P(GeneralSectionAd, DiagonalConstantSectionIsThePlainOne) {
       tangent.add(2 * row + column, with_law.equations.condensed_tangent.data()[i],
                   plain.equations.condensed_tangent.data()[i]);
     }
-    for (int row = 0; row < plain.increments(); ++row)
-      for (int c = 0; c < kResponseColumns; ++c) {
-        const size_t place = plain.block.response_offset + static_cast<size_t>(row) * kResponseColumns + c;
-        response.add(kinds[kVertexIncrements + row], with_law.equations.response(place),
-                     plain.equations.response(place));
-      }
+    for (int c = 0; c <= kVertexIncrements; ++c) {  // each vertex increment alone, and none
+      const KernelView<double* [6]> one("vertex_increment", 2);
+      if (c < kVertexIncrements) one.data()[c] = 1.0;
+      const KernelView<double*> found("found", with_law.interior_row(1)), expected("expected", plain.interior_row(1));
+      recover_interior(with_law.block, with_law.state, with_law.equations, one, found);
+      recover_interior(plain.block, plain.state, plain.equations, one, expected);
+      for (int row = 0; row < plain.increments(); ++row)
+        response.add(kinds[kVertexIncrements + row], found(with_law.interior_row(0) + row),
+                     expected(plain.interior_row(0) + row));
+    }
     EXPECT_LE(tangent.relative(), kTangentTolerance) << "order " << GetParam() << ", seed " << seed;
     EXPECT_LE(response.relative(), kTangentTolerance) << "order " << GetParam() << ", seed " << seed;
   }
