@@ -1,0 +1,13 @@
+#include "kernels/planar_block_loops.hpp"
+
+namespace mixbeam {
+
+template void allocate_planar_block<4>(const ElementBlock&, PlanarBlock&);
+template void planar_residual_loop<4>(const ElementBlock&, const PlanarBlock&, const StructureViews&, const StateViews&,
+                                      const ElementEquations&);
+template void planar_tangent_loop<4>(const ElementBlock&, const PlanarBlock&, const StructureViews&, const StateViews&,
+                                     const KernelView<const double*>&, const PlanarTangents&, const ElementEquations&);
+template void planar_recover_loop<4>(const ElementBlock&, const PlanarBlock&, const KernelView<const double* [6]>&,
+                                     const KernelView<double*>&);
+
+}  // namespace mixbeam
