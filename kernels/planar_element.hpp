@@ -313,6 +313,7 @@ constexpr int kPlanarColumns = 5;
 template <int K, class Real>
 struct PlanarSystem {
   Real matrix[triangle_size(K)];  ///< H, lower triangle
+  Real bending[K];                ///< what bending adds to its diagonal
   Real columns[K][kPlanarColumns];
   Real compliance[3];  ///< F: xx, xy, yy
   Vec2<Real> shift;    ///< z
@@ -353,6 +354,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_bending(const Real& stiffness, const
       double sum = 0.0;
       for (int j = i + 1; j <= K; j += 2) sum += (2 * j + 1) * slope_overlap(j, i) * slope_overlap(j, l);
       system.matrix[triangle(i, l)] += sum * stiffness;
+      if (l == i) system.bending[i] = sum * stiffness;
     }
     double at_a = 0.0, at_b = 0.0;
     Real rows = 0.0;
@@ -430,7 +432,8 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state
   }
 }
 
-/// A pivot below this fraction of its diagonal entry loses too many digits without exchange of rows.
+/// A pivot below this fraction of the bending stiffness in it loses too many digits without exchange of rows: the
+/// geometric stiffness of a compressed element has cancelled it. Bending alone leaves more than a hundredth.
 constexpr double kPlanarPivot = 1e-3;
 /// The same for the determinant of the compliance of lambda, where stiffnesses that differ by the cap (1e5) leave a
 /// ratio of their size.
@@ -446,8 +449,8 @@ KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSy
   for (int i = 0; i < triangle_size(K); ++i) factor[i] = system.matrix[i];
   for (int k = 0; k < K; ++k) {
     const Real pivot = factor[triangle(k, k)];
-    const Real ratio = fabs(pivot) * (1.0 / kPlanarPivot), diagonal = fabs(system.matrix[triangle(k, k)]);
-    least = select(ratio >= least * diagonal, least, ratio / diagonal);
+    const Real ratio = fabs(pivot) * (1.0 / kPlanarPivot);
+    least = select(ratio >= least * system.bending[k], least, ratio / system.bending[k]);
     const Real inverse = 1.0 / pivot;
     factor[triangle(k, k)] = inverse;
     for (int i = k + 1; i < K; ++i)
@@ -474,8 +477,10 @@ KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSy
     for (int r = 0; r < 2; ++r)
       for (int c = 2; c < kPlanarColumns; ++c) rhs[r][c] -= system.columns[i][r] * x[i][c];
   }
-  const Real product = xx * yy, determinant = product - xy * xy;
-  const Real ratio = fabs(determinant) * (1.0 / kPlanarCompliancePivot), size = fabs(product);
+  const Real determinant = xx * yy - xy * xy;
+  const Real size = (system.compliance[0] + fabs(xx - system.compliance[0])) *
+                    (system.compliance[2] + fabs(yy - system.compliance[2]));
+  const Real ratio = fabs(determinant) * (1.0 / kPlanarCompliancePivot);
   least = select(ratio >= least * size, least, ratio / size);
   const Real inverse = 1.0 / determinant;
   for (int c = 0; c < kPlanarColumns; ++c) {
