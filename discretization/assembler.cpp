@@ -28,6 +28,7 @@ Assembler::Assembler(const Scene& scene, const Communicator& comm, const Assembl
   mark_fixed_rows();
   mark_owned_interior();
   build_adjacency();
+  build_plane();
 }
 
 MixedVector Assembler::create_vector() const {
@@ -57,8 +58,11 @@ void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const 
 /// Unscaled element residuals, interior rows straight into `out`.
 void Assembler::evaluate_elements(const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
-  for (const ElementBlock& block : structure_.blocks)
-    evaluate_residual(block, structure_.views, state.views, equations_);
+  for (size_t b = 0; b < structure_.blocks.size(); ++b)
+    if (state.in_plane)
+      evaluate_planar_residual(structure_.blocks[b], planar_blocks_[b], structure_.views, state.views, equations_);
+    else
+      evaluate_residual(structure_.blocks[b], structure_.views, state.views, equations_);
   equations_.interior_residual = KernelView<double*>();
   gather_rows(equations_.residual, out.vertex());
 }
@@ -151,22 +155,42 @@ void Assembler::remember_constraint_forces(const State& state, double load_facto
   constraints_.remember(state, load_factor, rows.vertex());
 }
 
+void Assembler::evaluate_spatial_tangents(const State& state) const {
+  PhaseTimer timer(times_, "element tangent");
+  for (const ElementBlock& block : structure_.blocks)
+    evaluate_tangent(block, structure_.views, state.views, equations_);
+}
+
 void Assembler::tangent(const State& state, double load_factor) {
+  set_load_factor(load_factor);
+  remember_constraint_forces(state, load_factor);
+  cap_force_stiffness();
+  evaluate_spatial_tangents(state);
+  finish_tangent(state, load_factor, false);
+}
+
+void Assembler::newton_tangent(const State& state, double load_factor) {
+  if (!state.in_plane) return tangent(state, load_factor);
   set_load_factor(load_factor);
   remember_constraint_forces(state, load_factor);
   cap_force_stiffness();
   {
     PhaseTimer timer(times_, "element tangent");
-    for (const ElementBlock& block : structure_.blocks)
-      evaluate_tangent(block, structure_.views, state.views, equations_);
+    for (size_t b = 0; b < structure_.blocks.size(); ++b)
+      evaluate_planar_tangent(structure_.blocks[b], planar_blocks_[b], structure_.views, state.views, planar_tangents_,
+                              equations_);
   }
+  finish_tangent(state, load_factor, true);
+}
+
+void Assembler::finish_tangent(const State& state, double load_factor, bool planar) {
   PhaseTimer timer(times_, "assemble");
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
   gather_rows(equations_.condensed_residual, rows);
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
-  tangent_ = {state, load_factor, true};
+  tangent_ = {state, load_factor, true, planar};
   matrix_is_filled_ = false;
 }
 
@@ -176,8 +200,12 @@ void Assembler::condense(const State& state, double load_factor, const MixedVect
   cap_force_stiffness();
   MixedVector rhs = scaled_rhs.clone(true);
   scale_rows(rhs, true);
-  for (const ElementBlock& block : structure_.blocks)
-    condense_right_hand_side(block, structure_.views, state.views, rhs.interior(), equations_);
+  for (size_t b = 0; b < structure_.blocks.size(); ++b)
+    if (tangent_.planar)
+      condense_planar_right_hand_side(structure_.blocks[b], planar_blocks_[b], structure_.views, state.views,
+                                      rhs.interior(), planar_tangents_, equations_);
+    else
+      condense_right_hand_side(structure_.blocks[b], structure_.views, state.views, rhs.interior(), equations_);
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
   gather_rows(equations_.condensed_residual, rows);
   constraints_.turn(state, rows);
@@ -210,6 +238,7 @@ const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
     matrix_ = std::make_unique<VertexMatrix>(structure_, maps_, all, std::move(elements), conditions_.joints);
   }
   if (tangent_.exists && !matrix_is_filled_) {
+    if (tangent_.planar) evaluate_spatial_tangents(tangent_.state);
     PhaseTimer timer(times_, "assemble");
     fill(*matrix_, {equations_.condensed_tangent, {}});
     matrix_is_filled_ = true;
@@ -250,13 +279,16 @@ void Assembler::recover(const State& state, MixedVector& increment) {
   PhaseTimer timer(times_, "recover");
   const KernelView<const double* [6]> vertex = local_increment(increment);
   const KernelView<double*> interior = increment.writable_interior(false);
-  for (const ElementBlock& block : structure_.blocks)
-    recover_interior(block, state.views, equations_, vertex, interior);
+  for (size_t b = 0; b < structure_.blocks.size(); ++b)
+    if (tangent_.planar)
+      recover_planar_interior(structure_.blocks[b], planar_blocks_[b], vertex, interior);
+    else
+      recover_interior(structure_.blocks[b], state.views, equations_, vertex, interior);
 }
 
 State Assembler::apply(const State& from, const MixedVector& increment, double step) {
   PhaseTimer timer(times_, "update");
-  const State to = allocate_state(structure_);
+  State to = allocate_state(structure_);
   const KernelView<const double* [6]> d = local_increment(increment);
   const KernelView<const double* [3]> from_u = from.views.vertex_displacement;
   const KernelView<const double* [4]> from_q = from.views.vertex_rotation;
@@ -270,6 +302,7 @@ State Assembler::apply(const State& from, const MixedVector& increment, double s
       });
   for (const ElementBlock& block : structure_.blocks)
     apply_interior_increment(block, from.views, increment.interior(), step, to.views);
+  to.in_plane = from.in_plane && is_in_plane(increment);
   return to;
 }
 

@@ -7,6 +7,7 @@
 #include "discretization/line_fields.hpp"
 #include "discretization/mixed_vector.hpp"
 #include "discretization/phase_timer.hpp"
+#include "discretization/plane.hpp"
 #include "discretization/residual_scales.hpp"
 #include "discretization/structure.hpp"
 #include "discretization/tpetra_types.hpp"
@@ -21,6 +22,7 @@ namespace mixbeam {
 struct AssemblerOptions {
   double force_stiffness_cap = 1e5;   ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
   double residual_tolerance = 1e-11;  ///< see residual_scales
+  bool planar = true;                 ///< scenes in a plane have tangents in the plane
 };
 
 class Assembler {
@@ -37,7 +39,12 @@ class Assembler {
   const LineFields& line_fields() const { return line_fields_; }
   PhaseTimes& times() const { return times_; }
 
-  State reference_state() const { return mixbeam::reference_state(structure_, mesh_); }
+  /// In the plane of the scene, if there is one.
+  State reference_state() const;
+  /// The plane that the scene keeps to and is solved in.
+  const std::optional<PlaneAxes>& plane() const { return plane_; }
+  /// Whether a vector of increments or residuals has no part that leaves the plane. Collective.
+  bool is_in_plane(const MixedVector& v) const;
   MixedVector create_vector() const;
 
   /// Mixed residual, every row divided by its scale.
@@ -53,6 +60,12 @@ class Assembler {
   /// Element tangents and the condensed residual of `state`; call residual() of the same state first. What is asked of
   /// a tangent below refers to the last one.
   void tangent(const State& state, double load_factor);
+  /// The same for Newton's method: where the state lies in the plane of the scene, so does the tangent, and
+  /// right-hand sides must. What sees motions out of the plane (stability) takes tangent().
+  void newton_tangent(const State& state, double load_factor);
+  /// Whether the last tangent is in the plane; matrix() then evaluates the spatial one of the same state.
+  bool has_planar_tangent() const { return tangent_.planar; }
+  const PlanarTangents& planar_tangents() const { return planar_tangents_; }
   /// The tangent as one matrix over all vertices, gathered when it is first asked for. Collective.
   const Teuchos::RCP<DofMatrix>& matrix() const;
   /// Gathers the links of the tangent into a matrix over some of the vertices and adds loads, supports and joints.
@@ -129,6 +142,9 @@ class Assembler {
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void scale_rows(MixedVector& v, bool inverse) const;
   void add_load_tangents(const MatrixRows& rows) const;
+  void build_plane();
+  void evaluate_spatial_tangents(const State& state) const;
+  void finish_tangent(const State& state, double load_factor, bool planar);
   void remember_constraint_forces(const State& state, double load_factor);
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
 
@@ -146,11 +162,15 @@ class Assembler {
     State state;
     double load_factor = 0.0;
     bool exists = false;
+    bool planar = false;
   } tangent_;
   mutable std::unique_ptr<VertexMatrix> matrix_;  ///< over all vertices, built when it is first asked for
   mutable bool matrix_is_filled_ = false;
   Teuchos::RCP<DofVector> condensed_residual_, ghosted_increment_;
   ElementEquations equations_;
+  std::optional<PlaneAxes> plane_;
+  std::vector<PlanarBlock> planar_blocks_;  ///< as Structure::blocks, where there is a plane
+  PlanarTangents planar_tangents_;
   KernelView<unsigned char*> owned_interior_;
   KernelView<unsigned char*> fixed_;  ///< (6 * owned vertex + component)
   Adjacency adjacency_;

@@ -1,6 +1,8 @@
 // Maps and row-gather tables: done once for each scene.
 #include "discretization/assembler.hpp"
 
+#include "kernels/element_kinematics.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <vector>
@@ -66,6 +68,53 @@ void Assembler::build_adjacency() {
     adjacency_.element(entry, 0) = element;
     adjacency_.element(entry, 1) = end;
   });
+}
+
+void Assembler::build_plane() {
+  if (!options_.planar) return;
+  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_);
+  if (!plane_) return;
+  for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
+  using Kokkos::view_alloc;
+  planar_tangents_ =
+      PlanarTangents(view_alloc("mixbeam::planar::tangents", Kokkos::WithoutInitializing), structure_.local_elements());
+}
+
+State Assembler::reference_state() const {
+  State state = mixbeam::reference_state(structure_, mesh_);
+  state.in_plane = plane_.has_value();
+  return state;
+}
+
+namespace {
+
+/// Of the largest entry: roundings of directions in a plane that is not one of the coordinates'.
+constexpr double kPlaneRounding = 1e-13;
+
+}  // namespace
+
+/// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
+bool Assembler::is_in_plane(const MixedVector& v) const {
+  const PlaneAxes axes = *plane_;
+  const KernelView<const double*> entries = v.vertex();
+  const double sizes[2] = {largest_part(*maps_.rows->getComm(), entries, kForcePart),
+                           largest_part(*maps_.rows->getComm(), entries, kMomentPart)};
+  double out = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::plane::out", Kokkos::RangePolicy<ExecutionSpace>(0, structure_.owned_vertices),
+      KOKKOS_LAMBDA(int vertex, double& largest) {
+        const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));
+        const Vec turned = load_vector(&entries(vertex_row(vertex, kMomentPart)));
+        const double parts[3] = {dot(axes.n, moved) / (sizes[0] > 0.0 ? sizes[0] : 1.0),
+                                 dot(axes.p, turned) / (sizes[1] > 0.0 ? sizes[1] : 1.0),
+                                 dot(axes.q, turned) / (sizes[1] > 0.0 ? sizes[1] : 1.0)};
+        for (double part : parts) {
+          const double size = part < 0.0 ? -part : part;
+          if (!(size <= largest)) largest = size == size ? size : 2.0;  // not a number: out of any plane
+        }
+      },
+      Kokkos::Max<double>(out));
+  return maximum_over_ranks(*maps_.rows->getComm(), out) <= kPlaneRounding;
 }
 
 }  // namespace mixbeam

@@ -49,6 +49,7 @@ CondensedSystem::CondensedSystem(const Assembler& assembler)
     : assembler_(assembler),
       structure_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())),
       chains_(structure_) {
+  if (assembler.plane()) planar_chains_ = std::make_unique<PlanarChains>(assembler, structure_);
   const Structure& structure = assembler.structure();
   std::vector<unsigned char> present = structure_.eliminated();
   for (unsigned char& p : present) p = p == 0 ? 1 : 0;
@@ -68,21 +69,33 @@ CondensedSystem::CondensedSystem(const Assembler& assembler)
 
 bool CondensedSystem::condense() {
   const auto& tangents = assembler_.equations().condensed_tangent;
+  planar_ = assembler_.has_planar_tangent() ? planar_chains_.get() : nullptr;
+  double smallest = 0.0;
+  const auto note = [&](const auto& pivots) {
+    negative_pivots_ = pivots.negative;
+    smallest = pivots.smallest;
+  };
   {
     PhaseTimer timer(assembler_.times(), "condense chains");
-    pivots_ = chains_.factorize(tangents);
+    if (planar_ != nullptr)
+      note(planar_->condense());
+    else
+      note(chains_.factorize(tangents));
   }
   PhaseTimer timer(assembler_.times(), "assemble");
-  assembler_.fill(*remaining_, chains_.matrices(tangents));
-  return pivots_.smallest >= kSmallestPivot;
+  assembler_.fill(*remaining_, planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangents));
+  return smallest >= kSmallestPivot;
 }
 
 void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x) {
   PhaseTimer timer(assembler_.times(), "solve");
   const KernelView<const double*> rows = MixedVector::view_of(b);
   const KernelView<double*> half = MixedVector::view_of(x), out = MixedVector::view_of(remaining_b);
-  chains_.condense_rows(rows, half);
-  remaining_->sum_at_ends(chains_.arrived(), assembler_.structure().local_elements(), half);
+  if (planar_ != nullptr)
+    planar_->condense_rows(rows);
+  else
+    chains_.condense_rows(rows, half);
+  remaining_->sum_at_ends(arrived(), assembler_.structure().local_elements(), half);
   assembler_.turn_tangent_rows(half);
   const KernelView<int*> vertices = remaining_->vertices();
   Kokkos::parallel_for(
@@ -103,18 +116,23 @@ void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
       "mixbeam::chains::remaining_values", Range(0, vertices.extent(0)), KOKKOS_LAMBDA(int r) {
         for (int c = 0; c < kVertexDofs; ++c) to(vertex_row(vertices(r), c)) = from(vertex_row(r, c));
       });
-  chains_.expand(to);
+  if (planar_ != nullptr)
+    planar_->expand(to);
+  else
+    chains_.expand(to);
 }
 
 double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const {
   PhaseTimer timer(assembler_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
   const KernelView<double*> out = MixedVector::view_of(residual);
-  const LinkMatrices<kSpatialDofs> links = chains_.matrices(assembler_.equations().condensed_tangent);
-  remaining_->run_forces(links, chains_.arrived(), assembler_.structure().local_elements(), values, out);
+  const LinkMatrices<kSpatialDofs> links =
+      planar_ != nullptr ? planar_->remaining() : chains_.matrices(assembler_.equations().condensed_tangent);
+  remaining_->run_forces(links, arrived(), assembler_.structure().local_elements(), values, out);
   const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
   const double displacement = largest_part(comm, values, kForcePart);
   const double rotation = largest_part(comm, values, kMomentPart);
+  if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, displacement, rotation, out));
   const auto adjacency = assembler_.adjacency();
   const auto ends = ends_;
   const auto eliminated = eliminated_;

@@ -2,7 +2,7 @@
 /// vertices where members meet, or that carry supports, joints, point loads, or line loads without potential.
 #pragma once
 
-#include "discretization/assembler.hpp"
+#include "discretization/planar_chains.hpp"
 
 #include <memory>
 
@@ -19,7 +19,7 @@ class CondensedSystem {
 
   /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
   bool condense();
-  long negative_pivots() const { return pivots_.negative; }
+  long negative_pivots() const { return negative_pivots_; }
 
   /// First half of a solve: the right-hand side of the remaining system; x is half done.
   void condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x);
@@ -32,10 +32,16 @@ class CondensedSystem {
   double chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const;
 
  private:
+  const KernelView<double* [12]>& arrived() const {
+    return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
+  }
+
   const Assembler& assembler_;
   ChainStructure structure_;
   ChainCondensation<kSpatialDofs> chains_;
-  ChainCondensation<kSpatialDofs>::Pivots pivots_;
+  std::unique_ptr<PlanarChains> planar_chains_;  ///< where the scene has a plane
+  PlanarChains* planar_ = nullptr;               ///< the same while the tangent is in the plane
+  long negative_pivots_ = 0;
   std::unique_ptr<VertexMatrix> remaining_;
   KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
   KernelView<unsigned char*> eliminated_;  ///< (local vertex)

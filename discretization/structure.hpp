@@ -17,6 +17,8 @@ namespace mixbeam {
 /// may hold is never written to: a new one is allocated (Assembler::apply).
 struct State {
   StateViews views;
+  /// Known to lie in the plane of the scene (Assembler::plane()): nothing but its in-plane part is looked at.
+  bool in_plane = false;
 };
 
 /// Contiguous share of the global vertices, as equal as joints permit: the vertices of a joined point stay together.

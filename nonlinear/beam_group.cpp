@@ -112,7 +112,10 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (isJacobian()) return Ok;
   computeF();
   problem_->assembler.use_scales(scales_);
-  problem_->assembler.tangent(state_, load_factor());
+  if (problem_->keeps_cap)  // borders may leave the plane, and all solves are to be with the same tangent
+    problem_->assembler.tangent(state_, load_factor());
+  else
+    problem_->assembler.newton_tangent(state_, load_factor());
   ++problem_->work.tangents;
   problem_->tangent_owner = this;
   valid_jacobian_ = true;
@@ -210,6 +213,10 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   try {
     if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
     problem_->assembler.use_scales(scales_);
+    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) {
+      problem_->assembler.tangent(state_, load_factor());
+      problem_->linear_solver->factorize();
+    }
     problem_->assembler.condense(state_, load_factor(), rhs);
     solve_condensed(increment.values());
     const double cap_ratio = problem_->keeps_cap ? 0.0 : problem_->assembler.least_cap_ratio();

@@ -18,7 +18,8 @@ struct WorkCount {
 class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
-      : assembler(scene, comm, {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance}),
+      : assembler(scene, comm,
+                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar}),
         linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
 
   Assembler assembler;

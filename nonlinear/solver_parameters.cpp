@@ -194,6 +194,9 @@ ListSpec solver_spec() {
                .at_most(kMostThreads)
                .by_default(kDefaults.threads)
                .means("OpenMP threads; 0: as the environment variable OMP_NUM_THREADS says."));
+  spec.add(boolean("Planar")
+               .by_default(kDefaults.planar)
+               .means("Scenes in a plane are solved with three unknowns per vertex."));
   spec.add_list("NOX", nox_spec(), Presence::optional);
   spec.add_list(
       "Status Tests",
@@ -212,6 +215,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   parameters.newton = read_newton(list.sublist("Newton"));
   parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
   parameters.threads = list.get<int>("Threads");
+  parameters.planar = list.get<bool>("Planar");
   parameters.nox = given_list(list, "NOX");
   parameters.status_tests = given_status_tests(list, source, path);
   parameters.loca = given_list(list, "LOCA");

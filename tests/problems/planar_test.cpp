@@ -1,0 +1,150 @@
+/// Scenes in a plane, solved with three unknowns per vertex and with six: the same solutions, and what happens out of
+/// the plane is still seen.
+#include "nonlinear/stability.hpp"
+#include "tests/nonlinear/buckling_scenes.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam::test {
+namespace {
+
+/// Converged solutions of the same equations differ by what Newton's method leaves (1e-11 scaled), more where a
+/// structure is soft in some direction.
+constexpr double kSameSolution = 1e-10;
+
+SolverParameters with_planar(bool planar) {
+  SolverParameters parameters;
+  parameters.planar = planar;
+  return parameters;
+}
+
+bool is_planar(const Scene& scene) { return Assembler(scene, this_rank(), {}).plane().has_value(); }
+
+/// Displacements and rotations of points, and reactions, by both paths.
+void expect_same_solution(const Scene& scene, const std::vector<std::string>& points) {
+  const Simulation plane = solved(scene, with_planar(true)), space = solved(scene, with_planar(false));
+  EXPECT_TRUE(plane.assembler().plane().has_value()) << scene.name;
+  EXPECT_TRUE(plane.state().in_plane) << scene.name;
+  EXPECT_FALSE(space.assembler().plane().has_value());
+  EXPECT_EQ(plane.work().newton_iterations, space.work().newton_iterations) << scene.name;
+  for (const std::string& point : points) {
+    EXPECT_TRUE(agrees(plane.displacement(point), space.displacement(point), kSameSolution)) << scene.name;
+    EXPECT_TRUE(agrees(plane.rotation(point), space.rotation(point), kSameSolution)) << scene.name;
+  }
+}
+
+Scene elastica(int order) {
+  Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, order, 8);
+  scene.name = "elastica";
+  scene.point_loads = {dead_load("tip", {0, 10, 0})};
+  return scene;
+}
+
+Scene angle_frame() {
+  Scene scene = cantilever(section(1e4, 5e3, 1.0, 1.0), 1.0, 2, 6);
+  scene.name = "frame";
+  scene.points.push_back({"foot", {1, -1, 0}});
+  scene.members.push_back(line("leg", "tip", "foot", 3, 5));
+  scene.supports.push_back(hinged("foot"));
+  scene.point_loads = {dead_load("tip", {1, 2, 0})};
+  return scene;
+}
+
+/// The program's own choice of principal axes knows of no plane but those of the coordinates.
+Scene turned_in_space(Scene scene) {
+  scene.members[0].second_axis = {0, 1, 0};
+  return turned(some_rotation(), scene);
+}
+
+TEST(Planar, SameSolutionAsInSpace) {
+  for (int order : {1, 2, 3, 4, 8}) {
+    expect_same_solution(elastica(order), {"tip"});
+    expect_same_solution(rollup(1000.0, order, 7), {"tip"});
+  }
+  expect_same_solution(arc_segment(arc_section(100.0), 0.0, 1.0, 2, 8), {"tip"});
+}
+
+TEST(Planar, PlaneTurnedInSpace) {
+  expect_same_solution(turned_in_space(elastica(2)), {"tip"});
+  expect_same_solution(turned_in_space(rollup(100.0, 3, 6)), {"tip"});
+}
+
+TEST(Planar, FramesWithJoints) {
+  EXPECT_FALSE(is_planar(portal_of_joints(2, 2)));
+  Scene frame = angle_frame();
+  expect_same_solution(frame, {"tip", "foot"});
+  frame.joints = {joint(JointKind::hinge, "tip", {"leg"}, {0, 0, 1}, 0.3)};
+  expect_same_solution(frame, {"tip", "foot"});
+  frame.joints = {joint(JointKind::ball, "tip", {"leg"}, {0, 0, 1}, 0.0)};
+  frame.supports.back() = clamp("foot");
+  expect_same_solution(frame, {"tip", "foot"});
+}
+
+/// What is out of the plane by a millionth is not planar, whatever it is.
+TEST(Planar, OutOfPlane) {
+  constexpr double little = 1e-6;
+  EXPECT_TRUE(is_planar(elastica(2)));
+  Scene scene = angle_frame();
+  EXPECT_TRUE(is_planar(scene));
+  scene.points[2].position[2] = little;
+  EXPECT_FALSE(is_planar(scene));
+  scene = elastica(2);
+  scene.point_loads[0].force[2] = little;
+  EXPECT_FALSE(is_planar(scene));
+  scene = elastica(2);
+  scene.point_loads[0].moment[0] = little;
+  EXPECT_FALSE(is_planar(scene));
+  scene = elastica(2);
+  scene.supports[0].prescribed_displacement[2] = little;
+  EXPECT_FALSE(is_planar(scene));
+  scene = elastica(2);
+  scene.members[0].second_axis = {0, 1, 1};  // principal axes askew
+  EXPECT_FALSE(is_planar(scene));
+  scene = elastica(2);
+  scene.members[0].force_integration = ForceIntegration::full;
+  EXPECT_FALSE(is_planar(scene));
+}
+
+/// Lateral buckling of a strip bent in its stiff plane: the Newton path stays in the plane, stability sees the mode out
+/// of it, and the branch leaves it.
+TEST(Planar, BucklesOutOfItsPlane) {
+  Scene scene = narrow_cantilever(2, 8);
+  scene.point_loads[0].force[1] = -1.05 * kNarrowCantilever;
+  ASSERT_TRUE(is_planar(scene));
+  int negative[2];
+  for (bool planar : {true, false}) {
+    BeamProblem problem(scene, this_rank(), with_planar(planar));
+    const Simulation simulation = solved(scene, with_planar(planar));
+    Stability stability(problem);
+    negative[planar ? 1 : 0] = stability.count(simulation.state(), 1.0).negative;
+    EXPECT_EQ(simulation.state().in_plane, planar);
+    if (!planar) continue;
+    const std::vector<EigenMode> modes = stability.modes_near_zero(simulation.state(), 1.0, 1);
+    ASSERT_FALSE(modes.empty());
+    EXPECT_FALSE(problem.assembler.is_in_plane(modes.front().mode));
+    EXPECT_FALSE(problem.assembler.apply(simulation.state(), modes.front().mode, 1e-3).in_plane);
+  }
+  EXPECT_EQ(negative[1], 1);
+  EXPECT_EQ(negative[0], negative[1]);
+}
+
+/// A motion in the plane stays there, one that leaves it does not come back.
+TEST(Planar, StatesKnowWhetherTheyLieInThePlane) {
+  Assembler assembler(elastica(2), this_rank(), {});
+  const State start = assembler.reference_state();
+  EXPECT_TRUE(start.in_plane);
+  MixedVector motion = assembler.create_vector();
+  motion.fill(0.0);
+  const int tip = vertex_of(assembler.mesh(), "tip");
+  motion.vertex()(6 * tip + 1) = 0.1;
+  EXPECT_TRUE(assembler.apply(start, motion, 1.0).in_plane);
+  motion.vertex()(6 * tip + 2) = 1e-9;
+  const State out = assembler.apply(start, motion, 1.0);
+  EXPECT_FALSE(out.in_plane);
+  motion.vertex()(6 * tip + 2) = 0.0;
+  EXPECT_FALSE(assembler.apply(out, motion, 1.0).in_plane);
+}
+
+}  // namespace
+}  // namespace mixbeam::test
