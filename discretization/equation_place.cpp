@@ -201,15 +201,18 @@ std::optional<EquationPlace> first_not_finite(const Assembler& assembler, const 
 }
 
 std::optional<EquationPlace> first_tangent_not_finite(const Assembler& assembler) {
-  const KernelView<const double* [144]> tangent = assembler.equations().condensed_tangent;
+  const bool planar = assembler.has_planar_tangent();
+  const auto entries_of = [&](int e) -> const double* {
+    return planar ? &assembler.planar_tangents()(e, 0) : &assembler.equations().condensed_tangent(e, 0);
+  };
+  const int entries = planar ? 36 : 144;
   RowKey first;
   for (int e = 0; e < assembler.structure().local_elements() && !first.found; ++e)
-    for (int i = 0; i < 144 && !first.found; ++i)
-      if (!std::isfinite(tangent(e, i))) {
-        first.found = true;
-        first.element = assembler.structure().local_element_to_mesh[e];
-        first.size = -first.element;
-      }
+    if (!std::all_of(entries_of(e), entries_of(e) + entries, [](double x) { return std::isfinite(x); })) {
+      first.found = true;
+      first.element = assembler.structure().local_element_to_mesh[e];
+      first.size = -first.element;
+    }
   first = best_of_ranks(ranks_of(assembler), first);
   if (!first.found) return {};
   return place_of(assembler, first);
