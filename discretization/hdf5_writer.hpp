@@ -1,5 +1,5 @@
-/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp and
-/// stored_run.cpp include this.
+/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp,
+/// stored_run.cpp and table_file.cpp include this.
 #pragma once
 
 #include <hdf5.h>

@@ -192,10 +192,11 @@ int vertex_of(const Mesh& mesh, const std::string& point) {
 }
 
 int member_index(const Scene& scene, const std::string& name) {
+  const std::vector<Member>& members = scene.members;
+  const auto entry = std::find_if(members.begin(), members.end(), [&name](const Member& m) { return m.name == name; });
+  if (entry != members.end()) return static_cast<int>(entry - members.begin());
   std::vector<std::string> names;
-  for (const Member& member : scene.members) names.push_back(member.name);
-  const auto entry = std::find(names.begin(), names.end(), name);
-  if (entry != names.end()) return static_cast<int>(entry - names.begin());
+  for (const Member& member : members) names.push_back(member.name);
   throw InputError("there is no member named \"" + name + "\"; did you mean \"" + nearest_name(name, names) + "\"?");
 }
 

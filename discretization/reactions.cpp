@@ -1,11 +1,13 @@
 #include "discretization/reactions.hpp"
 
+#include "discretization/structure_parts.hpp"
 #include "kernels/element_kinematics.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace mixbeam {
 
@@ -119,47 +121,68 @@ struct ElementView {
   }
 };
 
-/// Everything that the balance adds up, of one rank.
+/// What is added up for one part of a structure.
+struct PartSums {
+  Vec low{{HUGE_VAL, HUGE_VAL, HUGE_VAL}}, high{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};  ///< box around it, undeformed
+  Wrench applied{}, reactions{};
+  Vec curve_moment{};
+  double largest_force = 0.0, largest_moment = 0.0;
+  Vec center() const { return 0.5 * (low + high); }
+  void enclose(const Vector3& position) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], position[i]);
+      high[i] = std::max(high[i], position[i]);
+    }
+  }
+};
+
+/// Everything that the balance adds up, of one rank, part by part.
 class BalanceSums {
  public:
-  BalanceSums(Assembler& assembler, const State& state, double load_factor)
-      : assembler_(assembler), state_(state), load_factor_(load_factor), center_(box_center(assembler.mesh())) {
+  /// Without `parts`, the structure is one.
+  BalanceSums(Assembler& assembler, const State& state, double load_factor, const StructureParts& parts = {})
+      : assembler_(assembler), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
+    find_boxes();
     MixedVector rows = assembler.create_vector();
     assembler.element_rows(state, load_factor, true, rows);
     if (assembler.line_fields().has_loads()) add_line_loads(rows);
     leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
     add_point_loads();
     for (const VertexSupport& support : assembler.conditions().supports)
-      add(reactions_, support.vertex, reaction_of(support, state, rows.vertex()));
-    for_each_owned_element([&](const ElementView& element) { curve_moment_ += element.curve_moment(); });
+      add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
+    for_each_owned_element(
+        [&](const ElementView& element) { part_of(element).curve_moment += element.curve_moment(); });
   }
 
   Balance over_all_ranks() const;
+  /// Of one part, `scales` its own. One rank only.
+  Balance of_part(int part, const ResidualScales& scales) const;
 
  private:
-  static Vec box_center(const Mesh& mesh) {
-    Vec low = to_vec(mesh.vertex_position.front()), high = low;
-    for (const Vector3& p : mesh.vertex_position)
-      for (int i = 0; i < 3; ++i) {
-        low[i] = std::min(low[i], p[i]);
-        high[i] = std::max(high[i], p[i]);
-      }
-    return 0.5 * (low + high);
+  void find_boxes() {
+    const std::vector<Vector3>& position = assembler_.mesh().vertex_position;
+    for (std::size_t v = 0; v < position.size(); ++v)
+      sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].enclose(position[v]);
   }
-  Vec arm(int vertex) const {
+  PartSums& part_at(int vertex) { return sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[vertex]]; }
+  PartSums& part_of(const ElementView& element) {
+    return sums_[parts_.of_element.empty() ? 0 : parts_.of_element[element.block.first_element + element.e]];
+  }
+  Vec arm(int vertex, const PartSums& part) const {
     const int global = assembler_.structure().local_vertex_to_global[vertex];
     return to_vec(assembler_.mesh().vertex_position[global]) +
-           load_vector(&state_.views.vertex_displacement(vertex, 0)) - center_;
+           load_vector(&state_.views.vertex_displacement(vertex, 0)) - part.center();
   }
-  void add(Wrench& sum, int vertex, const SpatialLoad& load) {
-    const Vec lever = arm(vertex);
-    sum.add(load.force, load.moment, lever);
-    largest_force_ = std::max(largest_force_, norm(load.force));
-    largest_moment_ = std::max({largest_moment_, norm(load.moment), norm(cross(lever, load.force))});
+  void add(Wrench PartSums::*sum, int vertex, const SpatialLoad& load) {
+    PartSums& part = part_at(vertex);
+    const Vec lever = arm(vertex, part);
+    (part.*sum).add(load.force, load.moment, lever);
+    part.largest_force = std::max(part.largest_force, norm(load.force));
+    part.largest_moment = std::max({part.largest_moment, norm(load.moment), norm(cross(lever, load.force))});
   }
   void add_point_loads() {
     for (const VertexLoad& load : assembler_.conditions().loads)
-      add(applied_, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
+      add(&PartSums::applied, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
   }
   void add_line_loads(const MixedVector& loaded) {
     MixedVector difference = assembler_.create_vector();
@@ -168,12 +191,13 @@ class BalanceSums {
     const Rows rows = difference.vertex(), interior = difference.interior();
     for (int v = 0; v < assembler_.structure().owned_vertices; ++v) {
       const size_t first = static_cast<size_t>(kVertexDofs) * v;
-      applied_.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v));
+      PartSums& part = part_at(v);
+      part.applied.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v, part));
     }
     for_each_owned_element([&](const ElementView& element) {
       const size_t first =
           element.block.increment_offset + static_cast<size_t>(element.e) * element.block.interior.increments();
-      applied_.moment += element.moment_of_interior_load(&interior(first));
+      part_of(element).applied.moment += element.moment_of_interior_load(&interior(first));
     });
   }
   /// Elements that start at a vertex of this rank: each element of the mesh on one rank.
@@ -191,33 +215,45 @@ class BalanceSums {
   Assembler& assembler_;
   const State& state_;
   double load_factor_;
-  Vec center_;
-  Wrench applied_, reactions_;
-  Vec curve_moment_{};
-  double largest_force_ = 0.0, largest_moment_ = 0.0;
+  const StructureParts& parts_;
+  std::vector<PartSums> sums_;
 };
+
+/// `force`, `moment`: the largest at work.
+Balance to_balance(const Vec& center, const Wrench& applied, const Wrench& reactions, const Vec& curve, double force,
+                   double moment) {
+  Balance result;
+  result.center = to_array(center);
+  result.applied_force = to_array(applied.force);
+  result.applied_moment = to_array(applied.moment);
+  result.reaction_force = to_array(reactions.force);
+  result.reaction_moment = to_array(reactions.moment);
+  result.force_error = norm(applied.force + reactions.force) / force;
+  result.moment_error = norm(applied.moment + reactions.moment - curve) / moment;
+  result.curve_moment = norm(curve) / moment;
+  return result;
+}
+
+Balance BalanceSums::of_part(int part, const ResidualScales& scales) const {
+  const PartSums& sums = sums_[part];
+  return to_balance(sums.center(), sums.applied, sums.reactions, sums.curve_moment,
+                    std::max(sums.largest_force, scales.force), std::max(sums.largest_moment, scales.moment));
+}
 
 Balance BalanceSums::over_all_ranks() const {
   const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  const PartSums& sums = sums_.front();
   std::array<double, 15> mine{}, all{};
-  const Vec parts[5] = {applied_.force, applied_.moment, reactions_.force, reactions_.moment, curve_moment_};
+  const Vec parts[5] = {sums.applied.force, sums.applied.moment, sums.reactions.force, sums.reactions.moment,
+                        sums.curve_moment};
   for (int part = 0; part < 5; ++part) store_vector(parts[part], &mine[3 * part]);
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 15, mine.data(), all.data());
   // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
   const ResidualScales scales = assembler_.scales_of(state_, load_factor_);
-  const double force = maximum_over_ranks(comm, std::max(largest_force_, scales.force));
-  const double moment = maximum_over_ranks(comm, std::max(largest_moment_, scales.moment));
-  Balance result;
-  result.center = to_array(center_);
-  result.applied_force = {all[0], all[1], all[2]};
-  result.applied_moment = {all[3], all[4], all[5]};
-  result.reaction_force = {all[6], all[7], all[8]};
-  result.reaction_moment = {all[9], all[10], all[11]};
-  const Vec curve = load_vector(&all[12]);
-  result.force_error = norm(to_vec(result.applied_force) + to_vec(result.reaction_force)) / force;
-  result.moment_error = norm(to_vec(result.applied_moment) + to_vec(result.reaction_moment) - curve) / moment;
-  result.curve_moment = norm(curve) / moment;
-  return result;
+  const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
+  const double moment = maximum_over_ranks(comm, std::max(sums.largest_moment, scales.moment));
+  return to_balance(sums.center(), {load_vector(&all[0]), load_vector(&all[3])},
+                    {load_vector(&all[6]), load_vector(&all[9])}, load_vector(&all[12]), force, moment);
 }
 
 }  // namespace
@@ -241,6 +277,15 @@ std::vector<Reaction> reactions(Assembler& assembler, const State& state, double
     const double* values = &all[6 * i];
     result.push_back({supports[i].point, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}});
   }
+  return result;
+}
+
+std::vector<Balance> balance_of_parts(Assembler& assembler, const State& state, double load_factor,
+                                      const StructureParts& parts, const std::vector<ResidualScales>& scales) {
+  const BalanceSums sums(assembler, state, load_factor, parts);
+  std::vector<Balance> result;
+  result.reserve(scales.size());
+  for (int part = 0; part < parts.count; ++part) result.push_back(sums.of_part(part, scales[part]));
   return result;
 }
 

@@ -1,5 +1,6 @@
 #include "discretization/sampling.hpp"
 
+#include "discretization/structure_parts.hpp"
 #include "kernels/element_kinematics.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -332,7 +333,27 @@ StrainEnergy element_energy(const ElementBlock& block, const double* interior, d
   return energy;
 }
 
+StrainEnergy element_energy(const Structure& structure, const ElementBlock& block, const State& state, int e) {
+  const double* interior = interior_of(block, state, e);
+  if (block.general_section) return general_element_energy(block, e, interior);
+  return element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
+}
+
 }  // namespace
+
+std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, const State& state,
+                                                 const StructureParts& parts) {
+  const Structure& structure = assembler.structure();
+  std::vector<StrainEnergy> sums(parts.count);
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const StrainEnergy energy = element_energy(structure, block, state, e);
+      StrainEnergy& sum = sums[parts.of_element[block.first_element + e]];
+      sum.force += energy.force;
+      sum.moment += energy.moment;
+    }
+  return sums;
+}
 
 StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
   const Structure& structure = assembler.structure();
@@ -340,11 +361,7 @@ StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       if (!answers_for(structure, block, e)) continue;
-      const double* interior = interior_of(block, state, e);
-      const StrainEnergy energy =
-          block.general_section
-              ? general_element_energy(block, e, interior)
-              : element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
+      const StrainEnergy energy = element_energy(structure, block, state, e);
       sum[0] += energy.force;
       sum[1] += energy.moment;
     }

@@ -4,6 +4,7 @@
 #include "discretization/reactions.hpp"
 #include "discretization/sampling.hpp"
 #include "discretization/state_snapshot.hpp"
+#include "discretization/structure_parts.hpp"
 #include "nonlinear/force_sharing.hpp"
 #include "nonlinear/load_path.hpp"
 
@@ -49,6 +50,10 @@ class Simulation {
   /// Forces and moments of the supports on the structure, in the order of the scene.
   std::vector<Reaction> reactions() const { return mixbeam::reactions(problem_->assembler, state_, load_factor_); }
   /// Sums of loads and reactions: errors below 1e-10 in every converged state.
+  /// Residual and balance of every part of a structure of several, each measured by itself. One rank only.
+  std::vector<PartCheck> check_parts(const StructureParts& parts) const {
+    return mixbeam::check_parts(problem_->assembler, state_, load_factor_, parts);
+  }
   Balance balance() const { return mixbeam::balance(problem_->assembler, state_, load_factor_); }
   std::vector<MemberSamples> samples(int points_per_element) const;
   /// All fields at relative arc length `position` in [0, 1] of a member, see sample_member.

@@ -42,14 +42,6 @@ long long work_of(const Scene& scene) {
   return work;
 }
 
-/// Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine
-/// that has other things to do: then a loop of microseconds waits for a thread that is not running.
-int chosen_threads(const Scene& scene, const SolverParameters& parameters, int available) {
-  if (parameters.threads > 0) return parameters.threads;
-  if (std::getenv("OMP_NUM_THREADS") != nullptr) return available;
-  return work_of(scene) < kWorkForThreads ? 1 : available;
-}
-
 /// `results/scene_failure.txt` of `results/scene.h5`.
 std::filesystem::path failure_file_of(const std::filesystem::path& results) {
   return results.parent_path() / (results.stem().string() + "_failure.txt");
@@ -64,13 +56,21 @@ std::string machine() {
 
 }  // namespace
 
+// Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine that
+// has other things to do: then a loop of microseconds waits for a thread that is not running.
+int Application::threads_for(const Scene& solved, const SolverParameters& parameters) const {
+  if (parameters.threads > 0) return parameters.threads;
+  if (std::getenv("OMP_NUM_THREADS") != nullptr) return summary.threads;
+  return work_of(solved) < kWorkForThreads ? 1 : summary.threads;
+}
+
 std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
 
 Simulation Application::walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                              const PathControl& control, const std::function<void(Simulation&)>& prepare,
                              const RunObserver& observer) {
   SolverParameters chosen = parameters;
-  chosen.threads = chosen_threads(solved, parameters, summary.threads);
+  chosen.threads = threads_for(solved, parameters);
   Simulation simulation(solved, chosen, communicator);
   if (prepare) prepare(simulation);
   const double from = control.resume ? control.resume->load_factor : 0.0;
@@ -176,11 +176,9 @@ Simulation Application::solve_and_record(const Scene& solved, const SolverParame
   return record(solved, parameters, recording);
 }
 
-namespace {
-
-/// Points whose motion is followed: those that are held or loaded. A scene may hold thousands (a wall of supports);
-/// a time series for each of them would take longer to write than the run.
 std::vector<std::string> followed_points(const Scene& scene) {
+  // a scene may hold thousands (a wall of supports); a time series for each of them would take longer to write than
+  // the run
   constexpr std::size_t kMostFollowedPoints = 100;
   std::vector<std::string> points;
   for (const PointLoad& load : scene.point_loads) points.push_back(load.point);
@@ -192,6 +190,8 @@ std::vector<std::string> followed_points(const Scene& scene) {
   std::sort(points.begin(), points.end());
   return points;
 }
+
+namespace {
 
 /// Forces and moments of the supports among the followed points, as time series.
 void follow_reactions(const std::vector<std::string>& points, const std::vector<RecordedReaction>& reactions,

@@ -12,6 +12,7 @@
 #include <functional>
 #include <iosfwd>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@
 namespace mixbeam {
 
 using RunObserver = std::function<void(const Simulation& simulation, const StepReport& report)>;
+
+/// Points whose motion is followed: those that are held or loaded, the first hundred, in alphabetical order.
+std::vector<std::string> followed_points(const Scene& scene);
 
 /// Where and how a run is recorded.
 struct Recording {
@@ -60,6 +64,9 @@ class Application {
   Simulation solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                    const RunObserver& observer = {});
   Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
+
+  /// Threads that a scene profits from, unless the user chose a number.
+  int threads_for(const Scene& solved, const SolverParameters& parameters) const;
 
   /// As solve(), for runs that may fail: result() of what is returned tells how it ended, nothing is written or thrown
   /// but InputError.
@@ -112,6 +119,7 @@ struct ApplicationDefinition {
   std::string name;                         ///< also of the default scene file, <name>.xml beside the executable
   std::string purpose;                      ///< one sentence
   ListSpec study;                           ///< declaration of the list "Study"
+  std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
   std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
   std::function<void(Application&)>
       single;  ///< empty: run the scene, record it to single.h5, check the expected values

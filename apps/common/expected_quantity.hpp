@@ -8,6 +8,9 @@
 
 namespace mixbeam {
 
+/// Component of a vector by the names of the list "Expected".
+double component_of(const Vector3& vector, const std::string& name);
+
 /// The present value of one of common_quantities(); none for a quantity of the application's own. Collective.
 std::optional<double> present_value(const Simulation& simulation, const ExpectedValue& wanted);
 

@@ -18,6 +18,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
+  if (definition.batch) root.add_list("Batch", *definition.batch, Presence::optional);
   root.add_list("Study", definition.study, Presence::defaulted);
   return root;
 }

@@ -14,6 +14,7 @@ const char* const kProgram =
     "mixbeam: static equilibrium of structures of geometrically exact beams\n\n"
     "usage: mixbeam COMMAND [arguments]\n\n"
     "  run SCENE.xml       solves a scene and writes its results\n"
+    "  batch SCENE.xml     solves many cases of a scene at once: a table of parameters, or a grid\n"
     "  check SCENE.xml     reads, validates and measures a scene; solves nothing\n"
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
     "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
@@ -38,6 +39,20 @@ const std::map<std::string, const char*>& texts() {
        "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"
        "  --quiet              no line for each step\n\n"
        "Ctrl-C ends the run after the present step, a second one at once; mixbeam resume goes on.\n"},
+      {"batch",
+       "usage: mixbeam batch SCENE.xml [options]\n\n"
+       "Solves the cases of the list \"Batch\" of a scene: tens of thousands of small ones as fast, element by "
+       "element,\n"
+       "as one large structure. Cases that are alike are solved side by side; each is checked by itself and solved "
+       "alone\n"
+       "where it fails. Writes, with one row for each case: its parameters, what is followed, iterations, residual,\n"
+       "whether it converged, and why not,\n"
+       "  DIR/NAME-batch.csv     as a table\n"
+       "  DIR/NAME-batch.h5      as columns\n\n"
+       "  --output DIR         folder for results; default: results/NAME\n"
+       "  --case NAME          the load case, where the scene has some\n"
+       "  --threads N, --summary FILE.json, --quiet    as for mixbeam run\n\n"
+       "With cases that did not converge the exit code is 3; the others are in the table.\n"},
       {"check",
        "usage: mixbeam check SCENE.xml [--case NAME]\n\n"
        "Reads and validates a scene and prints its size: members, elements, unknowns, matrix, memory, lengths, loads "

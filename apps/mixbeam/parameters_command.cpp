@@ -1,5 +1,6 @@
 #include "apps/common/command_line.hpp"
 #include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/batch_parameters.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/message_text.hpp"
@@ -15,6 +16,7 @@ const ApplicationDefinition& mixbeam_definition() {
     own.name = "mixbeam";
     own.purpose = "static equilibrium of structures of geometrically exact beams.";
     own.study = ListSpec("Of the benchmark programs; mixbeam ignores it.").without_checks();
+    own.batch = batch_spec();
     own.own_quantities = {kMomentEnergyName};
     return own;
   }();

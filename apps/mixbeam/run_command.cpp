@@ -33,6 +33,8 @@ void set_up(Application& app, const CommandLine& line) {
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
   if (app.xml.source.line({"Study"}) > 0)
     app.out() << "The list \"Study\" belongs to a benchmark program; it is ignored.\n";
+  if (app.xml.source.line({"Batch"}) > 0)
+    app.out() << "The list \"Batch\" belongs to mixbeam batch; the scene is solved as it stands.\n";
 }
 
 }  // namespace

@@ -11,10 +11,6 @@ namespace mixbeam {
 
 namespace {
 
-/// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
-/// the sums run over all rows; those of very many elements carry a rounding error each.
-constexpr double kBalanceTolerance = 1e-10;
-
 double balance_tolerance(const StepRecord& record) {
   double elements = 0.0;
   for (const MemberSamples& member : record.members)

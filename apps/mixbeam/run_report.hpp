@@ -5,6 +5,10 @@
 
 namespace mixbeam {
 
+/// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
+/// the sums run over all rows; those of very many elements carry a rounding error each.
+inline constexpr double kBalanceTolerance = 1e-10;
+
 /// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
 class RunReport {
  public:

@@ -1,0 +1,213 @@
+#include "apps/common/command_line.hpp"
+#include "apps/common/guarded_run.hpp"
+#include "apps/common/interrupt.hpp"
+#include "apps/common/mpi_session.hpp"
+#include "apps/common/scene_file.hpp"
+#include "apps/mixbeam/batch_results.hpp"
+#include "apps/mixbeam/case_groups.hpp"
+#include "apps/mixbeam/case_scenes.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/text_of.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+/// Adds the time between its beginning and its end to an entry of the summary.
+class Stopwatch {
+ public:
+  Stopwatch(Application& app, std::string name)
+      : app_(app), name_(std::move(name)), start_(std::chrono::steady_clock::now()) {}
+  ~Stopwatch() { app_.summary.seconds[name_] += seconds(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  Application& app_;
+  std::string name_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+std::string chosen_case(const Scene& scene, const std::optional<std::string>& wanted) {
+  const std::vector<std::string>& known = scene.load_cases;
+  if (!wanted && known.empty()) return "";
+  if (!wanted) throw InputError("the scene has load cases; a batch takes one of them: --case " + known.front());
+  if (std::find(known.begin(), known.end(), *wanted) != known.end()) return *wanted;
+  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case of the scene; allowed: " +
+                   (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
+}
+
+void set_up_batch(Application& app, const CommandLine& line) {
+  app.quiet = line.quiet;
+  if (app.communicator->getSize() > 1)
+    throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
+  if (line.summary) prepare_summary(*line.summary);
+  read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+  describe_run(app, "mixbeam", line.threads);
+  if (!app.xml.list->isSublist("Batch"))
+    throw app.xml.source.error({"Batch"}, "missing ParameterList; needed: the cases, by \"Table\" or \"Vary\"");
+  const std::filesystem::path scene(*line.scene_file);
+  app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
+  prepare_output_folder(app.output);
+}
+
+/// All cases of a batch, from their parameters to their rows.
+class BatchRun {
+ public:
+  BatchRun(Application& app, const std::string& load_case)
+      : app_(app),
+        batch_(read_batch(app.xml.list->sublist("Batch"), app.xml.source)),
+        quantities_(app, batch_.output, load_case),
+        case_scenes_(app, batch_, load_case),
+        solver_(app, quantities_, batch_.size()) {}
+
+  void solve();
+  void write(const std::filesystem::path& stem) {
+    const Stopwatch stopwatch(app_, "batch output");
+    write_batch(stem, batch_, quantities_, solver_.results(), app_.xml.text);
+  }
+  /// Compares cases with the expected values that the table has for them.
+  void check_expected();
+  std::size_t failed() const;
+  std::size_t cases() const { return batch_.size(); }
+  bool interrupted() const { return interrupted_; }
+  void print_failures() const;
+
+ private:
+  void read_scenes();
+  void report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups, double seconds);
+
+  Application& app_;
+  Batch batch_;
+  CaseQuantities quantities_;
+  CaseScenes case_scenes_;
+  BatchSolver solver_;
+  std::vector<Scene> scenes_;
+  std::vector<std::vector<std::size_t>> groups_;
+  bool interrupted_ = false;
+};
+
+void BatchRun::read_scenes() {
+  const Stopwatch stopwatch(app_, "batch set-up");
+  std::vector<CaseLikeness> likeness;
+  likeness.reserve(batch_.size());
+  scenes_.reserve(batch_.size());
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    scenes_.push_back(case_scenes_.scene_of(i));
+    likeness.push_back(likeness_of(scenes_.back()));
+  }
+  groups_ = group_cases(likeness);
+}
+
+void BatchRun::solve() {
+  read_scenes();
+  const Stopwatch stopwatch(app_, "batch solve");
+  for (std::size_t g = 0; g < groups_.size() && !interrupted_; ++g) {
+    const double before = stopwatch.seconds();
+    std::vector<Scene> scenes;
+    for (const std::size_t i : groups_[g]) scenes.push_back(std::move(scenes_[i]));
+    solver_.solve(groups_[g], scenes);
+    report_group(groups_[g], g, groups_.size(), stopwatch.seconds() - before);
+    interrupted_ = g + 1 < groups_.size() && interrupt_requested(app_.communicator);
+  }
+}
+
+void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,
+                            double seconds) {
+  if (app_.quiet) return;
+  int most_iterations = 0;
+  std::size_t alone = 0, failed = 0;
+  for (const std::size_t i : group) {
+    const CaseResult& result = solver_.results()[i];
+    most_iterations = std::max(most_iterations, result.iterations);
+    alone += result.alone ? 1 : 0;
+    failed += result.converged ? 0 : 1;
+  }
+  app_.out() << text_of(
+                    "mixbeam batch: group %3zu of %zu  cases %6zu  iterations %3d  solved alone %4zu  failed %4zu  "
+                    "%8.3f s\n",
+                    number + 1, groups, group.size(), most_iterations, alone, failed, seconds)
+             << std::flush;
+}
+
+void BatchRun::check_expected() {
+  for (const CaseScenes::OwnExpectation& own : case_scenes_.own_expectations()) {
+    const auto& names = quantities_.names();
+    const auto place = std::find(names.begin(), names.end(), own.name) - names.begin();
+    ExpectedValue wanted = quantities_.expected()[place];
+    for (std::size_t i = 0; i < batch_.size(); ++i) {
+      const CaseResult& result = solver_.results()[i];
+      wanted.value = batch_.value(i, own.column);
+      if (std::isnan(wanted.value) || !result.converged) continue;
+      const std::string name = wanted.name + ", " + batch_.name_of_case(i);
+      if (wanted.kind == ToleranceKind::absolute)
+        app_.summary.check_absolute(name, result.values[place], wanted.value, wanted.tolerance, wanted.source);
+      else
+        app_.summary.check_relative(name, result.values[place], wanted.value, wanted.tolerance, wanted.source);
+    }
+  }
+}
+
+std::size_t BatchRun::failed() const {
+  const auto& results = solver_.results();
+  return std::count_if(results.begin(), results.end(), [](const CaseResult& r) { return r.solved && !r.converged; });
+}
+
+void BatchRun::print_failures() const {
+  constexpr std::size_t kMostFailures = 12;  // the table has them all
+  std::size_t printed = 0;
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    const CaseResult& result = solver_.results()[i];
+    if (!result.solved || result.converged || ++printed > kMostFailures) continue;
+    app_.out() << batch_.name_of_case(i) << " FAILED: " << result.cause << "\n";
+  }
+  if (printed > kMostFailures) app_.out() << "... and " << printed - kMostFailures << " more in the files\n";
+}
+
+/// Exit code of a batch that has been solved and written.
+int conclude(Application& app, const CommandLine& line, const BatchRun& run) {
+  const std::size_t failed = run.failed();
+  if (failed > 0)
+    app.summary.failure = std::to_string(failed) + " of " + std::to_string(run.cases()) + " cases did not converge";
+  if (line.summary) app.summary.write_json(*line.summary);
+  run.print_failures();
+  app.summary.print_checks(app.out(), false);
+  const auto seconds = [&app](const char* name) { return app.summary.seconds[name]; };
+  app.out() << text_of("mixbeam: %zu cases, %zu failed; set-up %.3f s, solve %.3f s, output %.3f s, results in ",
+                       run.cases(), failed, seconds("batch set-up"), seconds("batch solve"), seconds("batch output"))
+            << app.output.string() << "\n";
+  if (run.interrupted()) return kInterruptedExitCode;
+  if (failed > 0) throw ConvergenceError(app.summary.failure);
+  return app.summary.all_passed() ? 0 : kFailedExitCode;
+}
+
+}  // namespace
+
+int batch_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(),
+                        {"--output", "--case", "--threads", "--summary", "--quiet", "--help"}, "scene file");
+  if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
+  const MpiSession session;
+  return guarded_run(session.communicator(), "mixbeam", [&] {
+    Application app;
+    app.communicator = session.communicator();
+    set_up_batch(app, line);
+    watch_for_interrupts();
+    BatchRun run(app, chosen_case(app.scene, line.load_case));
+    run.solve();
+    run.write(app.output / (std::filesystem::path(*line.scene_file).stem().string() + "-batch"));
+    run.check_expected();
+    return conclude(app, line, run);
+  });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,167 @@
+#include "apps/mixbeam/batch_parameters.hpp"
+
+#include "discretization/csv_file.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/parameter_access.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+const ParameterPath kList = {"Batch"};
+constexpr int kMostCases = 10'000'000;  ///< as elements of a scene: keeps slips from eating memory
+
+ListSpec vary_spec() {
+  ListSpec vary("One direction of the grid.");
+  vary.add(text("Parameter").required().means("Path of a number of the scene: Point Loads/tip/Force[1]."));
+  vary.add(real("First").required().means("Its value in the first case."));
+  vary.add(real("Last").required().means("Its value in the last case."));
+  vary.add(integer("Count").at_least(2).at_most(kMostCases).required().means("Number of values."));
+  vary.add(choice("Spacing", {"linear", "logarithmic"})
+               .by_default(std::string("linear"))
+               .means("Equal differences, or equal ratios between values of one sign."));
+  return vary;
+}
+
+/// Values along one direction of a grid.
+struct GridAxis {
+  BatchColumn column;
+  std::vector<double> values;
+};
+
+GridAxis read_axis(const Teuchos::ParameterList& list, const std::string& name, const ParameterSource& source) {
+  const ParameterPath path = child(child(kList, "Vary"), name);
+  const double first = list.get<double>("First"), last = list.get<double>("Last");
+  const bool logarithmic = list.get<std::string>("Spacing") == "logarithmic";
+  if (logarithmic && !(first * last > 0.0))
+    throw source.error(child(path, "Spacing"), "value \"logarithmic\" from " + shortest(first) + " to " +
+                                                   shortest(last) + "; allowed: values of one sign, none of them zero");
+  GridAxis axis{{list.get<std::string>("Parameter"), source.where(child(path, "Parameter")) + ": "}, {}};
+  const int count = list.get<int>("Count");
+  for (int i = 0; i < count; ++i) {
+    const double t = static_cast<double>(i) / (count - 1);
+    axis.values.push_back(logarithmic ? first * std::pow(last / first, t) : (1.0 - t) * first + t * last);
+  }
+  axis.values.front() = first;
+  axis.values.back() = last;
+  return axis;
+}
+
+/// The first list of the file varies slowest.
+void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source, Batch& batch) {
+  std::vector<GridAxis> axes;
+  double cases = 1.0;
+  for (const std::string& name : names_of(list)) {
+    axes.push_back(read_axis(list.sublist(name), name, source));
+    batch.columns.push_back(axes.back().column);
+    cases *= static_cast<double>(axes.back().values.size());
+  }
+  if (cases > kMostCases)
+    throw source.error(child(kList, "Vary"), shortest(cases) + " cases; allowed: up to " + std::to_string(kMostCases));
+  const std::size_t count = static_cast<std::size_t>(cases);
+  batch.values.reserve(count * axes.size());
+  for (std::size_t index = 0; index < count; ++index) {
+    std::size_t inner = count, rest = index;
+    for (const GridAxis& axis : axes) {
+      inner /= axis.values.size();
+      batch.values.push_back(axis.values[rest / inner]);
+      rest %= inner;
+    }
+  }
+}
+
+/// Reads a table record by record: the first names the columns.
+class TableReader {
+ public:
+  TableReader(const CsvFile& table, const std::string& path, Batch& batch) : table_(table), path_(path), batch_(batch) {
+    table.for_each([this](const CsvRecord& record) { batch_.columns.empty() ? read_head(record) : read_case(record); });
+  }
+
+ private:
+  void read_head(const CsvRecord& record) {
+    for (std::size_t i = 0; i < record.cells.size(); ++i) {
+      for (const BatchColumn& other : batch_.columns)
+        if (other.parameter == record.cells[i])
+          throw table_.error(record, i,
+                             "column \"" + excerpt(record.cells[i]) + "\" for the second time; allowed: once");
+      batch_.columns.push_back({record.cells[i], table_.error(record, i, "").what()});
+    }
+  }
+  void read_case(const CsvRecord& record) {
+    const std::size_t columns = batch_.columns.size();
+    if (record.cells.size() != columns)
+      throw table_.error(record, columns,
+                         std::to_string(record.cells.size()) + " cells; allowed: " + std::to_string(columns) +
+                             ", as many as the first line has");
+    for (std::size_t i = 0; i < columns; ++i) {
+      double value = std::numeric_limits<double>::quiet_NaN();
+      const std::string& cell = record.cells[i];
+      const Problem problem = cell.empty() ? "" : parse_number(cell, value);
+      if (!problem.empty()) throw table_.error(record, i, problem);
+      if (!cell.empty() && std::isnan(value))
+        throw table_.error(record, i, "value " + excerpt(cell) + "; allowed: a number");
+      batch_.values.push_back(value);
+    }
+    batch_.case_names.push_back(path_ + ":" + std::to_string(record.line));
+  }
+
+  const CsvFile& table_;
+  const std::string& path_;
+  Batch& batch_;
+};
+
+void read_table(const std::string& name, const ParameterSource& source, Batch& batch) {
+  const std::string path = (std::filesystem::path(source.file()).parent_path() / name).string();
+  std::error_code failure;
+  if (!std::filesystem::is_regular_file(path, failure))
+    throw source.error(child(kList, "Table"), "value \"" + excerpt(name) + "\": there is no file \"" + excerpt(path) +
+                                                  "\"; allowed: a file, relative to the folder of the scene");
+  const CsvFile table(path);
+  const TableReader reader(table, path, batch);
+  if (batch.size() == 0)
+    throw InputError(path + ":1: no case; allowed: a line of parameters' paths, then one line per case");
+}
+
+}  // namespace
+
+std::string Batch::name_of_case(std::size_t index) const {
+  const std::string number = "case " + std::to_string(index + 1);
+  return case_names.empty() ? number : case_names[index] + ": " + number;
+}
+
+ListSpec batch_spec() {
+  ListSpec batch("Cases of one scene that mixbeam batch solves together, by Table or by Vary; mixbeam run ignores it.");
+  batch.add(text("Table").means(
+      "CSV file, relative to the folder of the scene: its first line names parameters of the scene by their paths "
+      "(Sections/steel/EI2, Points/tip[0], Expected/deflection/Value), each further line has their values in one "
+      "case."));
+  batch.add(choice("Output", {"followed", "expected"})
+                .by_default(std::string("followed"))
+                .means("What is written of each case: displacement and rotation of the points that are held or loaded "
+                       "and the reactions of supports, or the quantities of the list Expected."));
+  batch.add_list("Vary",
+                 ListSpec("A grid: every value of one direction with every value of the others.")
+                     .with_named_lists("direction", vary_spec(), 1),
+                 Presence::optional);
+  return batch;
+}
+
+Batch read_batch(const Teuchos::ParameterList& list, const ParameterSource& source) {
+  Batch batch;
+  if (list.isParameter("Table") == list.isSublist("Vary"))
+    throw source.error(kList, std::string(list.isSublist("Vary") ? "both" : "neither") +
+                                  " of \"Table\" and \"Vary\"; allowed: one of them");
+  if (list.isSublist("Vary"))
+    read_grid(list.sublist("Vary"), source, batch);
+  else
+    read_table(list.get<std::string>("Table"), source, batch);
+  if (list.get<std::string>("Output") == "expected") batch.output = BatchOutput::expected;
+  return batch;
+}
+
+}  // namespace mixbeam

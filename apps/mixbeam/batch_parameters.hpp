@@ -1,0 +1,44 @@
+/// The list "Batch": which cases a batch consists of and what is written of each.
+#pragma once
+
+#include "discretization/parameter_source.hpp"
+#include "discretization/parameter_spec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+enum class BatchOutput {
+  followed,  ///< motion of the points that are held or loaded, reactions of supports
+  expected   ///< the quantities of the list "Expected"
+};
+
+/// A parameter that differs from case to case.
+struct BatchColumn {
+  std::string parameter;  ///< its path: "Point Loads/tip/Force[1]"
+  std::string where;      ///< where the user named it, in front of messages: "sweep.csv:1:12: "
+};
+
+/// The cases, numbered from 1 for the user.
+struct Batch {
+  std::vector<BatchColumn> columns{};
+  std::vector<double> values{};           ///< (case, column); NaN: an empty cell of the table
+  std::vector<std::string> case_names{};  ///< where each case stands: "sweep.csv:3"; of a grid: empty
+  BatchOutput output = BatchOutput::followed;
+
+  std::size_t size() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+  double value(std::size_t index, std::size_t column) const { return values[index * columns.size() + column]; }
+  /// "sweep.csv:3: case 2", "case 2".
+  std::string name_of_case(std::size_t index) const;
+};
+
+/// Declaration of the list "Batch".
+ListSpec batch_spec();
+
+/// Reads the validated list, and the table that it names relative to the folder of the scene. Throws InputError.
+Batch read_batch(const Teuchos::ParameterList& list, const ParameterSource& source);
+
+}  // namespace mixbeam

@@ -1,0 +1,73 @@
+#include "apps/mixbeam/batch_results.hpp"
+
+#include "apps/common/csv_table.hpp"
+#include "discretization/table_file.hpp"
+#include "mixbeam/version.hpp"
+
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+std::filesystem::path with_ending(std::filesystem::path stem, const std::string& ending) { return stem += ending; }
+
+/// Name of a quantity, and its value in a case; none (nan) where the case did not converge.
+double value_of(const CaseResult& result, std::size_t quantity) {
+  return result.converged ? result.values[quantity] : std::numeric_limits<double>::quiet_NaN();
+}
+
+void write_rows(const std::filesystem::path& file, const Batch& batch, const CaseQuantities& quantities,
+                const std::vector<CaseResult>& results) {
+  std::vector<std::string> names = {"case"};
+  for (const BatchColumn& column : batch.columns) names.push_back(column.parameter);
+  names.insert(names.end(), quantities.names().begin(), quantities.names().end());
+  for (const char* name : {"iterations", "residual", "converged", "cause"}) names.emplace_back(name);
+  CsvTable table(file, names);
+  std::vector<CsvCell> cells;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const CaseResult& result = results[i];
+    if (!result.solved) continue;
+    cells.assign(1, CsvCell(i + 1));
+    for (std::size_t c = 0; c < batch.columns.size(); ++c) cells.emplace_back(batch.value(i, c));
+    for (std::size_t q = 0; q < quantities.names().size(); ++q) cells.emplace_back(value_of(result, q));
+    cells.emplace_back(result.iterations);
+    cells.emplace_back(result.residual);
+    cells.emplace_back(result.converged ? "yes" : "no");
+    cells.emplace_back(result.cause);
+    table.add_row(cells);
+  }
+}
+
+void write_columns(const std::filesystem::path& file, const Batch& batch, const CaseQuantities& quantities,
+                   const std::vector<CaseResult>& results, const std::string& scene_xml) {
+  std::vector<TableColumn> columns;
+  const auto add = [&](const std::string& name, const auto& value) {
+    TableColumn& column = columns.emplace_back(TableColumn{name, {}});
+    column.values.reserve(results.size());
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (results[i].solved) column.values.push_back(value(i));
+  };
+  add("case", [](std::size_t i) { return static_cast<double>(i + 1); });
+  for (std::size_t c = 0; c < batch.columns.size(); ++c)
+    add(batch.columns[c].parameter, [&](std::size_t i) { return batch.value(i, c); });
+  for (std::size_t q = 0; q < quantities.names().size(); ++q)
+    add(quantities.names()[q], [&](std::size_t i) { return value_of(results[i], q); });
+  add("iterations", [&](std::size_t i) { return static_cast<double>(results[i].iterations); });
+  add("residual", [&](std::size_t i) { return results[i].residual; });
+  add("converged", [&](std::size_t i) { return results[i].converged ? 1.0 : 0.0; });
+  std::string causes;
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (!results[i].cause.empty()) causes += batch.name_of_case(i) + ": " + results[i].cause + "\n";
+  write_table_file(file, columns, {{"scene", scene_xml}, {"version", kVersion}, {"causes", causes}});
+}
+
+}  // namespace
+
+void write_batch(const std::filesystem::path& stem, const Batch& batch, const CaseQuantities& quantities,
+                 const std::vector<CaseResult>& results, const std::string& scene_xml) {
+  write_rows(with_ending(stem, ".csv"), batch, quantities, results);
+  write_columns(with_ending(stem, ".h5"), batch, quantities, results, scene_xml);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,134 @@
+#include "apps/mixbeam/batch_solver.hpp"
+
+#include "apps/mixbeam/case_groups.hpp"
+#include "apps/mixbeam/run_report.hpp"
+#include "apps/mixbeam/text_of.hpp"
+#include "discretization/merged_scene.hpp"
+
+namespace mixbeam {
+
+namespace {
+
+/// Fewer cases than that are solved one by one when they do not converge together.
+constexpr std::size_t kFewCases = 4;
+
+/// Forces in a group differ by kLikeness, moments by its square: a residual that is so much smaller over the scales of
+/// the group is small enough over those of each case.
+constexpr double kGroupTolerance = 1.0 / (kLikeness * kLikeness);
+
+/// Leaves the path of a group as soon as one step of it fails.
+struct StepFailed {};
+
+/// What a path of one structure alone can follow.
+bool has_path_of_its_own(const AnalysisParameters& analysis) {
+  return analysis.control || analysis.trace || analysis.branch != Branch::primary;
+}
+
+std::string cause_of(const LoadPathResult& result) {
+  std::string text = text_of("stopped at load factor %.6g", result.load_factor);
+  if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
+  return text;
+}
+
+}  // namespace
+
+BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases)
+    : app_(app), quantities_(quantities), may_merge_(!has_path_of_its_own(app.solver.analysis)), results_(cases) {}
+
+void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {
+  cases_ = &cases;
+  scenes_ = &scenes;
+  solve_range({0, cases.size()});
+}
+
+void BatchSolver::solve_range(const Range& range) {
+  const std::size_t count = range.second - range.first;
+  const bool together = may_merge_ && count > 1;
+  if (together && solve_together(range)) {
+    for (std::size_t i = range.first; i < range.second; ++i)
+      if (!results_[(*cases_)[i]].converged) solve_alone(i);
+    return;
+  }
+  if (!together || count <= kFewCases) {
+    for (std::size_t i = range.first; i < range.second; ++i) solve_alone(i);
+    return;
+  }
+  const std::size_t middle = range.first + count / 2;
+  solve_range({range.first, middle});
+  solve_range({middle, range.second});
+}
+
+/// False when the cases did not converge together.
+bool BatchSolver::solve_together(const Range& range) {
+  std::vector<const Scene*> scenes;
+  for (std::size_t i = range.first; i < range.second; ++i) scenes.push_back(&(*scenes_)[i]);
+  const MergedScene merged = merge_scenes(scenes);
+  SolverParameters parameters = app_.solver;
+  parameters.threads = app_.threads_for(merged.scene, app_.solver);
+  parameters.newton.residual_tolerance *= kGroupTolerance;
+  Simulation simulation(merged.scene, parameters, app_.communicator);
+  PathControl control;
+  control.step_failed = [](const StepFailure&) { throw StepFailed(); };
+  try {
+    simulation.run({}, control);
+  } catch (const StepFailed&) {
+    app_.summary.newton_iterations += simulation.work().newton_iterations;
+    return false;
+  }
+  for (const auto& [phase, seconds] : simulation.times()) app_.summary.seconds[phase] += seconds;
+  app_.summary.load_steps += simulation.result().steps;
+  app_.summary.newton_iterations += simulation.result().newton_iterations;
+  if (!simulation.result().finished) return false;
+  keep(simulation, range, merged.part_of_member, true);
+  return true;
+}
+
+void BatchSolver::solve_alone(std::size_t place) {
+  const Scene& scene = (*scenes_)[place];
+  CaseResult& result = results_[(*cases_)[place]];
+  result = {};
+  result.solved = result.alone = true;
+  const Simulation simulation = app_.try_to_solve(scene, app_.solver);
+  result.iterations = simulation.result().newton_iterations;
+  if (!simulation.result().finished) {
+    result.cause = cause_of(simulation.result());
+    return;
+  }
+  keep(simulation, {place, place + 1}, std::vector<int>(scene.members.size(), 0), false);
+  result.alone = true;
+}
+
+/// Checks every case of a simulation at the end of its path by itself, and keeps what came out.
+void BatchSolver::keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member,
+                       bool merged) {
+  const StructureParts parts = structure_parts(simulation.assembler(), part_of_member);
+  const std::vector<PartCheck> checks = simulation.check_parts(parts);
+  SolvedCases solved{simulation, merged};
+  solved.reactions = simulation.reactions();
+  solved.energies = strain_energy_of_parts(simulation.assembler(), simulation.state(), parts);
+  for (std::size_t i = range.first, support = 0, member = 0; i < range.second; ++i) {
+    solved.first_support.push_back(support);
+    solved.first_member.push_back(static_cast<int>(member));
+    support += (*scenes_)[i].supports.size();
+    member += (*scenes_)[i].members.size();
+  }
+  for (int part = 0; part < parts.count; ++part) {
+    const PartCheck& check = checks[part];
+    CaseResult& result = results_[(*cases_)[range.first + part]];
+    result = {};
+    result.solved = true;
+    result.iterations = simulation.result().newton_iterations;
+    result.residual = check.residual;
+    // a structure alone has converged by the tests that it was solved with; beside others it has to show it
+    const bool balances = check.force_error <= kBalanceTolerance && check.moment_error <= kBalanceTolerance;
+    const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
+    result.converged = balances && settled;
+    if (result.converged)
+      result.values = quantities_.of(solved, part);
+    else
+      result.cause = text_of("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
+                             check.force_error, check.moment_error);
+  }
+}
+
+}  // namespace mixbeam

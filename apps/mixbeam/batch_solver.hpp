@@ -1,0 +1,45 @@
+/// Solves the cases of a batch: in groups, and alone where a group does not do.
+#pragma once
+
+#include "apps/mixbeam/case_quantities.hpp"
+
+#include <map>
+
+namespace mixbeam {
+
+/// How one case ended.
+struct CaseResult {
+  bool solved = false;  ///< tried at all; false after an interruption
+  bool converged = false;
+  bool alone = false;            ///< solved on its own
+  std::vector<double> values{};  ///< in the order of CaseQuantities::names(); empty unless converged
+  int iterations = 0;            ///< of the Newton iteration that it was part of
+  double residual = 0.0;         ///< over its own scales
+  std::string cause{};           ///< why it did not converge
+};
+
+class BatchSolver {
+ public:
+  BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases);
+
+  /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
+  void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
+
+  const std::vector<CaseResult>& results() const { return results_; }
+
+ private:
+  using Range = std::pair<std::size_t, std::size_t>;  ///< of the cases of the present group
+  void solve_range(const Range& range);
+  bool solve_together(const Range& range);
+  void solve_alone(std::size_t place);
+  void keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member, bool merged);
+
+  Application& app_;
+  const CaseQuantities& quantities_;
+  bool may_merge_;
+  std::vector<CaseResult> results_;
+  const std::vector<std::size_t>* cases_ = nullptr;
+  const std::vector<Scene>* scenes_ = nullptr;
+};
+
+}  // namespace mixbeam

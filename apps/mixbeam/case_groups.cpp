@@ -1,0 +1,118 @@
+#include "apps/mixbeam/case_groups.hpp"
+
+#include "discretization/load_cases.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace mixbeam {
+
+namespace {
+
+double largest(const Vector3& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+
+/// Diagonal of the box around the points, or the length of what has none (a closed ring: from its centre).
+double length_of(const Scene& scene) {
+  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  const auto enclose = [&](const Vector3& p) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], p[i]);
+      high[i] = std::max(high[i], p[i]);
+    }
+  };
+  for (const Point& point : scene.points) enclose(point.position);
+  for (const Member& member : scene.members) {
+    if (member.curve.shape == CurveShape::circular_arc) enclose(member.curve.center);
+    for (const Vector3& point : member.curve.through) enclose(point);
+  }
+  const double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  return length > 0.0 && std::isfinite(length) ? length : 1.0;
+}
+
+double bending_stiffness_of(const Scene& scene) {
+  double stiffness = 0.0;
+  for (const Section& section : scene.sections)
+    for (const double ei : section.bending_stiffness)
+      if (std::isfinite(ei)) stiffness = std::max(stiffness, ei);
+  return stiffness > 0.0 ? stiffness : 1.0;
+}
+
+/// Forces, and what moments, motions and strains are in forces.
+double load_of(const Scene& scene, double length, double stiffness) {
+  double load = 0.0;
+  const auto raise = [&load](double value) { load = std::max(load, value); };
+  for (const PointLoad& point : scene.point_loads)
+    raise(std::max(largest(point.force), largest(point.moment) / length));
+  for (const DistributedLoad& line : scene.distributed_loads)
+    raise(std::max(largest(line.force) * length, largest(line.couple)));
+  for (const Support& support : scene.supports)
+    raise(stiffness *
+          std::max(largest(support.prescribed_displacement) / length, largest(support.prescribed_rotation)));
+  for (const Eigenstrain& strain : scene.eigenstrains)
+    raise(stiffness * std::max(largest(strain.strain), largest(strain.curvature) * length));
+  return load;
+}
+
+/// Number of the range of ratio kLikeness in which a size lies.
+long range_of(double size) {
+  return size > 0.0 ? std::lround(std::floor(std::log(size) / std::log(kLikeness))) : std::numeric_limits<long>::min();
+}
+
+/// Order in which cases are put beside each other: first what must agree, then the load.
+auto key_of(const CaseLikeness& c) {
+  return std::make_tuple(range_of(c.length), range_of(c.load), range_of(c.stiffness));
+}
+
+bool is_alike(const CaseLikeness& a, const CaseLikeness& b) {
+  return key_of(a) == key_of(b) && a.structure == b.structure;
+}
+
+}  // namespace
+
+CaseLikeness likeness_of(const Scene& scene) {
+  CaseLikeness result;
+  result.structure = {scene.stages,
+                      static_cast<long>(scene.supports.size()),
+                      static_cast<long>(scene.point_loads.size()),
+                      static_cast<long>(scene.distributed_loads.size()),
+                      static_cast<long>(scene.eigenstrains.size()),
+                      static_cast<long>(scene.joints.size())};
+  for (const Member& member : scene.members) {
+    result.structure.push_back(member.elements);
+    result.structure.push_back(member.order);
+    result.elements += member.elements;
+  }
+  result.length = length_of(scene);
+  result.stiffness = bending_stiffness_of(scene) / (result.length * result.length);
+  result.load = load_of(scene, result.length, result.stiffness);
+  return result;
+}
+
+std::vector<std::vector<std::size_t>> group_cases(const std::vector<CaseLikeness>& cases) {
+  std::vector<std::size_t> order(cases.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&cases](std::size_t i, std::size_t j) {
+    const CaseLikeness &a = cases[i], &b = cases[j];
+    const auto key_a = key_of(a), key_b = key_of(b);
+    return std::tie(a.structure, key_a, a.load, i) < std::tie(b.structure, key_b, b.load, j);
+  });
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t begin = 0; begin < order.size();) {
+    std::size_t end = begin;
+    double elements = 0.0;
+    for (; end < order.size() && is_alike(cases[order[begin]], cases[order[end]]); ++end)
+      elements += cases[order[end]].elements;
+    const auto count = static_cast<std::size_t>(std::ceil(elements / kElementsPerGroup));
+    for (std::size_t g = 0; g < count; ++g) {
+      const std::size_t from = begin + (end - begin) * g / count, to = begin + (end - begin) * (g + 1) / count;
+      if (from < to) groups.emplace_back(order.begin() + from, order.begin() + to);
+    }
+    begin = end;
+  }
+  return groups;
+}
+
+}  // namespace mixbeam

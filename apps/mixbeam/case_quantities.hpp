@@ -1,0 +1,40 @@
+/// What is written of each case of a batch.
+#pragma once
+
+#include "apps/common/application.hpp"
+#include "apps/mixbeam/batch_parameters.hpp"
+
+namespace mixbeam {
+
+/// A simulation of cases side by side (merged_scene.hpp), or of one alone, where its solution stands.
+struct SolvedCases {
+  const Simulation& simulation;
+  bool merged = false;                       ///< names are those of MergedScene::name_in_part
+  std::vector<Reaction> reactions{};         ///< of all cases
+  std::vector<StrainEnergy> energies{};      ///< of each case
+  std::vector<std::size_t> first_support{};  ///< of each case
+  std::vector<int> first_member{};           ///< of each case
+};
+
+class CaseQuantities {
+ public:
+  /// Throws InputError for expected values that do not belong to the end of the path.
+  CaseQuantities(const Application& app, BatchOutput output, const std::string& load_case);
+
+  /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values.
+  const std::vector<std::string>& names() const { return names_; }
+  std::vector<double> of(const SolvedCases& solved, int part) const;
+  /// The expected values behind the names; empty when points are followed.
+  const std::vector<ExpectedValue>& expected() const { return expected_; }
+
+ private:
+  double present_value(const SolvedCases& solved, int part, const ExpectedValue& wanted) const;
+
+  std::vector<std::string> names_;
+  std::vector<std::string> points_;          ///< followed
+  std::vector<std::string> support_points_;  ///< of each support of the scene
+  std::vector<std::string> member_names_;
+  std::vector<ExpectedValue> expected_;
+};
+
+}  // namespace mixbeam

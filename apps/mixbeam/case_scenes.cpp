@@ -1,0 +1,137 @@
+#include "apps/mixbeam/case_scenes.hpp"
+
+#include "discretization/load_cases.hpp"
+#include "discretization/message_text.hpp"
+#include "discretization/nearest_name.hpp"
+#include "discretization/number_text.hpp"
+#include "discretization/parameter_access.hpp"
+#include "discretization/scene_parameters.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// "Point Loads/tip/Force[1]" without its component, which is -1 where there is none.
+struct SplitPath {
+  std::vector<std::string> names{};
+  int component = -1;
+};
+
+SplitPath split(const std::string& text) {
+  SplitPath result;
+  std::string path = text;
+  const std::size_t bracket = path.rfind('[');
+  if (bracket != std::string::npos && path.back() == ']' &&
+      parse_number(path.substr(bracket + 1, path.size() - bracket - 2), result.component).empty())
+    path.resize(bracket);
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('/', begin), path.size());
+    result.names.push_back(trimmed(path.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  if (result.names.size() > 1 && result.names.front() == "Scene") result.names.erase(result.names.begin());
+  return result;
+}
+
+InputError refused(const BatchColumn& column, const std::string& problem) {
+  return InputError{column.where + "\"" + excerpt(column.parameter) + "\": " + problem};
+}
+
+/// Entries of an array, 0 for a single number, -1 for what is no number.
+int components_of(const Teuchos::ParameterEntry& entry) {
+  if (entry.isType<double>() || entry.isType<int>()) return 0;
+  if (entry.isType<Teuchos::Array<double>>())
+    return static_cast<int>(Teuchos::getValue<Teuchos::Array<double>>(entry).size());
+  if (entry.isType<Teuchos::Array<int>>())
+    return static_cast<int>(Teuchos::getValue<Teuchos::Array<int>>(entry).size());
+  return -1;
+}
+
+template <class Number>
+Teuchos::Array<Number> replaced(Teuchos::Array<Number> array, int component, Number value) {
+  array[component] = value;
+  return array;
+}
+
+bool is_whole(double value) { return std::floor(value) == value && std::abs(value) <= std::numeric_limits<int>::max(); }
+
+}  // namespace
+
+CaseScenes::CaseScenes(Application& app, const Batch& batch, std::string load_case)
+    : app_(app), batch_(batch), load_case_(std::move(load_case)) {
+  for (std::size_t i = 0; i < batch.columns.size(); ++i) places_.push_back(find(batch.columns[i], i));
+}
+
+CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index) {
+  const SplitPath path = split(column.parameter);
+  if (path.names.front() != "Expected")
+    return find_in(app_.xml.list->sublist("Scene"), path.names, path.component, column);
+  std::vector<std::string> names;
+  for (const ExpectedValue& value : app_.expected) names.push_back(value.name);
+  const std::string name = path.names.size() > 1 ? path.names[1] : "";
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw refused(column, "no expected value of this name; allowed: " + quoted_list(names) + did_you_mean(name, names));
+  if (path.names.size() != 3 || path.names[2] != "Value" || path.component >= 0)
+    throw refused(column, "allowed in the list \"Expected\": \"Expected/" + name + "/Value\"");
+  if (batch_.output != BatchOutput::expected)
+    throw refused(column, "given, but expected quantities are not evaluated; allowed with \"Output\" = \"expected\"");
+  own_expectations_.push_back({index, name});
+  return {};
+}
+
+CaseScenes::Place CaseScenes::find_in(Teuchos::ParameterList& list, const std::vector<std::string>& path, int component,
+                                      const BatchColumn& column) const {
+  Teuchos::ParameterList* here = &list;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const bool is_last = i + 1 == path.size();
+    std::vector<std::string> names;
+    for (const std::string& name : names_of(*here))
+      if (here->isSublist(name) != is_last) names.push_back(name);
+    if (std::find(names.begin(), names.end(), path[i]) == names.end())
+      throw refused(column, "no " + std::string(is_last ? "Parameter" : "ParameterList") + " \"" + excerpt(path[i]) +
+                                "\" in the list \"" + here->name() + "\" of the scene; allowed: " + quoted_list(names) +
+                                did_you_mean(path[i], names));
+    if (!is_last) here = &here->sublist(path[i]);
+  }
+  Teuchos::ParameterEntry& entry = *here->getEntryPtr(path.back());
+  const int components = components_of(entry);
+  if (components < 0) throw refused(column, "not a number; allowed: parameters that are numbers or arrays of them");
+  if (components == 0 && component >= 0) throw refused(column, "a single number; allowed: its name without [...]");
+  if (components > 0 && (component < 0 || component >= components))
+    throw refused(column, "an array of " + std::to_string(components) + " numbers; allowed: one of them, [0] to [" +
+                              std::to_string(components - 1) + "]");
+  return {&entry, component};
+}
+
+void CaseScenes::set(const Place& place, double value, std::size_t index, const BatchColumn& column) const {
+  if (place.entry == nullptr) return;  // an expected value
+  Teuchos::ParameterEntry& entry = *place.entry;
+  const auto refuse = [&](const std::string& seen, const std::string& allowed) {
+    throw InputError(batch_.name_of_case(index) + ": \"" + excerpt(column.parameter) + "\": " + seen +
+                     "; allowed: " + allowed);
+  };
+  if (std::isnan(value)) refuse("an empty cell", "a number; only expected values may be left out");
+  const bool whole = entry.isType<int>() || entry.isType<Teuchos::Array<int>>();
+  if (whole && !is_whole(value)) refuse("value " + shortest(value), "a whole number");
+  if (entry.isType<int>()) return entry.setValue(static_cast<int>(value));
+  if (entry.isType<double>()) return entry.setValue(value);
+  // set as a whole: a default that is changed is one no longer
+  if (whole)
+    entry.setValue(replaced(Teuchos::getValue<Teuchos::Array<int>>(entry), place.component, static_cast<int>(value)));
+  else
+    entry.setValue(replaced(Teuchos::getValue<Teuchos::Array<double>>(entry), place.component, value));
+}
+
+Scene CaseScenes::scene_of(std::size_t index) {
+  for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
+  try {
+    return scene_of_case(read_scene(app_.xml.list->sublist("Scene"), app_.xml.source), load_case_);
+  } catch (const InputError& error) {
+    throw InputError(batch_.name_of_case(index) + ": " + error.what());
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,43 @@
+/// The scenes of the cases of a batch: one scene with some of its numbers replaced.
+#pragma once
+
+#include "apps/common/application.hpp"
+#include "apps/mixbeam/batch_parameters.hpp"
+
+namespace mixbeam {
+
+class CaseScenes {
+ public:
+  /// Finds the parameters that the columns name. Throws InputError, with the place of the column and the nearest name.
+  /// Application and batch must outlive this object; the parameters of the application change with every case.
+  CaseScenes(Application& app, const Batch& batch, std::string load_case);
+
+  /// Throws InputError, with the place of the case, for values that the scene does not permit.
+  Scene scene_of(std::size_t index);
+
+  /// The expected value that a case has of its own, by the name in the list "Expected".
+  struct OwnExpectation {
+    std::size_t column;
+    std::string name;
+  };
+  const std::vector<OwnExpectation>& own_expectations() const { return own_expectations_; }
+
+ private:
+  /// A number in the parsed file.
+  struct Place {
+    Teuchos::ParameterEntry* entry = nullptr;
+    int component = -1;  ///< of an array
+  };
+  Place find(const BatchColumn& column, std::size_t index);
+  Place find_in(Teuchos::ParameterList& list, const std::vector<std::string>& path, int component,
+                const BatchColumn& column) const;
+  void set(const Place& place, double value, std::size_t index, const BatchColumn& column) const;
+
+  Application& app_;
+  const Batch& batch_;
+  std::string load_case_;
+  std::vector<Place> places_;  ///< of each column; without an entry: an expected value
+  std::vector<OwnExpectation> own_expectations_;
+};
+
+}  // namespace mixbeam
