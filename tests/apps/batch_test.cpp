@@ -1,0 +1,197 @@
+/// `mixbeam batch`: many cases at once against single runs and closed forms, cases that fail, tables that are wrong.
+#include "mixbeam_files.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3;
+
+using Row = std::map<std::string, std::string>;
+
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    if (c == ',' && !quoted)
+      cells.emplace_back();
+    else if (c != '"')
+      cells.back() += c;
+  }
+  return cells;
+}
+
+std::vector<Row> rows_of(const fs::path& file) {
+  std::istringstream stream(text_of(file));
+  std::string line;
+  std::getline(stream, line);
+  const std::vector<std::string> names = cells_of(line);
+  std::vector<Row> rows;
+  while (std::getline(stream, line)) {
+    const std::vector<std::string> cells = cells_of(line);
+    EXPECT_EQ(cells.size(), names.size()) << line;
+    Row& row = rows.emplace_back();
+    for (std::size_t i = 0; i < std::min(cells.size(), names.size()); ++i) row[names[i]] = cells[i];
+  }
+  return rows;
+}
+
+std::string sweep() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/batch/elastica_sweep.xml"); }
+std::string sweep_table() { return text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/batch/elastica_sweep.csv"); }
+
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+}
+
+/// The sweep's scene with another list "Batch".
+std::string with_batch(const std::string& entries) {
+  std::string text = sweep();
+  const std::string begin = "<ParameterList name=\"Batch\">";
+  const std::size_t first = text.find(begin) + begin.size();
+  return text.replace(first, text.find("</ParameterList>", first) - first, entries);
+}
+
+std::string axis(const std::string& name, const std::string& path, double first, double last, int count,
+                 const std::string& spacing) {
+  return "<ParameterList name=\"" + name + "\">" + parameter("Parameter", "string", path) +
+         parameter("First", "double", std::to_string(first)) + parameter("Last", "double", std::to_string(last)) +
+         parameter("Count", "int", std::to_string(count)) + parameter("Spacing", "string", spacing) +
+         "</ParameterList>";
+}
+
+class Batch : public ::testing::Test {
+ protected:
+  Ended solve(const std::string& scene, const std::string& table = "", std::vector<std::string> options = {}) {
+    write_text(folder_ / "scene.xml", scene);
+    if (!table.empty()) write_text(folder_ / "elastica_sweep.csv", table);
+    std::vector<std::string> arguments = {"batch", "scene.xml", "--output", "results"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_process(program("mixbeam"), arguments, folder_);
+  }
+  std::vector<Row> rows() const { return rows_of(folder_ / "results" / "scene-batch.csv"); }
+
+  /// Last row of what a single run follows.
+  Row single(const std::string& scene) {
+    write_text(folder_ / "single.xml", scene);
+    run_process(program("mixbeam"), {"run", "single.xml", "--output", "single"}, folder_);
+    return rows_of(folder_ / "single" / "single-monitor.csv").back();
+  }
+
+  /// Everything that both follow agrees to 1e-9 of the largest number of its kind, here at most about 10.
+  static void expect_same(const Row& in_batch, const Row& alone) {
+    int compared = 0;
+    for (const auto& [name, value] : alone) {
+      const auto found = in_batch.find(name);
+      if (name.find('.') == std::string::npos || found == in_batch.end()) continue;
+      ++compared;
+      EXPECT_NEAR(std::stod(found->second), std::stod(value), 1e-9) << name;
+    }
+    EXPECT_EQ(compared, 18);  // displacement and rotation of two points, force and moment of one support
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Batch, ATableOfLoadsGivesTheElastica) {
+  const Ended ended = solve(sweep(), sweep_table());
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out, {"15 of 15 checks passed", "40 cases, 0 failed", "group   1 of"});
+  const std::vector<Row> found = rows();
+  ASSERT_EQ(found.size(), 40u);
+  EXPECT_EQ(found[7].at("Point Loads/weight/Force[1]"), "-2");
+  EXPECT_EQ(found[7].at("converged"), "yes");
+  const auto contents = contents_of(folder_ / "results" / "scene-batch.h5");
+  ASSERT_TRUE(contents);
+  for (const char* path : {"columns/Point Loads/weight/Force[1]", "columns/tip turns", "columns/converged", "scene"})
+    EXPECT_EQ(contents->count(path), 1u) << path;
+}
+
+TEST_F(Batch, AWrongClosedFormIsFound) {
+  const Ended ended = solve(sweep(), changed(sweep_table(), "-0.8106090", "-0.8106091"));
+  EXPECT_EQ(ended.exit_code, kCheckFailed) << ended.out;
+  expect_in(ended.out, {"14 of 15 checks passed"});
+}
+
+TEST_F(Batch, AGridAgreesWithSingleRuns) {
+  const Ended ended = solve(with_batch(
+      "<ParameterList name=\"Vary\">" + axis("load", "Point Loads/weight/Force[1]", -0.5, -8.0, 5, "logarithmic") +
+      axis("stiffness", "Sections/strip/EI3", 1.0, 1.5, 2, "linear") + "</ParameterList>"));
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  const std::vector<Row> found = rows();
+  ASSERT_EQ(found.size(), 10u);
+  for (std::size_t i : {0u, 3u, 9u}) {
+    const std::string load = found[i].at("Point Loads/weight/Force[1]"), stiffness = found[i].at("Sections/strip/EI3");
+    SCOPED_TRACE(load + " " + stiffness);
+    EXPECT_DOUBLE_EQ(std::stod(load), -0.5 * std::pow(2.0, i / 2));
+    EXPECT_DOUBLE_EQ(std::stod(stiffness), i % 2 == 0 ? 1.0 : 1.5);
+    const std::string scene = changed(sweep(), "{0, -10, 0}", "{0, " + load + ", 0}");
+    expect_same(found[i], single(changed(scene, "value=\"1\"", "value=\"" + stiffness + "\"", "\"EI3\"")));
+  }
+}
+
+TEST_F(Batch, ResultsAreTheSameBitsForAnyNumberOfThreads) {
+  solve(sweep(), sweep_table(), {"--threads", "1"});
+  const std::string one = text_of(folder_ / "results" / "scene-batch.csv");
+  solve(sweep(), sweep_table(), {"--threads", "2"});
+  EXPECT_EQ(text_of(folder_ / "results" / "scene-batch.csv"), one);
+  EXPECT_FALSE(one.empty());
+}
+
+/// The strip as one element of order 1, rolled up by a moment: at 2 pi its ends stand at pi, where rotations end.
+std::string rolled_up() {
+  std::string scene = with_batch(parameter("Table", "string", "elastica_sweep.csv"));
+  scene = changed(scene, "value=\"4\"", "value=\"1\"", "\"Order\"");
+  scene = changed(scene, "value=\"16\"", "value=\"1\"", "\"Elements\"");
+  return changed(scene, "name=\"Force\" type=\"Array(double)\" value=\"{0, -10, 0}\"",
+                 "name=\"Moment\" type=\"Array(double)\" value=\"{0, 0, 1}\"");
+}
+
+TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
+  const Ended ended =
+      solve(rolled_up(), "Point Loads/weight/Moment[2]\n5\n5.5\n6.2831853071795\n6\n5.25\n4.5\n");  // 2 pi (1 - 1e-14)
+  EXPECT_EQ(ended.exit_code, kNoConvergence) << ended.out;
+  expect_in(ended.out, {"elastica_sweep.csv:4: case 3 FAILED", "6 cases, 1 failed"});
+  expect_in(ended.err, {"1 of 6 cases did not converge"});
+  const std::vector<Row> found = rows();
+  ASSERT_EQ(found.size(), 6u);
+  EXPECT_EQ(found[2].at("converged"), "no");
+  EXPECT_FALSE(found[2].at("cause").empty());
+  EXPECT_EQ(found[2].at("tip.displacement.x"), "nan");
+  for (std::size_t i : {0u, 1u, 3u, 4u, 5u}) {
+    const double moment = std::stod(found[i].at("Point Loads/weight/Moment[2]"));
+    EXPECT_EQ(found[i].at("converged"), "yes");
+    // one element of order 1: an arc whose ends turn by half the angle against it; its chord is the element itself
+    EXPECT_NEAR(std::stod(found[i].at("tip.displacement.x")), std::cos(0.5 * moment) - 1.0, 1e-9) << moment;
+    EXPECT_NEAR(std::stod(found[i].at("tip.displacement.y")), std::sin(0.5 * moment), 1e-9) << moment;
+  }
+}
+
+TEST_F(Batch, WhatIsWrongIsNamed) {
+  const auto refused = [this](const std::string& table, const std::vector<std::string>& parts) {
+    const Ended ended = solve(sweep(), table);
+    EXPECT_EQ(ended.exit_code, kBadInput) << table << ended.out;
+    expect_in(ended.err, parts);
+  };
+  refused("Point Loads/weight/Force[1],Sections/strip/EI4\n1,1\n",
+          {"elastica_sweep.csv:1:29: ", "EI4", "did you mean \"EI2\"?"});
+  refused("Point Load/weight/Force[1]\n1\n", {"elastica_sweep.csv:1:1: ", "did you mean \"Point Loads\"?"});
+  refused("Point Loads/weight/Force\n1\n", {"an array of 3 numbers"});
+  refused("Point Loads/weight/Force[3]\n1\n", {"[0] to [2]"});
+  refused("Point Loads/weight/Point\n1\n", {"not a number"});
+  refused("Members/strip/Elements\n2.5\n", {"elastica_sweep.csv:2: case 1", "a whole number"});
+  refused("Sections/strip/EI2\n1\n-1\n", {"elastica_sweep.csv:3: case 2", "value -1"});
+  refused("Sections/strip/EI2\nsoft\n", {"elastica_sweep.csv:2:1: ", "soft"});
+  refused("Sections/strip/EI2,Sections/strip/EI3\n1\n", {"elastica_sweep.csv:2", "1 cells; allowed: 2"});
+  refused("Expected/tip turn/Value\n1\n", {"did you mean \"tip turns\"?"});
+  refused("Sections/strip/EI2\n", {"no case"});
+  const Ended neither = solve(with_batch(""));
+  EXPECT_EQ(neither.exit_code, kBadInput);
+  expect_in(neither.err, {"neither of \"Table\" and \"Vary\""});
+  const Ended misspelt = solve(with_batch(parameter("Tabel", "string", "x.csv")));
+  expect_in(misspelt.err, {"did you mean \"Table\"?"});
+}
+
+}  // namespace
+}  // namespace mixbeam
