@@ -37,7 +37,7 @@ PhaseSeconds IterationTimer::time() {
   PhaseSeconds phases;
   const StopWatch whole;
   assembler.residual(state_, 1.0, residual_);
-  assembler.tangent(state_, 1.0);
+  assembler.newton_tangent(state_, 1.0);
   const StopWatch linear;
   problem_.linear_solver->factorize();
   assembler.condensed_residual().scale(-1.0);
