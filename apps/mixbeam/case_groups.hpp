@@ -10,13 +10,11 @@ namespace mixbeam {
 
 /// Cases of a group differ by this factor at most in length, in load, and in the load that their stiffness takes
 /// (EI / L^2): one Newton iteration and one limit of rotations serve all of them, and residuals are scaled with what is
-/// largest in the group. With 2 a decade of loads, within which a cantilever takes 8 to 11 iterations, makes four
-/// groups.
+/// largest in the group. With 2 a decade of loads makes four groups.
 inline constexpr double kLikeness = 2.0;
 
-/// Elements of a group. From 20,000 on, loops and factorisations run at the speed of one large structure; beyond
-/// 40,000, where the numbers of a group take 0.5 GB, nothing is gained, and what one bad case spoils for its
-/// neighbours grows.
+/// Elements of a group: enough for all threads and vector lanes; with more, memory and what one bad case spoils for its
+/// neighbours grow.
 inline constexpr int kElementsPerGroup = 40'000;
 
 /// What decides which cases are alike.

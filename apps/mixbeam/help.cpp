@@ -41,10 +41,8 @@ const std::map<std::string, const char*>& texts() {
        "Ctrl-C ends the run after the present step, a second one at once; mixbeam resume goes on.\n"},
       {"batch",
        "usage: mixbeam batch SCENE.xml [options]\n\n"
-       "Solves the cases of the list \"Batch\" of a scene: tens of thousands of small ones as fast, element by "
-       "element,\n"
-       "as one large structure. Cases that are alike are solved side by side; each is checked by itself and solved "
-       "alone\n"
+       "Solves the cases of the list \"Batch\" of a scene. Cases that are alike are solved side by side, as one large\n"
+       "structure; each is checked by itself and solved alone\n"
        "where it fails. Writes, with one row for each case: its parameters, what is followed, iterations, residual,\n"
        "whether it converged, and why not,\n"
        "  DIR/NAME-batch.csv     as a table\n"
