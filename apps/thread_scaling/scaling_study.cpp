@@ -127,9 +127,11 @@ void run_scaling_study(Application& app) {
   if (app.writes_files()) folder = app.output;
   ScalingReport report(app.out(), folder, ceilings_of(app, plan.threads));
   for (const ScalingCase& of : cases_of(study)) {
+    SolverParameters solver = app.solver;
+    solver.planar = of.kind == kPlanar;
     const Scene scene = scene_of_case(app.scene, of);
     const std::string text =
-        measured_apart(app, [&] { return written(measure_case(scene, app.solver, app.communicator, plan)); });
+        measured_apart(app, [&] { return written(measure_case(scene, solver, app.communicator, plan)); });
     report.add(of, read_measurement(text));
   }
   report.print_summary();
