@@ -433,7 +433,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state
 }
 
 /// A pivot below this fraction of the bending stiffness in it loses too many digits without exchange of rows: the
-/// geometric stiffness of a compressed element has cancelled it. Bending alone leaves more than a hundredth.
+/// geometric stiffness of a compressed element has cancelled it.
 constexpr double kPlanarPivot = 1e-3;
 /// The same for the determinant of the compliance of lambda, where stiffnesses that differ by the cap (1e5) leave a
 /// ratio of their size.

@@ -17,7 +17,8 @@ using Lanes = Pack<kLanes>;
 
 /// Both ways round differently. Residuals are sums of a few hundred products.
 constexpr double kResidualTolerance = 1e-13;
-/// Condensation multiplies rounding by the condition of the interior matrix, 1e2 to 1e3 for these elements.
+/// Condensation multiplies rounding by the condition of the interior matrix; the two ways eliminate in different
+/// orders.
 constexpr double kCondensedTolerance = 1e-11;
 
 /// One block and its copy with room for line fields that no element has: these elements are computed one by one.
