@@ -79,7 +79,7 @@ KOKKOS_INLINE_FUNCTION void solve_block(const Real* factor, Real* b) {
   }
 }
 
-/// X and Y (stored transposed in nothing: column c of X belongs to component c of the neighbour).
+/// D^-1 B with B the given rows, or their transpose: X and Y, whose column c belongs to component c of the neighbour.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_columns, const Real* factor,
                                         Real (*out)[N]) {

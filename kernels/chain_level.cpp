@@ -80,8 +80,6 @@ KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link<N>&
   for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
 }
 
-KOKKOS_INLINE_FUNCTION bool any_rests(const Real::Mask& rests) { return any<kLanes>(rests); }
-
 template <int N>
 struct CondenseLoop {
   ChainLevel level;
@@ -96,7 +94,7 @@ struct CondenseLoop {
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links = step_links(level, matrices, step);
       auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
-      if (any_rests(links.rests)) {
+      if (any<kLanes>(links.rests)) {
         const Link<N> before = chain;
         const PivotWatch<Real> seen = watch;
         eliminate_vertex<N>(chain, load_link<N>(links), factors, watch);
