@@ -1,6 +1,6 @@
 #include "discretization/expected_values.hpp"
 
-#include "input_text.hpp"
+#include "scene_text.hpp"
 
 #include <limits>
 
@@ -77,9 +77,6 @@ std::string check_of(const std::string& description) {
          "<Parameter name=\"Value\" type=\"double\" value=\"1\"/><Parameter name=\"Absolute Tolerance\" "
          "type=\"double\" "
          "value=\"1\"/><Parameter name=\"Source\" type=\"string\" value=\"by hand\"/></ParameterList>";
-}
-std::string word(const std::string& name, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"string\" value=\"" + value + "\"/>";
 }
 const std::string kMiddle = "<Parameter name=\"Position\" type=\"double\" value=\"0.5\"/>";
 

@@ -1,5 +1,5 @@
 #include "discretization/section_shape.hpp"
-#include "input_text.hpp"
+#include "scene_text.hpp"
 
 #include <cmath>
 
@@ -14,10 +14,6 @@ const std::string kSteel = R"xml(<Parameter name="EA" type="double" value="1e4"/
         <Parameter name="EI2" type="double" value="2"/>
         <Parameter name="EI3" type="double" value="2.5"/>)xml";
 
-std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
-  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
-}
-std::string number(const std::string& name, const std::string& value) { return parameter(name, "double", value); }
 std::string shape(const std::string& word) { return parameter("Shape", "string", word); }
 std::string matrix(const std::string& values) { return parameter("Matrix", "Array(double)", values); }
 std::string rigid(const std::string& name) { return parameter(name, "bool", "true"); }
