@@ -240,7 +240,7 @@ const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
   if (tangent_.exists && !matrix_is_filled_) {
     if (tangent_.planar) evaluate_spatial_tangents(tangent_.state);
     PhaseTimer timer(times_, "assemble");
-    fill(*matrix_, {equations_.condensed_tangent, {}});
+    fill(*matrix_, LinkMatrices<kSpatialDofs>{equations_.condensed_tangent, {}});
     matrix_is_filled_ = true;
   }
   return matrix_->matrix();

@@ -160,7 +160,7 @@ ChainCondensation<N>::ChainCondensation(const ChainStructure& structure)
 }
 
 template <int N>
-typename ChainCondensation<N>::Pivots ChainCondensation<N>::factorize(const Matrices& element_tangents) {
+typename ChainCondensation<N>::Pivots ChainCondensation<N>::factorize(const ElementMatrices& element_tangents) {
   const LinkMatrices<N> all = matrices(element_tangents);
   for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(structure_.levels()[l], all, factors_[l], pivots_);
   Pivots result;

@@ -56,12 +56,12 @@ class ChainStructure {
 template <int N>
 class ChainCondensation {
  public:
-  using Matrices = KernelView<double * [4 * N * N]>;
+  using ElementMatrices = KernelView<const double**>;  ///< LinkMatrices::elements
 
   /// The structure must outlive this.
   explicit ChainCondensation(const ChainStructure& structure);
 
-  LinkMatrices<N> matrices(const Matrices& element_tangents) const { return {element_tangents, run_matrices_}; }
+  LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
   /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
   const KernelView<double* [2 * N]>& arrived() const { return arrived_; }
 
@@ -70,7 +70,7 @@ class ChainCondensation {
     double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
   };
   /// Eliminates; the elements' tangents must be symmetric wherever a vertex is eliminated.
-  Pivots factorize(const Matrices& element_tangents);
+  Pivots factorize(const ElementMatrices& element_tangents);
   /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done.
   void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x);
   /// Second half: eliminated entries of x from the others.
@@ -79,7 +79,7 @@ class ChainCondensation {
  private:
   const ChainStructure& structure_;
   std::vector<ChainFactors> factors_;  ///< (level)
-  Matrices run_matrices_;
+  KernelView<double * [4 * N * N]> run_matrices_;
   KernelView<double * [2 * N]> arrived_;
   ChainPivots pivots_;
 };

@@ -12,14 +12,6 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 /// the residual decides, this only saves the attempt.
 constexpr double kSmallestPivot = 1e-10;
 
-/// Whether the tangent of an element has a part without potential.
-bool is_unsymmetric(const ElementBlock& block, int e) {
-  if (block.field_row.extent(0) == 0) return false;
-  for (LineField field : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple})
-    if (block.field_row(e, static_cast<int>(field)) >= 0) return true;
-  return false;
-}
-
 std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
   std::vector<std::array<int, 2>> ends(structure.local_elements());
   for (const ElementBlock& block : structure.blocks)
@@ -38,9 +30,52 @@ std::vector<unsigned char> kept_vertices(const Structure& structure, const Condi
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       const int a = block.vertices(e, 0), b = block.vertices(e, 1);
-      if (a >= owned || b >= owned || is_unsymmetric(block, e)) kept[a] = kept[b] = 1;
+      if (a >= owned || b >= owned || block.is_unsymmetric(e)) kept[a] = kept[b] = 1;
     }
   return kept;
+}
+
+/// Forces and moments of one end of an element taken from `left`, and the sum of |entry| times the largest unknown of
+/// its kind added to `size`. `at`: unknowns of both ends.
+KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const double* const* at, double displacement,
+                                          double rotation, double* left, double* size) {
+  const double* matrix = tangent + 12 * kVertexDofs * end;
+  for (int side = 0; side < 2; ++side)
+    for (int r = 0; r < kVertexDofs; ++r)
+      for (int c = 0; c < kVertexDofs; ++c) {
+        const double k = matrix[12 * r + kVertexDofs * side + c];
+        left[r] -= k * at[side][c];
+        size[r] += (k < 0.0 ? -k : k) * (c < 3 ? displacement : rotation);
+      }
+}
+/// The same for kSymmetricTangent numbers.
+KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, const double* const* at,
+                                               double displacement, double rotation, double* left, double* size) {
+  double change[9];
+  for (int c = 0; c < 3; ++c) {
+    change[c] = at[1][c] - at[0][c];
+    change[3 + c] = at[0][3 + c];
+    change[6 + c] = at[1][3 + c];
+  }
+  const double sign = end == 0 ? -1.0 : 1.0;
+  const int moments = end == 0 ? 3 : 6;
+  for (int r = 0; r < 3; ++r) {
+    double force = 0.0, moment = 0.0, force_size = 0.0, moment_size = 0.0;
+    for (int c = 0; c < 9; ++c) {
+      const int m = moments + r;
+      const double f = tangent[r > c ? triangle(r, c) : triangle(c, r)];
+      const double k = tangent[m > c ? triangle(m, c) : triangle(c, m)];
+      const double largest = c < 3 ? 2.0 * displacement : rotation;
+      force += f * change[c];
+      force_size += (f < 0.0 ? -f : f) * largest;
+      moment += k * change[c];
+      moment_size += (k < 0.0 ? -k : k) * largest;
+    }
+    left[r] -= sign * force;
+    size[r] += force_size;
+    left[3 + r] -= moment;
+    size[3 + r] += moment_size;
+  }
 }
 
 }  // namespace
@@ -149,16 +184,11 @@ double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofV
         for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
           const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
           if (condensed(e) == 0) continue;
-          const double* matrix = links[e] + 12 * kVertexDofs * end;
-          for (int side = 0; side < 2; ++side) {
-            const double* at = &values(vertex_row(ends(e, side), 0));
-            for (int r = 0; r < kVertexDofs; ++r)
-              for (int c = 0; c < kVertexDofs; ++c) {
-                const double k = matrix[12 * r + kVertexDofs * side + c];
-                left[r] -= k * at[c];
-                size[r] += (k < 0.0 ? -k : k) * (c < 3 ? displacement : rotation);
-              }
-          }
+          const double* at[2] = {&values(vertex_row(ends(e, 0), 0)), &values(vertex_row(ends(e, 1), 0))};
+          if (links.keeps_symmetric_elements())
+            subtract_symmetric(&links.elements(e, 0), end, at, displacement, rotation, left, size);
+          else
+            subtract_full(&links.elements(e, 0), end, at, displacement, rotation, left, size);
         }
         for (int r = 0; r < kVertexDofs; ++r) {
           const double absolute = left[r] < 0.0 ? -left[r] : left[r];

@@ -54,7 +54,8 @@ PlanarChains::PlanarChains(const Assembler& assembler, const ChainStructure& str
   const Structure& mesh = assembler.structure();
   const int elements = structure.elements();
   // only what remains is ever written: untouched pages cost nothing
-  elements_ = KernelView<double* [144]>(view_alloc("mixbeam::planar::elements", WithoutInitializing), elements);
+  elements_ = KernelView<double**>(view_alloc("mixbeam::planar::elements", WithoutInitializing), elements,
+                                   LinkMatrices<kSpatialDofs>::kFull);
   const KernelView<double* [144]> runs(view_alloc("mixbeam::planar::runs", WithoutInitializing), structure.runs());
   remaining_ = {elements_, runs};
   arrived_ = KernelView<double* [12]>("mixbeam::planar::arrived", structure.runs());
@@ -78,8 +79,9 @@ ChainCondensation<kPlanarDofs>::Pivots PlanarChains::condense() {
   const int elements = structure_.elements();
   for (const RemainingLink& remaining : structure_.remaining()) {
     const int link = remaining.link;
+    double room[LinkMatrices<kPlanarDofs>::kFull];
     double* out = link < elements ? &elements_(link, 0) : &remaining_.runs(link - elements, 0);
-    expand_link(*assembler_.plane(), links[link], out);
+    expand_link(*assembler_.plane(), links.full(link, room), out);
   }
   return pivots;
 }
@@ -131,7 +133,7 @@ double PlanarChains::error(const KernelView<const double*>& rows, const KernelVi
           const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
           if (condensed(e) == 0) continue;
           for (int side = 0; side < 2; ++side) project(axes, &x(vertex_row(ends(e, side), 0)), at + kPlanarDofs * side);
-          const double* matrix = links[e] + 2 * kPlanarDofs * kPlanarDofs * end;
+          const double* matrix = &links.elements(e, 2 * kPlanarDofs * kPlanarDofs * end);
           for (int r = 0; r < kPlanarDofs; ++r)
             for (int c = 0; c < 2 * kPlanarDofs; ++c) {
               const double k = matrix[2 * kPlanarDofs * r + c];

@@ -237,11 +237,14 @@ ElementEquations allocate_equations(const Structure& structure) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   const int n = structure.local_elements();
+  bool some_unsymmetric = false;
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count && !some_unsymmetric; ++e) some_unsymmetric = block.is_unsymmetric(e);
   ElementEquations equations;
   equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
   equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
-  equations.condensed_tangent =
-      KernelView<double* [144]>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n);
+  equations.condensed_tangent = KernelView<double**>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n,
+                                                     some_unsymmetric ? kFullTangent : kSymmetricTangent);
   equations.response =
       KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
   equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);

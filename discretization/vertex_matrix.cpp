@@ -148,15 +148,16 @@ void VertexMatrix::gather(const LinkMatrices<kSpatialDofs>& links) const {
   const auto adjacency = adjacency_;
   Kokkos::parallel_for(
       "mixbeam::gather::matrix", Range(0, vertices_.extent(0)), KOKKOS_LAMBDA(int v) {
-        for (int r = 0; r < kVertexDofs; ++r) {
-          double* row = &values(row_start(kVertexDofs * v + r));
-          const size_t width = row_start(kVertexDofs * v + r + 1) - row_start(kVertexDofs * v + r);
-          for (size_t c = 0; c < width; ++c) row[c] = 0.0;
-          for (int a = start(v); a < start(v + 1); ++a) {
-            const int end = adjacency(a, 1);
-            const double* link = links[adjacency(a, 0)] + 12 * (kVertexDofs * end + r);
-            double* here = row + kVertexDofs * adjacency(a, 2);
-            double* there = row + kVertexDofs * adjacency(a, 3);
+        const size_t first = row_start(kVertexDofs * v), width = row_start(kVertexDofs * v + 1) - first;
+        double* rows = &values(first);
+        for (size_t c = 0; c < kVertexDofs * width; ++c) rows[c] = 0.0;
+        double room[LinkMatrices<kSpatialDofs>::kFull];
+        for (int a = start(v); a < start(v + 1); ++a) {
+          const int end = adjacency(a, 1);
+          const double* link = links.full(adjacency(a, 0), room) + 12 * kVertexDofs * end;
+          for (int r = 0; r < kVertexDofs; ++r, link += 12) {
+            double* here = rows + width * r + kVertexDofs * adjacency(a, 2);
+            double* there = rows + width * r + kVertexDofs * adjacency(a, 3);
             for (int c = 0; c < kVertexDofs; ++c) here[c] += link[kVertexDofs * end + c];
             for (int c = 0; c < kVertexDofs; ++c) there[c] += link[kVertexDofs * (1 - end) + c];
           }
@@ -195,7 +196,7 @@ void VertexMatrix::run_forces(const LinkMatrices<kSpatialDofs>& links, const Ker
         for (int a = start(v); a < start(v + 1); ++a) {
           const int end = adjacency(a, 1), run = adjacency(a, 0) - first_run;
           if (run < 0) continue;
-          const double* matrix = links[adjacency(a, 0)] + 12 * kVertexDofs * end;
+          const double* matrix = &links.runs(run, 12 * kVertexDofs * end);
           const int other = columns(row_start(kVertexDofs * v) + kVertexDofs * adjacency(a, 3)) / kVertexDofs;
           const double* here = &x(vertex_row(vertices(v), 0));
           const double* there = &x(vertex_row(vertices(other), 0));

@@ -9,12 +9,9 @@
 #pragma once
 
 #include "kernels/pack.hpp"
+#include "kernels/tangent_layout.hpp"
 
 namespace mixbeam {
-
-/// Position of (i, j), i >= j, in a lower triangle stored row by row.
-constexpr int triangle(int i, int j) { return i * (i + 1) / 2 + j; }
-constexpr int triangle_size(int n) { return n * (n + 1) / 2; }
 
 /// Symmetric matrix over both ends of a link: K00 and K11 as lower triangles, K10 with rows at the second vertex.
 template <int N, class Real>

@@ -15,34 +15,31 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 /// Which links the lanes of one step take, and from which end.
 struct StepLinks {
-  const double* matrix[kLanes];
-  int first[kLanes], second[kLanes];  ///< first rows of both ends in the matrix
-  Real::Mask rests;                   ///< lanes whose run has ended: they load what is harmless
+  int link[kLanes];
+  bool backward[kLanes];  ///< passed from the second end
+  Real::Mask rests;       ///< lanes whose run has ended: they load what is harmless
+
+  KOKKOS_INLINE_FUNCTION StepLinks(const ChainLevel& level, int step) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int code = level.link(step, lane);
+      rests[lane] = code < 0 ? -1 : 0;
+      const int safe = code < 0 ? level.link(step, 0) : code;
+      link[lane] = safe / 2;
+      backward[lane] = safe % 2 == 1;
+    }
+  }
 };
 
+/// From full matrices.
 template <int N>
-KOKKOS_INLINE_FUNCTION StepLinks step_links(const ChainLevel& level, const LinkMatrices<N>& matrices, int step) {
-  StepLinks result;
-  for (int lane = 0; lane < kLanes; ++lane) {
-    const int code = level.link(step, lane);
-    result.rests[lane] = code < 0 ? -1 : 0;
-    const int safe = code < 0 ? level.link(step, 0) : code;
-    result.matrix[lane] = matrices[safe / 2];
-    result.first[lane] = safe % 2 * N;
-    result.second[lane] = N - result.first[lane];
-  }
-  return result;
-}
-
-template <int N>
-KOKKOS_INLINE_FUNCTION Link<N> load_link(const StepLinks& links) {
+KOKKOS_INLINE_FUNCTION Link<N> load_full(const StepLinks& links, const double* const* matrix) {
   Link<N> m;
   const double *first[kLanes], *second[kLanes], *coupling[kLanes];
   for (int lane = 0; lane < kLanes; ++lane) {
-    const int f = links.first[lane], s = links.second[lane];
-    first[lane] = links.matrix[lane] + 2 * N * f + f;
-    second[lane] = links.matrix[lane] + 2 * N * s + s;
-    coupling[lane] = links.matrix[lane] + 2 * N * s + f;
+    const int f = links.backward[lane] ? N : 0, s = N - f;
+    first[lane] = matrix[lane] + 2 * N * f + f;
+    second[lane] = matrix[lane] + 2 * N * s + s;
+    coupling[lane] = matrix[lane] + 2 * N * s + f;
   }
   const auto entry = [](const double* const* blocks, int i, int j) {
     return Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
@@ -58,6 +55,69 @@ KOKKOS_INLINE_FUNCTION Link<N> load_link(const StepLinks& links) {
     for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(coupling, i, j);
   }
   return m;
+}
+
+/// The other end first: u_b - u_a changes its sign, the spins change places.
+KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (j <= i) {
+        to[triangle(i, j)] = from[triangle(i, j)];
+        to[triangle(3 + i, 3 + j)] = from[triangle(6 + i, 6 + j)];
+        to[triangle(6 + i, 6 + j)] = from[triangle(3 + i, 3 + j)];
+      }
+      to[triangle(3 + i, j)] = -from[triangle(6 + i, j)];
+      to[triangle(6 + i, j)] = -from[triangle(3 + i, j)];
+      to[triangle(6 + i, 3 + j)] = from[triangle(6 + j, 3 + i)];
+    }
+}
+
+/// From symmetric tangents of elements.
+KOKKOS_INLINE_FUNCTION Link<kSpatialDofs> load_symmetric(const StepLinks& links, const double* const* numbers) {
+  Real forward[kSymmetricTangent];
+  gather_lanes(numbers, kSymmetricTangent, forward);
+  bool some_backward = false;
+  for (int lane = 0; lane < kLanes; ++lane) some_backward = some_backward || links.backward[lane];
+  if (some_backward) {
+    Real backward[kSymmetricTangent];
+    turn_around(forward, backward);
+    Real::Mask turned{};
+    for (int lane = 0; lane < kLanes; ++lane) turned[lane] = links.backward[lane] ? -1 : 0;
+    for (int i = 0; i < kSymmetricTangent; ++i) forward[i] = select(turned, backward[i], forward[i]);
+  }
+  const auto entry = [&](int i, int j) {
+    const int a = row_among_nine(i), b = row_among_nine(j);
+    const Real& x = forward[a > b ? triangle(a, b) : triangle(b, a)];
+    return (i < 3) != (j < 3) ? -x : x;
+  };
+  Link<kSpatialDofs> m;
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) {
+      m.first[triangle(i, j)] = entry(i, j);
+      m.second[triangle(i, j)] = entry(6 + i, 6 + j);
+    }
+#pragma GCC unroll 6
+    for (int j = 0; j < 6; ++j) m.coupling[i][j] = entry(6 + i, j);
+  }
+  return m;
+}
+
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
+  const double* rows[kLanes];
+  if constexpr (N == kSpatialDofs) {
+    bool all_elements = matrices.keeps_symmetric_elements();
+    for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
+    if (all_elements) {
+      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
+      return load_symmetric(links, rows);
+    }
+  }
+  double room[kLanes][LinkMatrices<N>::kFull];
+  for (int lane = 0; lane < kLanes; ++lane) rows[lane] = matrices.full(links.link[lane], room[lane]);
+  return load_full<N>(links, rows);
 }
 
 template <int N>
@@ -89,20 +149,20 @@ struct CondenseLoop {
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
     const int begin = level.step_start(pack), end = level.step_start(pack + 1);
-    Link<N> chain = load_link<N>(step_links(level, matrices, begin));
+    Link<N> chain = load_link<N>(matrices, StepLinks(level, begin));
     PivotWatch<Real> watch;
     for (int step = begin + 1; step < end; ++step) {
-      const StepLinks links = step_links(level, matrices, step);
+      const StepLinks links(level, step);
       auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
       if (any<kLanes>(links.rests)) {
         const Link<N> before = chain;
         const PivotWatch<Real> seen = watch;
-        eliminate_vertex<N>(chain, load_link<N>(links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
         keep_resting<N>(links.rests, before, chain);
         watch.negative = select(links.rests, seen.negative, watch.negative);
         watch.smallest = select(links.rests, seen.smallest, watch.smallest);
       } else {
-        eliminate_vertex<N>(chain, load_link<N>(links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
       }
     }
     for (int lane = 0; lane < kLanes; ++lane) {

@@ -4,6 +4,7 @@
 
 #include "kernels/element_layout.hpp"
 #include "kernels/execution_space.hpp"
+#include "kernels/tangent_layout.hpp"
 
 #include <Kokkos_Core.hpp>
 
@@ -44,7 +45,7 @@ struct ElementEquations {
   KernelView<double* [12]> residual;            ///< (element, u_a theta_a u_b theta_b): gradient, spatial
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
-  KernelView<double* [144]> condensed_tangent;  ///< (element, 12 x 12 row-major), spatial
+  KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
   KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
 };
@@ -74,6 +75,13 @@ struct ElementBlock {
   KernelView<int* [kLineFields]> field_row;
   KernelView<double* [3]> field_value;  ///< at the present load factor
 
+  /// Whether the tangent of an element has a part without potential.
+  bool is_unsymmetric(int e) const {
+    if (field_row.extent(0) == 0) return false;
+    for (LineField field : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple})
+      if (field_row(e, static_cast<int>(field)) >= 0) return true;
+    return false;
+  }
   /// Numbers that the tangent keeps of each element for recover_interior.
   int response_size() const {
     return general_section ? kResponseColumns * interior.increments()

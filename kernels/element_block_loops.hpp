@@ -385,7 +385,7 @@ template <int K, bool General>
 struct TangentLoop {
   ElementGather<K, General> gather;
   KernelView<double* [12]> condensed_residual;
-  KernelView<double* [144]> condensed_tangent;
+  KernelView<double**> condensed_tangent;
   KernelView<double*> response;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
   size_t increment_offset, response_offset;
@@ -410,12 +410,18 @@ struct TangentLoop {
     const auto row_of = [&](int i) { return response_row(i); };
     element.store_response(gather, kinematics, section, ElementRows<double>(e, row_of));
     const int index = gather.first_element + e;
-    expand_tangent<false>(element.condensed.matrix, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
+    if (keeps_symmetric_tangents())
+      symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
+    else
+      full_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
     store_condensed_residual(element.condensed, element.gradient, kinematics, &condensed_residual(index, 0));
     if (mean_rows.used) {
       mean_rows.condense(element.response);
       mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
     }
+  }
+  KOKKOS_INLINE_FUNCTION bool keeps_symmetric_tangents() const {
+    return condensed_tangent.extent(1) == kSymmetricTangent;
   }
   KOKKOS_INLINE_FUNCTION bool own_gradient() const { return given_rhs.extent(0) == 0; }
   KOKKOS_INLINE_FUNCTION const double* rhs_row(int e) const {
@@ -457,13 +463,26 @@ struct TangentLaneLoop {
   inline __attribute__((always_inline)) void store_condensed(const CondensedElement<K, false, Real>& element,
                                                              const ElementKinematics<K, Real>& kinematics,
                                                              const LaneElements& lanes) const {
-    Real tangent[144], residual[12];
-    expand_tangent<true>(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+    Real tangent[kSymmetricTangent], residual[12];
+    symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
     const auto tangent_of = [&](int e) { return &loop.condensed_tangent(loop.gather.first_element + e, 0); };
-    ElementRows<Real>(lanes, tangent_of).store(0, 144, tangent);
+    if (loop.keeps_symmetric_tangents())
+      ElementRows<Real>(lanes, tangent_of).store(0, kSymmetricTangent, tangent);
+    else
+      store_full(tangent, lanes, tangent_of);
     store_condensed_residual(element.condensed, element.gradient, kinematics, residual);
     const auto residual_of = [&](int e) { return &loop.condensed_residual(loop.gather.first_element + e, 0); };
     ElementRows<Real>(lanes, residual_of).store(0, 12, residual);
+  }
+  /// For a structure of which another element has no potential.
+  template <class TangentOf>
+  static __attribute__((noinline)) void store_full(const Real* tangent, const LaneElements& lanes,
+                                                   const TangentOf& tangent_of) {
+    for (int lane = 0; lane < lanes.active; ++lane) {
+      double numbers[kSymmetricTangent];
+      for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = tangent[i][lane];
+      expand_symmetric_tangent(numbers, tangent_of(lanes.element[lane]));
+    }
   }
 };
 

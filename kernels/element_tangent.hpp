@@ -273,30 +273,40 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> turned_block(const Mat3<Real> (*local)[3]
   return Symmetric && I == J ? symmetric_times_transpose(half, triad) : times_transpose(half, triad);
 }
 
-/// Rotates the condensed tangent to space and expands slope_0 = (u_b - u_a)/h to both vertex displacements: rows and
-/// columns u_a, theta_a, u_b, theta_b. Symmetric: from the lower triangle alone.
-template <bool Symmetric, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void expand_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad,
-                                                const Real& length, Real* tangent) {
+/// The condensed tangent in space with slope_0 = (u_b - u_a)/h, kSymmetricTangent numbers; from the lower triangle.
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad,
+                                                   const Real& length, Real* tangent) {
   const Real inverse = 1.0 / length;
-  const Mat3<Real> uu = Real(inverse * inverse) * turned_block<Symmetric>(local, triad, 0, 0), minus_uu = -1.0 * uu;
+  for (int I = 0; I < 3; ++I)
+    for (int J = 0; J <= I; ++J) {
+      Mat3<Real> block = turned_block<true>(local, triad, I, J);
+      if (J == 0) block = (I == 0 ? Real(inverse * inverse) : inverse) * block;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < (I == J ? i + 1 : 3); ++j) tangent[triangle(3 * I + i, 3 * J + j)] = block(i, j);
+    }
+}
+
+/// The same as the 12 x 12 matrix, not expected to be symmetric.
+KOKKOS_INLINE_FUNCTION void full_tangent(const Mat (*local)[3], const Mat& triad, double length, double* tangent) {
+  const double inverse = 1.0 / length;
+  const Mat uu = (inverse * inverse) * turned_block<false>(local, triad, 0, 0), minus_uu = -1.0 * uu;
   store_block(0, 0, uu, tangent);
   store_block(0, 2, minus_uu, tangent);
   store_block(2, 0, minus_uu, tangent);
   store_block(2, 2, uu, tangent);
   for (int end = 0; end < 2; ++end) {
     const int theta = 1 + 2 * end;
-    const Mat3<Real> by_u = inverse * turned_block<Symmetric>(local, triad, 1 + end, 0), minus_by_u = -1.0 * by_u;
-    store_block(theta, 0, minus_by_u, tangent);
+    const Mat by_u = inverse * turned_block<false>(local, triad, 1 + end, 0);
+    const Mat of_u = inverse * turned_block<false>(local, triad, 0, 1 + end);
+    store_block(theta, 0, -1.0 * by_u, tangent);
     store_block(theta, 2, by_u, tangent);
-    const Mat3<Real> of_u = Symmetric ? transpose(by_u) : inverse * turned_block<Symmetric>(local, triad, 0, 1 + end);
     store_block(0, theta, -1.0 * of_u, tangent);
     store_block(2, theta, of_u, tangent);
-    store_block(theta, theta, turned_block<Symmetric>(local, triad, 1 + end, 1 + end), tangent);
+    store_block(theta, theta, turned_block<false>(local, triad, 1 + end, 1 + end), tangent);
   }
-  const Mat3<Real> b_by_a = turned_block<Symmetric>(local, triad, 2, 1);
-  store_block(3, 1, b_by_a, tangent);
-  store_block(1, 3, Symmetric ? transpose(b_by_a) : turned_block<Symmetric>(local, triad, 1, 2), tangent);
+  store_block(3, 1, turned_block<false>(local, triad, 2, 1), tangent);
+  store_block(1, 3, turned_block<false>(local, triad, 1, 2), tangent);
 }
 
 }  // namespace mixbeam

@@ -20,14 +20,16 @@ constexpr int kLanes = 4;
 constexpr int kLanes = 2;
 #endif
 
-/// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere).
+/// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere), and
+/// the numbers as they stand in an array of double.
 template <int W>
 struct Registers;
-#define MIXBEAM_REGISTERS(W)                                                          \
-  template <>                                                                         \
-  struct Registers<W> {                                                               \
-    typedef double Numbers __attribute__((vector_size(W * sizeof(double))));          \
-    typedef long long Conditions __attribute__((vector_size(W * sizeof(long long)))); \
+#define MIXBEAM_REGISTERS(W)                                                                         \
+  template <>                                                                                        \
+  struct Registers<W> {                                                                              \
+    typedef double Numbers __attribute__((vector_size(W * sizeof(double))));                         \
+    typedef long long Conditions __attribute__((vector_size(W * sizeof(long long))));                \
+    typedef double InMemory __attribute__((vector_size(W * sizeof(double)), aligned(8), may_alias)); \
   };
 MIXBEAM_REGISTERS(1)
 MIXBEAM_REGISTERS(2)
@@ -47,6 +49,12 @@ struct Pack {
   // NaN, so nothing is computed for it; 0 + x would have to be.
   Pack(double x) : v(x - Vector{}) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(const Vector& x) : v(x) {}
+
+  /// W consecutive numbers. (In one instruction: GCC 12 makes two of a memcpy, for which the next access has to wait.)
+  static Pack loaded(const double* numbers) {
+    return Pack(Vector(*reinterpret_cast<const typename Registers<W>::InMemory*>(numbers)));
+  }
+  void store(double* numbers) const { *reinterpret_cast<typename Registers<W>::InMemory*>(numbers) = v; }
 
   /// One number from each of W places.
   template <class Place>
@@ -127,7 +135,7 @@ inline __attribute__((always_inline)) void gather_lanes(const double* const* row
   for (int i = 0; i < count; i += W) {
     const int first = i + W <= count ? i : count - W;  // the last group overlaps the one before
     Pack<W> square[W];
-    for (int lane = 0; lane < W; ++lane) __builtin_memcpy(&square[lane], rows[lane] + first, sizeof(Pack<W>));
+    for (int lane = 0; lane < W; ++lane) square[lane] = Pack<W>::loaded(rows[lane] + first);
     if constexpr (W > 1) exchange<W, 1>(square);
     for (int j = 0; j < W; ++j) numbers[first + j] = square[j];
   }
@@ -147,7 +155,7 @@ inline void scatter_lanes(const Pack<W>* numbers, int count, int offset, int act
     for (int j = 0; j < W; ++j) square[j] = numbers[first + j];
     if constexpr (W > 1) exchange<W, 1>(square);
     for (int lane = 0; lane < W; ++lane)
-      if (lane < active) __builtin_memcpy(rows[lane] + offset + first, &square[lane], sizeof(Pack<W>));
+      if (lane < active) square[lane].store(rows[lane] + offset + first);
   }
 }
 

@@ -1,7 +1,7 @@
 #include "apps/thread_scaling/element_operations.hpp"
 
 #include "kernels/counted_number.hpp"
-#include "kernels/element_block_loops.hpp"
+#include "kernels/element_recovery.hpp"
 
 #include <stdexcept>
 #include <string>
@@ -69,9 +69,22 @@ OperationCount tangent_operations(const CountedElement<K>& element, const Elemen
     condensed.build(gather, element.in, kinematics, element.section, true);
     solve_in_lanes(condensed.system, condensed.response, condensed.condensed);
     condensed.store_response(gather, kinematics, element.section, ElementRows<CountedNumber>());
-    CountedNumber tangent[144], residual[12];
-    expand_tangent<true>(condensed.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+    CountedNumber tangent[kSymmetricTangent], residual[12];
+    symmetric_tangent(condensed.condensed.matrix, kinematics.triad, kinematics.length, tangent);
     store_condensed_residual(condensed.condensed, condensed.gradient, kinematics, residual);
+  });
+}
+
+template <int K>
+OperationCount recovery_operations(const CountedElement<K>& element, const ElementGather<K, false>& gather) {
+  return operations_of([&] {
+    const ElementKinematics<K, CountedNumber> kinematics(element.in, element.layout);
+    const Vec3<CountedNumber> change{};
+    auto d = RecoverLoop<K, false>::reduced(kinematics, change, change, change, change);
+    const CountedNumber response[ResponseLayout{K, K}.size()];
+    CountedNumber increments[InteriorLayout{K, K}.increments()];
+    recover_element(element.in, kinematics, gather.tables, element.layout, element.reference_layout, d, response,
+                    increments);
   });
 }
 
@@ -81,7 +94,8 @@ ElementOperations operations_of_order(int order) {
     const CountedElement<K> element;
     const auto gather = element.gather();
     return {static_cast<double>(residual_operations(element, gather).flops()),
-            static_cast<double>(tangent_operations(element, gather).flops())};
+            static_cast<double>(tangent_operations(element, gather).flops()),
+            static_cast<double>(recovery_operations(element, gather).flops())};
   }
   if constexpr (K < kMaximumOrder)
     return operations_of_order<K + 1>(order);

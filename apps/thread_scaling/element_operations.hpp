@@ -5,7 +5,7 @@ namespace mixbeam {
 
 /// Of one element with a plain section, all force parts reduced, and without line fields.
 struct ElementOperations {
-  double residual = 0.0, tangent = 0.0;
+  double residual = 0.0, tangent = 0.0, recovery = 0.0;
 };
 
 /// Counted by running the kernels of that order on CountedNumber.

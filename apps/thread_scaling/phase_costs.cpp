@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kDofs = 6;  ///< of a vertex
 constexpr int kVertexState = 3 + 4, kTriad = 4;
-constexpr int kLinkNumbers = 4 * kDofs * kDofs;
 
 double bytes_of(double numbers, double integers = 0.0) { return sizeof(double) * numbers + sizeof(int) * integers; }
 
@@ -31,7 +30,7 @@ PhaseCost condense_cost() {
   VertexFactors<kDofs, CountedNumber> factors;
   PivotWatch<CountedNumber> watch;
   const double flops = operations_of([&] { eliminate_vertex<kDofs>(chain, next, factors, watch); }).flops();
-  return {flops, bytes_of(kLinkNumbers + vertex_factor_size(kDofs), 2)};
+  return {flops, bytes_of(kSymmetricTangent + vertex_factor_size(kDofs), 2)};
 }
 
 /// Right-hand side inwards, solution outwards.
@@ -49,8 +48,11 @@ PhaseCost solve_cost() {
   return {static_cast<double>(count.flops() + kDofs), bytes_of(inwards + outwards, 3)};
 }
 
-/// b - K x and |K| X + |b| with the link matrices on both sides of a vertex.
-PhaseCost check_cost() { return {4.0 * kLinkNumbers, bytes_of(kLinkNumbers + 3 * kDofs, 4)}; }
+/// b - K x and |K| X + |b| with the matrices of the elements on both sides of a vertex, six rows of nine numbers each.
+PhaseCost check_cost() {
+  constexpr double rows = 2 * kDofs * 9;
+  return {4.0 * rows, bytes_of(kSymmetricTangent + 3 * kDofs, 4)};
+}
 
 /// Condensed residuals, gathered by vertex.
 PhaseCost assemble_cost() { return {2.0 * kDofs, bytes_of(3 * kDofs, 4)}; }
@@ -58,9 +60,11 @@ PhaseCost assemble_cost() { return {2.0 * kDofs, bytes_of(3 * kDofs, 4)}; }
 struct Layouts {
   InteriorLayout interior;
   ReferenceLayout reference;
+  ResponseLayout response;
   explicit Layouts(int order)
       : interior{order, force_point_count(order, ForceIntegration::both_reduced)},
-        reference{order, interior.force_points} {}
+        reference{order, interior.force_points},
+        response{order, interior.force_points} {}
   /// State, reference and numbers of vertices and member.
   double input() const { return bytes_of(kVertexState + kTriad + interior.unknowns() + reference.size(), 3); }
 };
@@ -75,22 +79,11 @@ PhaseCost residual_cost(const Layouts& layouts, double element_flops) {
 }
 
 PhaseCost tangent_cost(const Layouts& layouts, double element_flops) {
-  const int written = 2 * kDofs + kLinkNumbers + kResponseColumns * layouts.interior.increments();
-  return {element_flops, layouts.input() + bytes_of(written)};
+  return {element_flops, layouts.input() + bytes_of(2 * kDofs + kSymmetricTangent + layouts.response.size())};
 }
 
-/// Response times (change of slope, spins of both vertices, one), which are turned to the element frame.
-PhaseCost recover_cost(const Layouts& layouts) {
-  const int rows = layouts.interior.increments();
-  Quaternion<CountedNumber> q{1.0, 0.0, 0.0, 0.0};
-  Vec3<CountedNumber> v{};
-  const auto count = operations_of([&] {
-    const Mat3<CountedNumber> triad = rotation_matrix(q);
-    v = CountedNumber(1.0) * transpose_times(triad, v - v);
-    v = transpose_times(triad, transpose_times(triad, v));
-  });
-  const double flops = count.flops() + 2.0 * (kResponseColumns - 1) * rows;
-  return {flops, bytes_of(kResponseColumns * rows + kDofs + kTriad + 1 + rows, 2)};
+PhaseCost recover_cost(const Layouts& layouts, double element_flops) {
+  return {element_flops, layouts.input() + bytes_of(layouts.response.size() + kDofs + layouts.interior.increments())};
 }
 
 /// x + step d; rotations of element and vertex are composed.
@@ -107,12 +100,13 @@ PhaseCost operator+(const PhaseCost& a, const PhaseCost& b) { return {a.flops + 
 
 }  // namespace
 
-std::map<std::string, PhaseCost> phase_costs(int order) {
+std::map<std::string, PhaseCost> phase_costs(const std::string& kind, int order) {
+  if (kind != "spatial") return {};
   const Layouts layouts(order);
   const ElementOperations element = element_operations(order);
   std::map<std::string, PhaseCost> costs = {{"residual", residual_cost(layouts, element.residual)},
                                             {"element tangent", tangent_cost(layouts, element.tangent)},
-                                            {"recover", recover_cost(layouts)},
+                                            {"recover", recover_cost(layouts, element.recovery)},
                                             {"update", update_cost(layouts)},
                                             {"condense chains", condense_cost()},
                                             {"assemble", assemble_cost()},

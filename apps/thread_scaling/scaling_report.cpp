@@ -62,7 +62,7 @@ std::string milliseconds(double seconds, int width) {
 
 PhaseFigures phase_figures(const ScalingCase& of, const Measurement& measurement, const CeilingsByThreads& ceilings,
                            int threads, const std::string& phase) {
-  const auto costs = phase_costs(of.order);
+  const auto costs = phase_costs(of.kind, of.order);
   const auto cost = costs.find(phase);
   PhaseFigures figures{};
   figures.cost = cost == costs.end() ? PhaseCost{std::nan(""), std::nan("")} : cost->second;

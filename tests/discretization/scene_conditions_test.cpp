@@ -2,15 +2,30 @@
 #include "discretization/expression.hpp"
 #include "discretization/load_cases.hpp"
 #include "discretization/print_parameters.hpp"
-#include "scene_text.hpp"
+#include "input_text.hpp"
 
 #include <sstream>
 
 namespace mixbeam {
 namespace {
 
+std::string word(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"string\" value=\"" + value + "\"/>";
+}
+std::string words(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"Array(string)\" value=\"" + value + "\"/>";
+}
+std::string numbers(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"Array(double)\" value=\"" + value + "\"/>";
+}
+std::string number(const std::string& name, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"double\" value=\"" + value + "\"/>";
+}
 std::string stage(int value) {
   return "<Parameter name=\"Stage\" type=\"int\" value=\"" + std::to_string(value) + "\"/>";
+}
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
 }
 
 /// Three legs of different directions that meet at "hub", and a ring that starts and ends at "foot 3".

@@ -253,7 +253,7 @@ class SampleBlock {
     equations.residual = KernelView<double* [12]>("residual", elements);
     equations.interior_residual = KernelView<double*>("interior_residual", rows);
     equations.condensed_residual = KernelView<double* [12]>("condensed_residual", elements);
-    equations.condensed_tangent = KernelView<double* [144]>("condensed_tangent", elements);
+    equations.condensed_tangent = KernelView<double**>("condensed_tangent", elements, kFullTangent);
     equations.response = KernelView<double*>("response", block.response_offset + count * block.response_size());
     equations.largest_end_angle = KernelView<double*>("largest_end_angle", elements);
   }

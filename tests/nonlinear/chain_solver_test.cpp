@@ -137,14 +137,14 @@ TEST(ChainSolver, ErrorIsSeenInEveryRowOfAChain) {
   }
 }
 
-/// Takes nearly all of the diagonal entry of the first unknown of an inner vertex out of both links, so that the first
-/// pivot there is as good as
-/// zero; its neighbours still hold it. (An exact zero is too much for KLU2 as well.)
+/// Lets both links at an inner vertex of a straight row cancel in the diagonal entry of its first unknown, so that the
+/// first pivot there is as good as zero; its neighbours still hold it. (An exact zero is too much for KLU2 as well.)
 void make_pivot_zero(const Tangent& tangent, int vertex) {
   const auto adjacency = tangent.assembler.adjacency();
   const auto tangents = tangent.assembler.equations().condensed_tangent;
-  for (int a = adjacency.start(vertex); a < adjacency.start(vertex + 1); ++a)
-    tangents(adjacency.element(a, 0), 13 * kVertexDofs * adjacency.element(a, 1)) *= 1e-13;
+  ASSERT_EQ(tangents.extent(1), size_t{kSymmetricTangent});
+  const int a = adjacency.element(adjacency.start(vertex), 0), b = adjacency.element(adjacency.start(vertex) + 1, 0);
+  tangents(b, 0) = -tangents(a, 0) * (1.0 - 1e-13);
 }
 
 TEST(ChainSolver, ZeroPivotInAChainIsSolvedAsAWhole) {
