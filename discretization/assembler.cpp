@@ -290,16 +290,7 @@ State Assembler::apply(const State& from, const MixedVector& increment, double s
   PhaseTimer timer(times_, "update");
   State to = allocate_state(structure_);
   const KernelView<const double* [6]> d = local_increment(increment);
-  const KernelView<const double* [3]> from_u = from.views.vertex_displacement;
-  const KernelView<const double* [4]> from_q = from.views.vertex_rotation;
-  const KernelView<double* [3]> to_u = to.views.vertex_displacement;
-  const KernelView<double* [4]> to_q = to.views.vertex_rotation;
-  Kokkos::parallel_for(
-      "mixbeam::vertices::apply", Range(0, structure_.local_vertices()), KOKKOS_LAMBDA(int v) {
-        for (int i = 0; i < 3; ++i) to_u(v, i) = from_u(v, i) + step * d(v, i);
-        const Quat turn = exp_quaternion(step * load_vector(&d(v, 3)));
-        store_quaternion(normalized(turn * load_quaternion(&from_q(v, 0))), &to_q(v, 0));
-      });
+  apply_vertex_increment(structure_.local_vertices(), from.views, d, step, to.views);
   for (const ElementBlock& block : structure_.blocks)
     apply_interior_increment(block, from.views, increment.interior(), step, to.views);
   to.in_plane = from.in_plane && is_in_plane(increment);

@@ -1,5 +1,7 @@
 #include "discretization/mixed_vector.hpp"
 
+#include "kernels/pack.hpp"
+
 #include <Teuchos_CommHelpers.hpp>
 
 #include <cmath>
@@ -29,13 +31,27 @@ void copy_entries(const ConstEntries& from, const Entries& to) {
       "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
 }
 
+/// Entries that are looked at side by side before their largest is compared with the others': long enough that the
+/// comparison of one number does not count.
+constexpr size_t kRun = 64 * kLanes;
+
 double largest_magnitude(const ConstEntries& x) {
+  using Real = Pack<kLanes>;
   double largest = 0.0;
+  const size_t count = x.extent(0);
   Kokkos::parallel_reduce(
-      "mixbeam::vector::maximum", Range(0, x.extent(0)),
-      KOKKOS_LAMBDA(size_t i, double& m) {
-        const double a = magnitude(x(i));
-        if (a > m) m = a;
+      "mixbeam::vector::maximum", Range(0, (count + kRun - 1) / kRun),
+      KOKKOS_LAMBDA(size_t run, double& m) {
+        const size_t begin = run * kRun, end = begin + kRun < count ? begin + kRun : count;
+        Real side_by_side = 0.0;
+        size_t i = begin;
+        for (; i + kLanes <= end; i += kLanes) {
+          Real a = fabs(Real::loaded(&x(i)));
+          a = select(a <= Real(HUGE_VAL), a, Real(HUGE_VAL));
+          side_by_side = select(a > side_by_side, a, side_by_side);
+        }
+        for (int lane = 0; lane < kLanes; ++lane) m = side_by_side[lane] > m ? side_by_side[lane] : m;
+        for (; i < end; ++i) m = magnitude(x(i)) > m ? magnitude(x(i)) : m;
       },
       Kokkos::Max<double>(largest));
   return largest;

@@ -198,6 +198,7 @@ void write_snapshot(hid_t group, const StateSnapshot& state) {
   hdf5::write_dataset(group, "vertex_rotation", state.vertex_rotation, 4);
   hdf5::write_dataset(group, "element_triad", state.element_triad, 4);
   hdf5::write_dataset(group, "interior", state.interior, 1);
+  hdf5::write_attribute(group, "in_plane", state.in_plane ? 1 : 0);
 }
 
 void write_state(hid_t step, const StateSnapshot& state, const PathPoint& point) {

@@ -13,6 +13,7 @@ struct StateSnapshot {
   std::vector<double> vertex_rotation{};      ///< (vertex, 4)
   std::vector<double> element_triad{};        ///< (element, 4)
   std::vector<double> interior{};             ///< unknowns inside each element, element after element
+  bool in_plane = false;                      ///< State::in_plane
 
   bool empty() const { return vertex_rotation.empty(); }
 };

@@ -95,6 +95,7 @@ StateSnapshot snapshot_of(const Assembler& assembler, const State& state) {
   const Communicator comm = assembler.map()->getComm();
   const std::vector<size_t> interior_first = interior_places(assembler);
   StateSnapshot snapshot;
+  snapshot.in_plane = state.in_plane;
   const auto sizes = sizes_for(assembler, interior_first);
   const auto arrays = arrays_of(snapshot);
   for (size_t i = 0; i < arrays.size(); ++i) arrays[i]->assign(sizes[i], 0.0);
@@ -118,6 +119,9 @@ State restore(const Assembler& assembler, const StateSnapshot& given) {
     if (comm->getSize() > 1) MPI_Bcast(arrays[i]->data(), static_cast<int>(sizes[i]), MPI_DOUBLE, 0, raw(comm));
   }
   State state = allocate_state(assembler.structure());
+  int in_plane = snapshot.in_plane ? 1 : 0;
+  Teuchos::broadcast(*comm, 0, &in_plane);
+  state.in_plane = in_plane == 1 && assembler.plane().has_value();
   for_each_piece(assembler, state, interior_first, true, snapshot,
                  [](const std::vector<double>& array, size_t place, double* numbers, size_t count) {
                    std::copy_n(array.data() + place, count, numbers);

@@ -67,8 +67,11 @@ PathPoint read_point(hid_t steps, const std::string& name) {
 }
 
 StateSnapshot read_snapshot(hid_t group) {
+  const auto attributes = hdf5::attribute_names(group);
+  const bool knows_plane = std::find(attributes.begin(), attributes.end(), "in_plane") != attributes.end();
   return {hdf5::read_dataset(group, "vertex_displacement"), hdf5::read_dataset(group, "vertex_rotation"),
-          hdf5::read_dataset(group, "element_triad"), hdf5::read_dataset(group, "interior")};
+          hdf5::read_dataset(group, "element_triad"), hdf5::read_dataset(group, "interior"),
+          knows_plane && whole(group, "in_plane") == 1};
 }
 
 RecordedCriticalPoint read_critical_point(hid_t group) {

@@ -44,26 +44,6 @@ void for_kind(const ElementBlock& block, Action&& action) {
   });
 }
 
-struct ApplyLoop {
-  KernelView<const double* [4]> from_triad;
-  KernelView<const double*> from_interior, increment;
-  KernelView<double* [4]> to_triad;
-  KernelView<double*> to_interior;
-  double scale;
-  int first_element, unknowns;
-  size_t interior_offset, increment_offset;
-
-  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const double* d = increment.data() + increment_offset + static_cast<size_t>(e) * (unknowns + 3);
-    const double* x = from_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
-    double* y = to_interior.data() + interior_offset + static_cast<size_t>(e) * unknowns;
-    for (int i = 0; i < unknowns; ++i) y[i] = x[i] + scale * d[i];
-    const Quat turn = exp_quaternion(scale * load_vector(d + unknowns));
-    const Quat triad = load_quaternion(&from_triad(first_element + e, 0));
-    store_quaternion(normalized(triad * turn), &to_triad(first_element + e, 0));
-  }
-};
-
 }  // namespace
 
 void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
@@ -98,21 +78,6 @@ void recover_interior(const ElementBlock& block, const StateViews& state, const 
   for_kind(block, [&](auto order, auto general) {
     recover_loop<order.value, general.value>(block, state, equations, vertex_increment, increment);
   });
-}
-
-void apply_interior_increment(const ElementBlock& block, const StateViews& from,
-                              const KernelView<const double*>& increment, double scale, const StateViews& to) {
-  const ApplyLoop loop{from.element_triad,
-                       from.interior,
-                       increment,
-                       to.element_triad,
-                       to.interior,
-                       scale,
-                       block.first_element,
-                       block.interior.unknowns(),
-                       block.interior_offset,
-                       block.increment_offset};
-  Kokkos::parallel_for("mixbeam::elements::apply", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
 }
 
 }  // namespace mixbeam

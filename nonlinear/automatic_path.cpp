@@ -20,6 +20,8 @@ constexpr int kMostIterationsOfLoadStep = 25;
 /// and are given up a little above.
 constexpr double kAimedIterations = 6.0;
 constexpr int kMostIterationsAlongPath = 10;
+/// Attempts in a row that fail in the plane of the scene before the path goes on in space.
+constexpr int kFailuresInPlane = 3;
 /// Largest vertex rotation [rad] in the first step along a path: what follows a failed load step is difficult, and
 /// 0.5 lets Lee's frame jump to another path.
 constexpr double kFirstSpin = 0.2;
@@ -77,6 +79,7 @@ class AutomaticPath {
   bool take_branch(const CriticalPoint& from, std::vector<CriticalPoint>& passed);
   void accept(const Correction& found, const std::optional<StabilityResult>& stability,
               std::vector<CriticalPoint> passed);
+  void not_converged();
   PathDirection increments(const Correction& found) const {
     return {found.moved.clone(true), found.load_factor - load_};
   }
@@ -99,6 +102,7 @@ class AutomaticPath {
   double length_ = 0.0;                     ///< of the next step along the path
   bool branched_ = false;
   int attempts_left_ = 0;
+  int failures_in_a_row_ = 0;
 };
 
 /// The state at the start of the stage, or what is needed to go on from a completed step.
@@ -130,6 +134,7 @@ void AutomaticPath::accept(const Correction& found, const std::optional<Stabilit
   state_ = found.state;
   load_ = found.load_factor;
   stability_ = stability;
+  failures_in_a_row_ = 0;
   ConvergedStep step{state_, load_, found.residual};
   step.step_size = size_;
   step.path_length = tangent_ ? length_ : 0.0;
@@ -139,6 +144,12 @@ void AutomaticPath::accept(const Correction& found, const std::optional<Stabilit
   step.critical_points = std::move(passed);
   recorder_.set_attempts(range_.attempts - attempts_left_);
   recorder_.converged(step);
+}
+
+/// Where elements turn by many radians each, Newton's method in the plane arrives less often than that in space.
+void AutomaticPath::not_converged() {
+  recorder_.not_converged();
+  if (++failures_in_a_row_ >= kFailuresInPlane) state_.in_plane = false;
 }
 
 std::optional<StabilityResult> AutomaticPath::stability_of(const Correction& found) {
@@ -157,7 +168,7 @@ bool AutomaticPath::step_by_load() {
   const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
   const Correction found = corrector_.at_load({state_, target}, most);
   if (!found.converged) {
-    recorder_.not_converged();
+    not_converged();
     return start_along_path();
   }
   const std::optional<StabilityResult> stability = stability_of(found);
@@ -198,7 +209,7 @@ bool AutomaticPath::step_by_control() {
     row.weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) = 1.0 / length;
   const Correction found = corrector_.on_row({state_, load_}, row, kMostIterationsOfLoadStep);
   if (!found.converged) {
-    recorder_.not_converged();
+    not_converged();
     size_ = rule_.after_failure(size);
     return size_ >= kShortestStep;
   }
@@ -253,7 +264,7 @@ bool AutomaticPath::step_along_path() {
   Correction found{false, state_, load_, problem_->assembler.create_vector()};
   double length = 0.0;
   if (!attempt(found, length)) {
-    recorder_.not_converged();
+    not_converged();
     length_ = 0.5 * length;
     return length_ >= kShortestStep;
   }
@@ -309,7 +320,7 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
         corrector_.on_row({from.state, from.load_factor, &guess.x}, measure_.row(unit, from.load_factor, amplitude),
                           2 * kMostIterationsAlongPath);
     if (!found.converged) {
-      recorder_.not_converged();
+      not_converged();
       continue;
     }
     const PathDirection done{found.moved.clone(true), found.load_factor - from.load_factor};

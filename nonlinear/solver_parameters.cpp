@@ -198,9 +198,8 @@ ListSpec solver_spec() {
       boolean("Planar")
           .by_default(kDefaults.planar)
           .means(
-              "Scenes in a plane are solved with three unknowns per vertex, about three times as fast. Off by default: "
-              "the last digits differ, and a resumed run goes on in space, so its digits differ from those of "
-              "a run without a break."));
+              "Scenes in a plane are recognised and solved with three unknowns per vertex, about three times as fast; "
+              "their last digits are not those of the solution in space."));
   spec.add_list("NOX", nox_spec(), Presence::optional);
   spec.add_list(
       "Status Tests",

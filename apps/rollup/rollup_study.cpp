@@ -27,7 +27,7 @@ constexpr int kGoalIterations = 3;
 constexpr double kResidualTolerance = 1e-13;
 /// Round-off of stiffer rods alone is more than that: strains of 1e-16 times a stiffness far above that of bending.
 constexpr double kStiff = 1e2, kResidualToleranceOfStiff = 3e-12;
-constexpr double kRoundOff = 1e-13;  // of the centerline's error at slenderness 1000, with a margin
+constexpr double kRoundOff = 1e-12;  // of the centerline's error at slenderness 1000: what Newton's tolerance lets pass
 constexpr double kRateTolerance = 0.15;
 
 /// An element locks when its error is this many times the one that both reduced integrations give. At slenderness 1000
