@@ -116,6 +116,8 @@ class Assembler {
   /// Row scales of the last residual(), or those of another state that is to be worked on.
   const ResidualScales& scales() const { return scales_; }
   void use_scales(const ResidualScales& scales) { scales_ = scales; }
+  /// Takes rows scaled by `from` to `to`, which are used from then on.
+  void rescale(MixedVector& rows, const ResidualScales& from, const ResidualScales& to);
   /// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
   double equilibrium_norm(const MixedVector& scaled_residual) const;
   /// Largest row of N or M of a scaled residual: compatibility and the constitutive law.

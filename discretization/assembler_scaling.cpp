@@ -112,6 +112,13 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
   }
 }
 
+void Assembler::rescale(MixedVector& rows, const ResidualScales& from, const ResidualScales& to) {
+  use_scales(from);
+  scale_rows(rows, true);
+  use_scales(to);
+  scale_rows(rows, false);
+}
+
 namespace {
 
 /// Largest magnitude among entries [first, end) of the increments of every element of a block; infinity for

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,20 @@ struct RecordedBucklingMode {
   std::vector<Vector3> mode{};  ///< displacement at the samples of all members, scaled as that of a critical point
 };
 
+/// An estimated error and the size of the quantity that it belongs to.
+struct RecordedError {
+  double error = 0.0, size = 0.0;
+};
+
+/// See ErrorEstimate (nonlinear/error_estimate.hpp).
+struct RecordedErrorEstimate {
+  std::string not_estimated{};                                   ///< why there is none; empty where there is one
+  std::vector<Vector3> vertex_displacement{};                    ///< (vertex of the mesh)
+  std::vector<double> element_displacement{}, element_moment{};  ///< (element of the mesh)
+  RecordedError largest_displacement{}, displacement{}, moment{}, energy{};
+  std::vector<MonitoredQuantity> points{};  ///< error of the displacement of the points that the run follows
+};
+
 /// A converged configuration and how it was reached.
 struct StepRecord {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
@@ -110,11 +125,12 @@ struct StepRecord {
   std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
   RecordedBalance balance{};
   int negative_eigenvalues = -1;  ///< of the tangent: 0 where the state is stable; -1: not counted
-  std::vector<RecordedCriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
-  std::vector<RecordedBucklingMode> buckling{};          ///< in at most one record of a run: nearest to zero first
-  std::vector<NewtonIteration> history{};                ///< of all attempts at this step
-  StateSnapshot state{};                                 ///< for resuming; empty: this record cannot be resumed from
-  PathPoint point{};                                     ///< of the state
+  std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
+  std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
+  std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
+  std::vector<NewtonIteration> history{};                 ///< of all attempts at this step
+  StateSnapshot state{};                                  ///< for resuming; empty: this record cannot be resumed from
+  PathPoint point{};                                      ///< of the state
 };
 
 }  // namespace mixbeam

@@ -241,6 +241,28 @@ void write_stability(hid_t step, const StepRecord& record) {
     write_critical_point(hdf5::create_group(points, std::to_string(number++)), point);
 }
 
+void write_error(hid_t group, const std::string& name, const RecordedError& error) {
+  hdf5::write_attribute(group, name + "_error", error.error);
+  hdf5::write_attribute(group, name + "_size", error.size);
+}
+
+void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
+  const auto group = hdf5::create_group(step, "error_estimate");
+  if (!estimate.not_estimated.empty()) {
+    hdf5::write_attribute(group, "not_estimated", estimate.not_estimated);
+    return;
+  }
+  write_error(group, "largest_displacement", estimate.largest_displacement);
+  write_error(group, "displacement", estimate.displacement);
+  write_error(group, "moment", estimate.moment);
+  write_error(group, "energy", estimate.energy);
+  hdf5::write_dataset(group, "vertex_displacement", numbers_of(estimate.vertex_displacement), 3);
+  hdf5::write_dataset(group, "element_displacement", estimate.element_displacement, 1);
+  hdf5::write_dataset(group, "element_moment", estimate.element_moment, 1);
+  const auto points = hdf5::create_group(group, "points");
+  for (const auto& point : estimate.points) hdf5::write_dataset(points, point.name, point.components, 1);
+}
+
 void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) {
   if (modes.empty()) return;
   const auto buckling = hdf5::create_group(file, "buckling");
@@ -267,6 +289,7 @@ void write_step(hid_t file, const StepRecord& record) {
   write_reactions(group, record);
   write_history(group, record.history);
   write_stability(group, record);
+  if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
   if (!record.state.empty()) write_state(group, record.state, record.point);
 
   const auto monitor = hdf5::open_group(file, "monitor");
@@ -295,6 +318,10 @@ std::size_t bytes_of(const StepRecord& record) {
   for (const auto& point : record.critical_points)
     bytes += kOverheadPerStep + bytes_of(point.state) + point.mode.size() * 3 * sizeof(Vector3) +
              point.monitored.size() * 4096;
+  if (record.error_estimate)
+    bytes += kOverheadPerStep + record.error_estimate->vertex_displacement.size() * sizeof(Vector3) +
+             record.error_estimate->element_displacement.size() * 2 * sizeof(double) +
+             record.error_estimate->points.size() * 4096;
   for (const auto& mode : record.buckling) bytes += 4096 + mode.mode.size() * sizeof(Vector3);
   bytes += record.reactions.size() * (6 * sizeof(double) + 2048);
   bytes += record.history.size() * sizeof(NewtonIteration) * 2;

@@ -22,6 +22,11 @@
 ///                               limit points and bifurcations since the step before: attributes kind, load_factor,
 ///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:
 ///                               what is monitored there; state
+///     /steps/000001/error_estimate
+///                               of the state at the end of the path, where asked for: attributes
+///                               largest_displacement_error, .._size, the same of displacement, moment, energy;
+///                               vertex_displacement (vertices,3), element_displacement, element_moment (elements);
+///                               points: one (3) for each point that is followed; or attribute not_estimated: why not
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
 ///     /buckling/0, 1, ...       linear buckling, where asked for: attribute load_factor; mode (n,3)
 ///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored

@@ -17,6 +17,8 @@ const AnalysisParameters kDefaults;
 constexpr int kMostBucklingModes = 100;
 const std::map<std::string, Branch> kBranches = {
     {"primary", Branch::primary}, {"positive", Branch::positive}, {"negative", Branch::negative}};
+const std::map<std::string, ErrorEstimation> kErrorEstimation = {
+    {"auto", ErrorEstimation::automatic}, {"on", ErrorEstimation::on}, {"off", ErrorEstimation::off}};
 const std::vector<std::string> kComponents = {"x", "y", "z"};
 
 ListSpec control_spec() {
@@ -72,6 +74,10 @@ ListSpec analysis_spec() {
                .by_default(kDefaults.buckling_modes)
                .means("Linear buckling analysis: this many critical load factors of the undeformed structure, a quick "
                       "estimate."));
+  spec.add(choice("Error Estimate", {"auto", "on", "off"})
+               .by_default("auto")
+               .means("Estimate the discretization error of the state at the end of the path, for about two Newton "
+                      "iterations; auto: in structures of at most 100,000 elements."));
   spec.add_list("Control", control_spec(), Presence::optional);
   return spec;
 }
@@ -84,6 +90,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
   parameters.trace = list.get<bool>("Trace");
   parameters.branch = kBranches.at(list.get<std::string>("Branch"));
   parameters.buckling_modes = list.get<int>("Buckling Modes");
+  parameters.error_estimate = kErrorEstimation.at(list.get<std::string>("Error Estimate"));
   if (list.isSublist("Control"))
     parameters.control = read_control(list.sublist("Control"), scene, source, child(path, "Control"));
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))

@@ -23,6 +23,9 @@ struct MonitoredComponent {
   double target = 0.0;  ///< displacement at the end of the path
 };
 
+/// Whether the discretization error of the state at the end of the path is estimated.
+enum class ErrorEstimation { automatic, on, off };
+
 struct AnalysisParameters {
   /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
   /// largest meshes (kVerticesForStability).
@@ -31,10 +34,21 @@ struct AnalysisParameters {
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
   int buckling_modes = 0;           ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};
+  ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate
 };
 
 /// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
 inline constexpr int kVerticesForStability = 100'000;
+
+/// Above this number of elements only those who ask for it get an error estimate with a run: what it costs, about two
+/// Newton iterations and a second set of equations in memory, is of a size there that one wants to be asked.
+inline constexpr int kElementsForEstimate = 100'000;
+
+/// Whether the error of the state at the end of a path is estimated in a mesh of this many elements.
+inline bool estimates_error(const AnalysisParameters& parameters, size_t elements) {
+  if (parameters.error_estimate == ErrorEstimation::automatic) return elements <= kElementsForEstimate;
+  return parameters.error_estimate == ErrorEstimation::on;
+}
 
 /// Whether stability is looked at in a mesh of this many vertices.
 inline bool looks_at_stability(const AnalysisParameters& parameters, int vertices) {

@@ -122,6 +122,26 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   return record;
 }
 
+RecordedErrorEstimate Simulation::record_error(const std::vector<std::string>& points) const {
+  const ErrorEstimate estimate = estimate_error();
+  RecordedErrorEstimate record;
+  record.not_estimated = estimate.not_estimated;
+  if (!estimate.exists()) return record;
+  const auto recorded = [](const EstimatedError& error) { return RecordedError{error.error, error.size}; };
+  record.vertex_displacement = estimate.vertex_displacement;
+  record.element_displacement = estimate.element_displacement;
+  record.element_moment = estimate.element_moment;
+  record.largest_displacement = recorded(estimate.largest_displacement);
+  record.displacement = recorded(estimate.displacement);
+  record.moment = recorded(estimate.moment);
+  record.energy = recorded(estimate.energy);
+  for (const std::string& point : points) {
+    const Vector3& error = estimate.vertex_displacement[vertex_of(assembler().mesh(), point)];
+    record.points.push_back({point, {error[0], error[1], error[2]}});
+  }
+  return record;
+}
+
 std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int points_per_element) const {
   const Simulation undeformed = at(assembler().reference_state(), 0.0);
   std::vector<RecordedBucklingMode> recorded;

@@ -5,6 +5,7 @@
 #include "discretization/sampling.hpp"
 #include "discretization/state_snapshot.hpp"
 #include "discretization/structure_parts.hpp"
+#include "nonlinear/error_estimate.hpp"
 #include "nonlinear/force_sharing.hpp"
 #include "nonlinear/load_path.hpp"
 
@@ -41,6 +42,13 @@ class Simulation {
 
   /// The force at state() that rounding errors make least certain, see force_sharing.hpp. Collective.
   std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }
+
+  /// How far state() is from the solution of the continuous equations, see error_estimate.hpp. Collective.
+  ErrorEstimate estimate_error() const {
+    return mixbeam::estimate_error(assembler(), parameters_, state_, load_factor_);
+  }
+  /// The same for a result file, with the errors of some points.
+  RecordedErrorEstimate record_error(const std::vector<std::string>& points) const;
 
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).
   Vector3 displacement(const std::string& point) const;

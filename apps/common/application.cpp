@@ -227,6 +227,13 @@ PathControl control_of(const Recording& recording) {
 
 }  // namespace
 
+void Application::estimate_error(const Simulation& simulation, const SolverParameters& parameters,
+                                 const std::vector<std::string>& points, StepRecord& record) const {
+  const size_t elements = simulation.assembler().mesh().elements.size();
+  if (is_end_of_path(simulation, simulation.load_factor()) && estimates_error(parameters.analysis, elements))
+    record.error_estimate = simulation.record_error(points);
+}
+
 Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
   std::unique_ptr<ResultFile> results;
   std::optional<MonitorTable> monitor;
@@ -247,6 +254,7 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
     follow_reactions(points, *step);
     if (report.step == 0 && parameters.analysis.buckling_modes > 0)
       step->buckling = running.buckling_modes(parameters.analysis.buckling_modes, recording.points_per_element);
+    estimate_error(running, parameters, points, *step);
     if (results != nullptr) results->append_step(step);
     if (monitor) monitor->add(*step);
     if (recording.record_observer) recording.record_observer(*step);
@@ -260,6 +268,7 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
   if (!recorded && recording.record_observer) {  // resumed at the end of its path
     StepRecord last = simulation.record({}, recording.points_per_element, points);
     follow_reactions(points, last);
+    estimate_error(simulation, parameters, points, last);
     recording.record_observer(last);
   }
   if (results != nullptr) results->close();

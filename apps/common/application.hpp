@@ -109,6 +109,9 @@ class Application {
                             const std::filesystem::path& results) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
   bool is_end_of_path(const Simulation& simulation, double load_factor) const;
+  /// Estimates the error of the state at the end of a path, where asked for.
+  void estimate_error(const Simulation& simulation, const SolverParameters& parameters,
+                      const std::vector<std::string>& points, StepRecord& record) const;
   void compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity);
 
   std::set<std::string> compared_;              ///< names of expected values

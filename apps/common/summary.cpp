@@ -38,6 +38,17 @@ nlohmann::ordered_json json_number(double value) {
   return exact_text(value);
 }
 
+nlohmann::ordered_json json_errors(const EstimatedErrors& errors) {
+  nlohmann::ordered_json json = {{"run", errors.run}};
+  if (!errors.not_estimated.empty()) json["not_estimated"] = errors.not_estimated;
+  json["quantities"] = nlohmann::ordered_json::array();
+  for (const auto& quantity : errors.quantities)
+    json["quantities"].push_back({{"name", quantity.name},
+                                  {"error", json_number(quantity.error)},
+                                  {"relative", json_number(quantity.relative)}});
+  return json;
+}
+
 nlohmann::ordered_json json_check(const CheckedQuantity& quantity) {
   return {{"name", quantity.name},
           {"value", json_number(quantity.value)},
@@ -172,6 +183,8 @@ void Summary::write_json(const std::filesystem::path& path) const {
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
   if (!failure.empty()) json["failure"] = failure;
   if (!warnings.empty()) json["warnings"] = warnings;
+  if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
+  for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));

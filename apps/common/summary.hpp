@@ -39,6 +39,17 @@ struct CheckedQuantity {
 /// Throws std::invalid_argument when the reference is no number, the tolerance negative or not finite.
 bool agrees(const CheckedQuantity& quantity);
 
+/// Estimated discretization errors at the end of a run.
+struct EstimatedErrors {
+  struct Quantity {
+    std::string name;  ///< "displacement, any vertex"
+    double error = 0.0, relative = 0.0;
+  };
+  std::string run;            ///< which of several runs
+  std::string not_estimated;  ///< why there is no estimate; empty where there is one
+  std::vector<Quantity> quantities;
+};
+
 /// Collects checks and costs during a run.
 class Summary {
  public:
@@ -49,8 +60,9 @@ class Summary {
   int ranks = 1;
   int load_steps = 0;
   int newton_iterations = 0;
-  std::string failure;                    ///< why the run ended early; empty if it did not
-  std::vector<std::string> warnings;      ///< what should be known of the results
+  std::string failure;                ///< why the run ended early; empty if it did not
+  std::vector<std::string> warnings;  ///< what should be known of the results
+  std::vector<EstimatedErrors> estimated_errors;
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused

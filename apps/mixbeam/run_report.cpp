@@ -40,6 +40,24 @@ RecordedCriticalPoint without_fields(const RecordedCriticalPoint& point) {
   return kept;
 }
 
+struct NamedError {
+  const char* name;
+  const RecordedError& error;
+};
+
+std::vector<NamedError> named(const RecordedErrorEstimate& estimate) {
+  return {{"displacement, any vertex", estimate.largest_displacement},
+          {"displacement, root mean square", estimate.displacement},
+          {"section moments, root mean square", estimate.moment},
+          {"strain energy", estimate.energy}};
+}
+
+double relative(const RecordedError& error) { return error.size > 0.0 ? std::abs(error.error) / error.size : 0.0; }
+
+double length_of(const MonitoredQuantity& vector) {
+  return std::hypot(vector.components[0], vector.components[1], vector.components[2]);
+}
+
 void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
@@ -56,6 +74,11 @@ void RunReport::add(const StepRecord& record) {
   last_.state = {};
   last_.critical_points.clear();
   last_.buckling.clear();
+  if (last_.error_estimate) {
+    last_.error_estimate->vertex_displacement.clear();
+    last_.error_estimate->element_displacement.clear();
+    last_.error_estimate->element_moment.clear();
+  }
   for (const RecordedBucklingMode& mode : record.buckling) buckling_.push_back(mode.load_factor);
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_fields(point));
 }
@@ -93,6 +116,37 @@ void RunReport::print_stability(std::ostream& out) const {
     out << text_of("  the last state is UNSTABLE: %d negative eigenvalue%s\n", negative, negative == 1 ? "" : "s");
 }
 
+void RunReport::add_errors(Application& app, const std::string& run) const {
+  if (!last_.error_estimate) return;
+  const RecordedErrorEstimate& estimate = *last_.error_estimate;
+  EstimatedErrors errors{run, estimate.not_estimated, {}};
+  if (estimate.not_estimated.empty()) {
+    for (const NamedError& quantity : named(estimate))
+      errors.quantities.push_back({quantity.name, quantity.error.error, relative(quantity.error)});
+    for (const MonitoredQuantity& point : estimate.points) {
+      const RecordedError error{length_of(point), estimate.largest_displacement.size};
+      errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error)});
+    }
+  }
+  app.summary.estimated_errors.push_back(errors);
+}
+
+void RunReport::print_errors(std::ostream& out) const {
+  if (!last_.error_estimate) return;
+  if (!last_.error_estimate->not_estimated.empty()) {
+    out << "  discretization error not estimated: " << last_.error_estimate->not_estimated << "\n";
+    return;
+  }
+  out << "  estimated discretization error";
+  const char* separator = ":";
+  for (const NamedError& quantity : named(*last_.error_estimate)) {
+    out << separator
+        << text_of(" %s %.1e (%.0e)", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
+    separator = ";";
+  }
+  out << "\n";
+}
+
 void RunReport::print(std::ostream& out) const {
   print_buckling(out);
   print_stability(out);
@@ -117,6 +171,7 @@ void RunReport::print(std::ostream& out) const {
   print_left_out(out, last_.reactions.size());
   out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
                  last_.moment_energy);
+  print_errors(out);
   const bool balanced = force_error_ <= balance_tolerance_ && moment_error_ <= balance_tolerance_;
   out << text_of("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",
                  balanced ? "balance" : "DO NOT BALANCE", force_error_, moment_error_, balance_tolerance_);

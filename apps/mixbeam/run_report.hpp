@@ -20,12 +20,17 @@ class RunReport {
   /// Adds the checks of the balance to the summary of the run.
   void check_balance(Application& app, const std::string& run) const;
 
-  /// Displacements of points and reactions of supports in the last step (a few of them), energies, balance.
+  /// Adds the estimated errors of the last step to the summary of the run.
+  void add_errors(Application& app, const std::string& run) const;
+
+  /// Displacements of points and reactions of supports in the last step (a few of them), energies, estimated errors,
+  /// balance.
   void print(std::ostream& out) const;
 
  private:
   void print_buckling(std::ostream& out) const;
   void print_stability(std::ostream& out) const;
+  void print_errors(std::ostream& out) const;
 
   StepRecord last_;                              ///< without its samples and state
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without fields

@@ -71,6 +71,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
             << simulation.result().load_factor << ", " << file.string() << "\n";
   report.print(app.out());
   warn_of_uncertain_forces(app, file.stem().string(), simulation);
+  report.add_errors(app, file.stem().string());
   report.check_balance(app, file.stem().string());
   if (!simulation.result().interrupted) return RunEnd::arrived;
   say_how_to_resume(app, app.solver, simulation, file);

@@ -41,18 +41,40 @@ TEST_F(Mixbeam, RunWritesEverythingAndChecksIt) {
   const Ended ended = run({"run", write_scene(scene_of("fork")), "--output", results});
   EXPECT_EQ(ended.exit_code, kOk) << ended.err;
   expect_in(ended.out, {"\"Study\" belongs to a benchmark program", "step   2", "displacement of", "reaction at",
-                        "strain energy", "loads and reactions balance", "8 of 8 checks passed", "scene.h5"});
+                        "strain energy", "estimated discretization error: displacement, any vertex",
+                        "loads and reactions balance", "8 of 8 checks passed", "scene.h5"});
   const auto contents = contents_of(folder_ / "results" / "scene.h5");
   ASSERT_TRUE(contents);
-  for (const char* path : {"scene", "version", "supports/0@point", "members/shaft@points_per_element",
-                           "steps/000002/residual_history", "steps/000002/reactions", "steps/000002/balance",
-                           "steps/000002/state/interior", "monitor/moment_energy", "monitor/clamp.reaction_moment"})
+  for (const char* path :
+       {"scene", "version", "supports/0@point", "members/shaft@points_per_element", "steps/000002/residual_history",
+        "steps/000002/reactions", "steps/000002/balance", "steps/000002/state/interior",
+        "steps/000002/error_estimate@energy_error", "steps/000002/error_estimate/vertex_displacement",
+        "steps/000002/error_estimate/points/P1", "monitor/moment_energy", "monitor/clamp.reaction_moment"})
     EXPECT_EQ(contents->count(path), 1u) << path;
+  EXPECT_EQ(contents->count("steps/000001/error_estimate"), 0u);  // of the state at the end only
   EXPECT_EQ(complete_steps(*contents), 3);
   const std::string csv = text_of(folder_ / "results" / "scene-monitor.csv");
   expect_in(csv, {"step,load_factor,", "P1.displacement.x", "clamp.reaction_force.z"});
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 4);  // the head and three steps
   EXPECT_NE(text_of(folder_ / "results" / "scene.xdmf").find("/steps/000002/position"), std::string::npos);
+}
+
+TEST_F(Mixbeam, ErrorEstimateOnRequestOnly) {
+  const std::string results = (folder_ / "results").string(), summary = (folder_ / "summary.json").string();
+  const std::string study = "<ParameterList name=\"Study\">";
+  const auto with = [&](const std::string& choice) {
+    return changed(scene_of("fork"), study,
+                   "<ParameterList name=\"Analysis\"><Parameter name=\"Error Estimate\" type=\"string\" value=\"" +
+                       choice + "\"/></ParameterList>" + study);
+  };
+  const Ended on = run({"run", write_scene(with("on")), "--output", results, "--summary", summary});
+  EXPECT_EQ(on.exit_code, kOk) << on.err;
+  expect_in(text_of(summary), {"\"estimated_errors\"", "\"strain energy\"", "\"displacement of P1\"", "\"relative\""});
+  const Ended off = run({"run", write_scene(with("off")), "--output", results, "--summary", summary});
+  EXPECT_EQ(off.exit_code, kOk) << off.err;
+  EXPECT_EQ(off.out.find("discretization error"), std::string::npos);
+  EXPECT_EQ(text_of(summary).find("estimated_errors"), std::string::npos);
+  EXPECT_EQ(run({"run", write_scene(with("maybe")), "--output", results}).exit_code, kBadInput);
 }
 
 TEST_F(Mixbeam, ExitCodes) {

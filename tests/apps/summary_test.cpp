@@ -103,6 +103,7 @@ TEST(Summary, JsonHoldsEverything) {
   summary.load_steps = 2;
   summary.newton_iterations = 6;
   summary.seconds = {{"solve", 0.25}, {"read", std::nan("")}};
+  summary.estimated_errors = {{"first", "", {{"strain energy", -2e-6, 1e-6}}}, {"second", "too coarse", {}}};
   summary.check_relative("x", 1.0 / 3.0, 0.3333, 1e-3, kSource);
   summary.check_absolute("broken \xff name", std::nan(""), 1.0, 1e-3, kSource);
   summary.write_json(path);
@@ -112,6 +113,9 @@ TEST(Summary, JsonHoldsEverything) {
   EXPECT_EQ(json["newton_iterations"], 6);
   EXPECT_EQ(json["seconds"]["solve"], 0.25);
   EXPECT_EQ(json["seconds"]["read"], "nan");
+  EXPECT_EQ(json["estimated_errors"][0]["quantities"][0]["error"], -2e-6);
+  EXPECT_EQ(json["estimated_errors"][0].count("not_estimated"), 0u);
+  EXPECT_EQ(json["estimated_errors"][1]["not_estimated"], "too coarse");
   EXPECT_EQ(json["checks"][0]["value"].get<double>(), 1.0 / 3.0);
   EXPECT_EQ(json["checks"][0]["comparison"], "relative");
   EXPECT_EQ(json["checks"][0]["pass"], true);

@@ -229,6 +229,37 @@ TEST_F(ResultFileTest, CriticalPointsStandInTheStepBehindThem) {
   EXPECT_EQ(read_doubles(file_, point + "/monitor/tip.displacement"), (std::vector<double>{4, 5, 6}));
 }
 
+TEST_F(ResultFileTest, ErrorEstimates) {
+  StepRecord first = sample_step(1), second = sample_step(2);
+  RecordedErrorEstimate estimate;
+  estimate.vertex_displacement = {{1, 2, 3}, {4, 5, 6}};
+  estimate.element_displacement = {0.5};
+  estimate.element_moment = {0.25};
+  estimate.moment = {1e-3, 2.0};
+  estimate.energy = {-1e-4, 3.0};
+  estimate.points = {{"tip", {4, 5, 6}}};
+  first.error_estimate = estimate;
+  second.error_estimate = RecordedErrorEstimate{};
+  second.error_estimate->not_estimated = "too coarse";
+  {
+    ResultFile file(file_, sample_header());
+    file.append_step(first);
+    file.append_step(second);
+  }
+  const std::string group = "/steps/000001/error_estimate";
+  EXPECT_EQ(read_doubles(file_, group + "/vertex_displacement"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(read_doubles(file_, group + "/element_moment"), std::vector<double>{0.25});
+  EXPECT_EQ(read_doubles(file_, group + "/points/tip"), (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(read_number(file_, group, "moment_size"), 2.0);
+  EXPECT_EQ(read_number(file_, group, "energy_error"), -1e-4);
+  const hid_t file = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const hid_t refused = H5Gopen2(file, "/steps/000002/error_estimate", H5P_DEFAULT);
+  EXPECT_GT(H5Aexists(refused, "not_estimated"), 0);
+  EXPECT_EQ(H5Aexists(refused, "energy_error"), 0);
+  H5Gclose(refused);
+  H5Fclose(file);
+}
+
 TEST_F(ResultFileTest, BucklingModesStandBesideTheSteps) {
   StepRecord first = sample_step(0);
   first.buckling = {{2.5, {{1, 2, 3}, {4, 5, 6}}}, {-3.5, {{0, 0, 1}, {0, 0, 2}}}};
