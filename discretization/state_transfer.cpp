@@ -310,10 +310,10 @@ class MemberTransfer {
   }
 
   /// Gauss points in every piece that the old elements cut the new one into, enough to integrate products of old and
-  /// new polynomials exactly.
+  /// new polynomials, and of undeformed rotations and new polynomials, exactly.
   void collect_points(double start, double end) {
     points_.clear();
-    const GaussRule& rule = gauss((fields_.order() + member_.order) / 2 + 1);
+    const GaussRule& rule = gauss(std::max((fields_.order() + member_.order) / 2 + 1, member_.order));
     const double length = end - start, least = kSamePlace * length;
     double from = start;
     for (int old = fields_.element_behind(start + least); old < fields_.elements() && end - from > least; ++old) {

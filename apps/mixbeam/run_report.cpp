@@ -52,7 +52,11 @@ std::vector<NamedError> named(const RecordedErrorEstimate& estimate) {
           {"strain energy", estimate.energy}};
 }
 
-double relative(const RecordedError& error) { return error.size > 0.0 ? std::abs(error.error) / error.size : 0.0; }
+/// At most one: a quantity whose size is rounding has no digit to lose.
+double relative(const RecordedError& error) {
+  const double size = std::max(error.size, std::abs(error.error));
+  return size > 0.0 ? std::abs(error.error) / size : 0.0;
+}
 
 double length_of(const MonitoredQuantity& vector) {
   return std::hypot(vector.components[0], vector.components[1], vector.components[2]);
@@ -137,14 +141,9 @@ void RunReport::print_errors(std::ostream& out) const {
     out << "  discretization error not estimated: " << last_.error_estimate->not_estimated << "\n";
     return;
   }
-  out << "  estimated discretization error";
-  const char* separator = ":";
-  for (const NamedError& quantity : named(*last_.error_estimate)) {
-    out << separator
-        << text_of(" %s %.1e (%.0e)", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
-    separator = ";";
-  }
-  out << "\n";
+  out << text_of("  %-34s %9s %9s\n", "estimated discretization error", "absolute", "relative");
+  for (const NamedError& quantity : named(*last_.error_estimate))
+    out << text_of("    %-32s %9.1e %9.1e\n", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
 }
 
 void RunReport::print(std::ostream& out) const {
