@@ -6,7 +6,8 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh
 source .ci/setup.sh
 
-readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes)
+readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes
+  trade)
 readonly all_scene_groups=(verification gallery)
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results

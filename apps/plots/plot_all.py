@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
-              "extremes", "thread_scaling")
+              "extremes", "trade", "thread_scaling")
 
 
 def main():

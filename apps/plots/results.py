@@ -38,6 +38,10 @@ class Table:
         order = np.argsort(self[name], kind="stable")
         return Table({key: column[order] for key, column in self._columns.items()})
 
+    def names(self):
+        """Of the columns, in their order."""
+        return list(self._columns)
+
     def values(self, name):
         """The different values of a column, ascending."""
         return np.unique(self[name])

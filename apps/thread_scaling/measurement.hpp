@@ -1,6 +1,8 @@
 /// Times of one case of the study, and what is read from them.
 #pragma once
 
+#include "apps/common/phase_costs.hpp"
+
 #include <map>
 #include <string>
 #include <vector>
@@ -13,10 +15,7 @@ struct ScalingCase {
   int elements = 0, order = 0;
 };
 
-/// Phases that are not single timers of the assembler.
-inline constexpr const char* kWholeIteration = "whole iteration";
-inline constexpr const char* kElementWork = "element work";    ///< residual, element tangent, recover, update
-inline constexpr const char* kLinearSolver = "linear solver";  ///< factorise, solve and check
+/// Phases that are not single timers of the assembler, besides those of phase_costs.hpp.
 inline constexpr const char* kLinearSolverSparse =
     "linear solver, KLU2";                                      ///< the same tangent by the sparse solver alone
 inline constexpr const char* kOther = "other";                  ///< of an iteration, outside of all timers

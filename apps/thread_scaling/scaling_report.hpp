@@ -2,9 +2,9 @@
 #pragma once
 
 #include "apps/common/csv_table.hpp"
+#include "apps/common/phase_costs.hpp"
 #include "apps/thread_scaling/machine_ceilings.hpp"
 #include "apps/thread_scaling/measurement.hpp"
-#include "apps/thread_scaling/phase_costs.hpp"
 
 #include <filesystem>
 #include <iosfwd>

@@ -10,7 +10,8 @@ namespace mixbeam {
 namespace {
 
 const std::vector<std::string> kApplications = {"rollup",      "superimposed_rotation", "arc_segment", "helix",
-                                                "helical_rod", "slope_discontinuity",   "fork",        "extremes"};
+                                                "helical_rod", "slope_discontinuity",   "fork",        "extremes",
+                                                "trade"};
 
 CommandLine line_of(std::vector<const char*> words) {
   words.insert(words.begin(), "program");

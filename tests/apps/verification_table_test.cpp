@@ -26,7 +26,7 @@ class VerificationTable : public ::testing::Test {
 
   void write_all_summaries() {
     for (const char* benchmark : {"rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod",
-                                  "slope_discontinuity", "fork", "extremes"})
+                                  "slope_discontinuity", "fork", "extremes", "trade"})
       write_summary(benchmark, 0.501);
     for (const char* group : {"verification", "gallery"}) write_scene_summary(group, "a scene", 2.0);
   }
@@ -89,14 +89,14 @@ TEST_F(VerificationTable, ReplacesWhatStandsBetweenItsMarkers) {
   const Ended incomplete = table({"--update", readme.string()});
   EXPECT_EQ(incomplete.exit_code, 1);
   expect_in(incomplete.err, {"README.md is left as it is", "no results of superimposed_rotation, arc_segment",
-                             "fork, extremes, verification, gallery"});
+                             "fork, extremes, trade, verification, gallery"});
   EXPECT_EQ(text_of(readme), before + "\nold\n" + after);
 
   write_all_summaries();
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   const std::string updated = text_of(readme);
   EXPECT_EQ(updated.rfind(before + "\n| benchmark | quantity |", 0), 0U) << updated;
-  expect_in(updated, {"30 of 30 values agree", "\n" + after});
+  expect_in(updated, {"33 of 33 values agree", "\n" + after});
   EXPECT_EQ(updated.find("old"), std::string::npos);
   EXPECT_EQ(table({"--update", readme.string()}).exit_code, 0);
   EXPECT_EQ(text_of(readme), updated);  // a second time changes nothing

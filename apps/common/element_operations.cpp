@@ -1,4 +1,4 @@
-#include "apps/thread_scaling/element_operations.hpp"
+#include "apps/common/element_operations.hpp"
 
 #include "kernels/counted_number.hpp"
 #include "kernels/element_recovery.hpp"

@@ -7,6 +7,11 @@
 
 namespace mixbeam {
 
+// Sums of phases.
+inline constexpr const char* kWholeIteration = "whole iteration";
+inline constexpr const char* kElementWork = "element work";    ///< residual, element tangent, recover, update
+inline constexpr const char* kLinearSolver = "linear solver";  ///< factorise, solve and check
+
 /// Not a number: not counted.
 struct PhaseCost {
   double flops = 0.0;  ///< counted by running the kernel on CountedNumber

@@ -1,7 +1,6 @@
-#include "apps/thread_scaling/phase_costs.hpp"
+#include "apps/common/phase_costs.hpp"
 
-#include "apps/thread_scaling/element_operations.hpp"
-#include "apps/thread_scaling/measurement.hpp"
+#include "apps/common/element_operations.hpp"
 #include "kernels/chain_elimination.hpp"
 #include "kernels/chain_level.hpp"
 #include "kernels/counted_number.hpp"

@@ -1,0 +1,117 @@
+"""Figures of the trade between accuracy and cost: work and precision, unknowns, price of each order."""
+
+import numpy as np
+
+import style
+from results import read_table
+
+COLUMNS = 4
+LOWEST_ERROR = 1e-14
+CELLS = ["benchmark", "integration", "order", "elements", "status", "largest_error", "pareto", "global_unknowns",
+         "interior_unknowns"]
+INTEGRATION = "both reduced"
+
+
+def _cells(folder):
+    return read_table(folder / "trade.csv", CELLS).where(integration=INTEGRATION, status="converged")
+
+
+def _seconds(table):
+    """Processor times with the first number of threads: the first column of that name."""
+    return table[next(name for name in table.names() if name.startswith("processor_seconds_"))]
+
+
+def time_figure(folder):
+    """Error over time, a panel for each benchmark; what no other cell beats is joined."""
+    return _panels(folder, _draw_times, "time in ms, one thread")
+
+
+def unknowns_figure(folder):
+    """Error over all unknowns, those inside the elements included."""
+    return _panels(folder, _draw_unknowns, "unknowns (vertices and interior)")
+
+
+def _panels(folder, draw, label):
+    cells, benchmarks = _cells(folder), read_table(folder / "benchmarks.csv", ["benchmark", "kind", "floor"])
+    names = list(benchmarks["benchmark"])
+    rows = -(-len(names) // COLUMNS)
+    columns = min(COLUMNS, len(names))
+    canvas, axes = style.figure(3.5 * columns, 2.8 * rows + 0.7, rows, columns, squeeze=False, sharey=True)
+    for i, (panel, name) in enumerate(zip(axes.flat, names)):
+        panel.set_xscale("log")
+        panel.set_yscale("log")
+        draw(panel, cells.where(benchmark=name))
+        floor = max(benchmarks["floor"][i], LOWEST_ERROR)
+        panel.axhspan(LOWEST_ERROR / 10, floor, color="#EEEEEE", zorder=0)
+        panel.set_ylim(LOWEST_ERROR, 3.0)
+        panel.set_yticks([1e-12, 1e-9, 1e-6, 1e-3, 1.0])
+        panel.set_title(name)
+        panel.text(0.98, 0.98, benchmarks["kind"][i], transform=panel.transAxes, ha="right", va="top", fontsize=9,
+                   color="#555555")
+        if i + columns >= len(names):
+            panel.set_xlabel(label)
+            panel.tick_params(labelbottom=True)
+    for panel in axes.flat[len(names):]:
+        panel.axis("off")
+    for row in axes:
+        row[0].set_ylabel("largest relative error")
+    handles = {text: handle for panel in axes.flat for handle, text in zip(*panel.get_legend_handles_labels())}
+    order = sorted(handles)
+    canvas.legend([handles[text] for text in order], order, loc="lower center", ncol=len(order),
+                  bbox_to_anchor=(0.5, 1.0))
+    return canvas
+
+
+def _lines(panel, cells, across):
+    for order in cells.values("order"):
+        line = cells.where(order=order).sorted_by("elements")
+        look = {**style.order_line(order), "markersize": 3.5, "linewidth": 0.9}
+        panel.plot(across(line), np.maximum(line["largest_error"], LOWEST_ERROR * 1.3), **look)
+
+
+def _draw_times(panel, cells):
+    _lines(panel, cells, lambda line: 1e3 * _seconds(line))
+    front = cells.where(pareto=1)
+    if len(front):
+        place = np.argsort(_seconds(front))
+        panel.plot(1e3 * _seconds(front)[place], np.maximum(front["largest_error"][place], LOWEST_ERROR * 1.3),
+                   color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
+
+
+def _draw_unknowns(panel, cells):
+    _lines(panel, cells, lambda line: line["global_unknowns"] + line["interior_unknowns"])
+
+
+def orders_figure(folder):
+    """The price of taking one order everywhere, by time and by operations, for all errors and for the tip alone."""
+    table = read_table(folder / "orders.csv", ["measure", "cost", "accuracy", "order", "reached", "judged", "mean"])
+    canvas, axes = style.figure(11.0, 7.6, 2, 2, sharex=True, sharey=True)
+    for row, (measure, error) in zip(axes, (("largest", "largest of all errors"), ("displacement", "tip alone"))):
+        for panel, (cost, unit) in zip(row, (("seconds", "time"), ("flops", "operations"))):
+            _draw_prices(panel, table.where(measure=measure, cost=cost))
+            panel.set_title(f"{unit}, {error}")
+        row[0].set_ylabel("cost over that of the cheapest order")
+    for panel in axes[1]:
+        panel.set_xlabel("accuracy asked for")
+    axes[0, 1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return canvas
+
+
+def _draw_prices(panel, table):
+    for order in table.values("order"):
+        line = table.where(order=order).sorted_by("accuracy")
+        everywhere = (line["reached"] == line["judged"]) & (line["judged"] > 0)
+        look = style.order_line(order)
+        panel.plot(line["accuracy"], np.where(everywhere, line["mean"], np.nan), **look)
+        if not everywhere.all():  # reached on some benchmarks only: the mean flatters
+            panel.plot(line["accuracy"], line["mean"], color=look["color"], linewidth=0.8, linestyle=(0, (2, 2)))
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    panel.set_ylim(0.9, 100)
+    panel.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
+    panel.set_xlim(2e-2, 5e-13)
+
+
+FIGURES = {"trade_time": (["trade.csv", "benchmarks.csv"], time_figure),
+           "trade_unknowns": (["trade.csv", "benchmarks.csv"], unknowns_figure),
+           "trade_orders": (["orders.csv"], orders_figure)}

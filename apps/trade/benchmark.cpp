@@ -1,0 +1,110 @@
+#include "apps/trade/benchmark.hpp"
+
+#include "apps/common/scene_file.hpp"
+#include "apps/common/variants.hpp"
+#include "discretization/load_cases.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace mixbeam {
+
+namespace {
+
+std::vector<Benchmark> list_benchmarks() {
+  std::vector<Benchmark> list;
+  const auto add = [&list](const char* name, const char* file, const char* kind, const char* point) -> Benchmark& {
+    list.push_back({name, file, kind, point, ""});
+    return list.back();
+  };
+  add("thick_cantilever", "", "plane, smooth, thick", "").rates = true;
+  add("elastica", "elastica.xml", "plane, smooth, rigid in force strains", "tip").load_case = "alpha 10";
+  add("rollup", "rollup.xml", "plane, two full circles, slender", "tip").integrations = true;
+  add("follower_force", "follower_force.xml", "plane, smooth, unsymmetric tangent", "tip").load_case = "alpha 10";
+  Benchmark& column = add("euler_column", "euler_column.xml", "plane, smooth, behind a bifurcation", "tip");
+  column.load_case = "100 degrees";
+  column.branch = Branch::positive;
+  add("lee_frame", "lee_frame.xml", "plane, kinked", "loaded").load_share = 0.5;  // first limit point at 0.6186
+  add("deep_arch", "deep_arch.xml", "plane, arch of 215 degrees", "crown").load_share = 0.5;  // limit point at 0.8973
+  add("arc_45_slender", "arc_45_slender.xml", "space, curved, slenderness 10,000", "tip").integrations = true;
+  add("arc_45_thick", "arc_45_thick.xml", "space, curved, slenderness 10", "tip").rates = true;
+  add("helix", "helix.xml", "space, two coils, constant strains", "tip");
+  add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip");
+  add("composite_cantilever", "composite_cantilever.xml", "space, smooth, coupled section", "tip");
+  add("slope_discontinuity", "slope_discontinuity.xml", "space, kinked", "tip");
+  add("fork", "fork.xml", "space, branched, two stages", "P1");
+  add("lateral_buckling", "lateral_buckling_positive.xml", "space, kinked strip, behind a bifurcation", "tip").branch =
+      Branch::positive;
+  add("narrow_cantilever", "narrow_cantilever.xml", "space, strip, behind a bifurcation", "tip").branch =
+      Branch::positive;
+  return list;
+}
+
+std::filesystem::path scene_folder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "trade_benchmarks";
+}
+
+/// The scenes belong to applications with studies of their own, which do not matter here.
+Application read_scene_of(const Application& app, const std::string& file) {
+  ApplicationDefinition definition;
+  definition.name = app.name;
+  definition.study = ListSpec("Of another application.").without_checks();
+  Application read;
+  read.communicator = app.communicator;
+  read_scene_file(read, read_xml((scene_folder() / file).string()), definition);
+  return read;
+}
+
+/// Values at the end of the whole path that any run can be compared with.
+std::vector<ExpectedValue> values_at_the_end(const std::vector<ExpectedValue>& expected, const Benchmark& benchmark,
+                                             const Scene& scene) {
+  std::vector<ExpectedValue> kept;
+  if (benchmark.load_share != 1.0) return kept;
+  for (const ExpectedValue& value : expected)
+    if (!value.critical_point && value.load_case == benchmark.load_case &&
+        value.load_factor.value_or(scene.stages) == scene.stages)
+      kept.push_back(value);
+  return kept;
+}
+
+std::string loaded_point(const Scene& scene) {
+  if (scene.point_loads.empty())
+    throw InputError("the study judges the displacement of the first loaded point; the scene has no point load");
+  return scene.point_loads.front().point;
+}
+
+}  // namespace
+
+const std::vector<Benchmark>& all_benchmarks() {
+  static const std::vector<Benchmark> list = list_benchmarks();
+  return list;
+}
+
+std::vector<std::string> benchmark_names() {
+  std::vector<std::string> names;
+  for (const Benchmark& benchmark : all_benchmarks()) names.push_back(benchmark.name);
+  return names;
+}
+
+Scene BenchmarkProblem::with(int order, int elements, ForceIntegration integration) const {
+  Scene changed = with_mesh(scene, order, elements);
+  for (Member& member : changed.members) member.force_integration = integration;
+  return changed;
+}
+
+BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchmark) {
+  const Application file = benchmark.file.empty() ? app : read_scene_of(app, benchmark.file);
+  BenchmarkProblem problem{benchmark, scene_of_case(file.scene, benchmark.load_case), file.solver, {}};
+  for (PointLoad& load : problem.scene.point_loads)
+    for (int i = 0; i < 3; ++i) {
+      load.force[i] *= benchmark.load_share;
+      load.moment[i] *= benchmark.load_share;
+    }
+  if (benchmark.point.empty()) problem.about.point = loaded_point(problem.scene);
+  if (benchmark.branch != Branch::primary) problem.solver.analysis.branch = benchmark.branch;
+  problem.solver.analysis.stability = problem.solver.analysis.branch != Branch::primary;
+  problem.expected = values_at_the_end(file.expected, benchmark, problem.scene);
+  return problem;
+}
+
+}  // namespace mixbeam

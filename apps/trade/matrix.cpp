@@ -1,0 +1,59 @@
+#include "apps/trade/matrix.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// A mesh is as exact as rounding allows when all errors are this small or those of the reference ...
+constexpr double kRoundOff = 1e-12;
+/// ... and two meshes in a row tell it, so that one lucky error does not end a row.
+constexpr int kRoundedMeshes = 2;
+/// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
+constexpr double kGrowth = 2.0;
+
+CellResult left_out(const Cell& cell, CellStatus status) {
+  CellResult result;
+  result.cell = cell;
+  result.status = status;
+  result.errors = kNoErrors;
+  return result;
+}
+
+/// All meshes of one order.
+void measure_row(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
+                 ForceIntegration integration, int order, const Communicator& communicator,
+                 std::vector<CellResult>& cells) {
+  const double rounded = std::max(kRoundOff, reference.difference().largest());
+  int rounded_meshes = 0;
+  double last_seconds = 0.0;
+  for (const int elements : plan.elements) {
+    const Cell cell{integration, order, elements};
+    if (rounded_meshes >= kRoundedMeshes) {
+      cells.push_back(left_out(cell, CellStatus::past_round_off));
+    } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
+      cells.push_back(left_out(cell, CellStatus::too_long));
+    } else {
+      cells.push_back(measure_cell(problem, reference, cell, plan.timing, communicator));
+      last_seconds = cells.back().converged() ? cells.back().processor_seconds(plan.timing.threads.front()) : 0.0;
+      rounded_meshes = cells.back().errors.largest() <= rounded ? rounded_meshes + 1 : 0;
+    }
+  }
+}
+
+}  // namespace
+
+BenchmarkResult measure_matrix(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
+                               const Communicator& communicator) {
+  BenchmarkResult result{problem, reference.difference(), {}};
+  for (const int order : plan.orders)
+    measure_row(problem, reference, plan, ForceIntegration::both_reduced, order, communicator, result.cells);
+  if (problem.about.integrations)
+    for (const int order : plan.orders)
+      measure_row(problem, reference, plan, ForceIntegration::full, order, communicator, result.cells);
+  return result;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,19 @@
+/// The matrix of one benchmark: all orders on all meshes.
+#pragma once
+
+#include "apps/trade/choice.hpp"
+
+namespace mixbeam {
+
+/// Which cells, against which reference.
+struct MatrixPlan {
+  std::vector<int> orders, elements;  ///< ascending
+  Discretization reference, confirmation;
+  TimingPlan timing;
+};
+
+/// Fills the cells of one benchmark. Cells that are not computed are among them, with the reason; see CellStatus.
+BenchmarkResult measure_matrix(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
+                               const Communicator& communicator);
+
+}  // namespace mixbeam

@@ -1,0 +1,62 @@
+// A few cells of the matrix; the whole study belongs to run.sh.
+#include "tests/apps/process.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mixbeam {
+namespace {
+
+/// The scene of the study with these parameters.
+std::string trade_scene(const std::string& parameters, const fs::path& folder) {
+  const std::string end = "</ParameterList>\n</ParameterList>\n";
+  return changed_scene("trade", end, "</ParameterList>\n  <ParameterList name=\"Study\">\n" + parameters + "  " + end,
+                       folder);
+}
+
+constexpr const char* kTiny = R"xml(
+    <Parameter name="Benchmarks" type="Array(string)" value="{thick_cantilever, rollup, slope_discontinuity}"/>
+    <Parameter name="Orders" type="Array(int)" value="{1, 2, 3}"/>
+    <Parameter name="Elements" type="Array(int)" value="{4, 8, 16, 32}"/>
+    <Parameter name="Reference" type="Array(int)" value="{8, 24}"/>
+    <Parameter name="Confirmation" type="Array(int)" value="{6, 32}"/>
+    <Parameter name="Repetitions" type="int" value="1"/>
+)xml";
+
+TEST(Trade, TinySizeConvergesAsTheorySays) {
+  const auto folder = folder_for("trade_tiny");
+  EXPECT_EQ(run_program("trade", trade_scene(kTiny, folder), folder), 0) << text_of(folder / "output.txt");
+  const std::string cells = text_of(folder / "trade.csv");
+  expect_in(cells, {"\nthick_cantilever,both reduced,1,4,converged,", "\nthick_cantilever,both reduced,3,32,converged,",
+                    "\nrollup,full,2,16,converged,", "\nslope_discontinuity,both reduced,3,16,converged,",
+                    "newton_iterations,seconds_1,setup_seconds_1,processor_seconds_1,seconds_2"});
+  EXPECT_EQ(cells.find("elastica"), std::string::npos) << "a benchmark that was not asked for";
+  expect_in(text_of(folder / "orders.csv"), {"\nlargest,seconds,0.01,1,3,3,", "\ndisplacement,flops,0.01,1,3,3,"});
+  expect_in(text_of(folder / "trade.md"),
+            {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |"});
+  expect_in(text_of(folder / "output.txt"), {"all 13 checks passed"});
+}
+
+TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
+  const auto folder = folder_for("trade_coarse");
+  const std::string study = changed(kTiny, "{4, 8, 16, 32}", "{1, 2}");
+  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 1);
+  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever k=3: rate of the centerline"});
+}
+
+TEST(Trade, ReferencesThatDisagreeAreNoticed) {
+  const auto folder = folder_for("trade_references");
+  const std::string study = changed(kTiny, "{6, 32}", "{6, 4}");
+  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 1);
+  expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever: difference of the references"});
+}
+
+TEST(Trade, ReferenceIsHeldAgainstTheClosedForm) {
+  const auto folder = folder_for("trade_closed_form");
+  const std::string scene = trade_scene(kTiny, folder);
+  write_text(scene, changed(text_of(scene), "0.9106090248803", "0.9106090249803"));
+  EXPECT_EQ(run_program("trade", scene, folder), 1);
+  expect_in(text_of(folder / "output.txt"), {"FAIL  tip moves up"});
+}
+
+}  // namespace
+}  // namespace mixbeam
