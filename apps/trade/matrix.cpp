@@ -13,6 +13,8 @@ constexpr double kRoundOff = 1e-12;
 constexpr int kRoundedMeshes = 2;
 /// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
 constexpr double kGrowth = 2.0;
+/// From a mesh that is worse than this nothing is guessed: it has followed a path of its own.
+constexpr double kNoSolution = 0.1;
 
 CellResult left_out(const Cell& cell, CellStatus status) {
   CellResult result;
@@ -37,7 +39,8 @@ void measure_row(const BenchmarkProblem& problem, const Reference& reference, co
       cells.push_back(left_out(cell, CellStatus::too_long));
     } else {
       cells.push_back(measure_cell(problem, reference, cell, plan.timing, communicator));
-      last_seconds = cells.back().converged() ? cells.back().processor_seconds(plan.timing.threads.front()) : 0.0;
+      const bool is_solution = cells.back().errors.largest() < kNoSolution;
+      last_seconds = is_solution ? cells.back().processor_seconds(plan.timing.threads.front()) : 0.0;
       rounded_meshes = cells.back().errors.largest() <= rounded ? rounded_meshes + 1 : 0;
     }
   }
