@@ -11,6 +11,19 @@ namespace mixbeam {
 
 namespace {
 
+/// The finest row of the paper's table, to half a unit of the last digit.
+ExpectedValue tip_of_the_helical_rod(const char* component, double value, double tolerance) {
+  return {std::string("tip, ") + component,
+          "position",
+          "tip",
+          component,
+          {},
+          value,
+          tolerance,
+          ToleranceKind::absolute,
+          "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4"};
+}
+
 std::vector<Benchmark> list_benchmarks() {
   std::vector<Benchmark> list;
   const auto add = [&list](const char* name, const char* file, const char* kind, const char* point) -> Benchmark& {
@@ -29,7 +42,9 @@ std::vector<Benchmark> list_benchmarks() {
   add("arc_45_slender", "arc_45_slender.xml", "space, curved, slenderness 10,000", "tip").integrations = true;
   add("arc_45_thick", "arc_45_thick.xml", "space, curved, slenderness 10", "tip").rates = true;
   add("helix", "helix.xml", "space, two coils, constant strains", "tip");
-  add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip");
+  add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip").limit = {
+      tip_of_the_helical_rod("x", 4.803e-3, 5.1e-7), tip_of_the_helical_rod("y", 7.250e-5, 5.1e-9),
+      tip_of_the_helical_rod("z", -7.644e-2, 5.1e-6)};
   add("composite_cantilever", "composite_cantilever.xml", "space, smooth, coupled section", "tip");
   add("slope_discontinuity", "slope_discontinuity.xml", "space, kinked", "tip");
   add("fork", "fork.xml", "space, branched, two stages", "P1");
@@ -60,6 +75,7 @@ std::vector<ExpectedValue> values_at_the_end(const std::vector<ExpectedValue>& e
                                              const Scene& scene) {
   std::vector<ExpectedValue> kept;
   if (benchmark.load_share != 1.0) return kept;
+  if (!benchmark.limit.empty()) return benchmark.limit;
   for (const ExpectedValue& value : expected)
     if (!value.critical_point && value.load_case == benchmark.load_case &&
         value.load_factor.value_or(scene.stages) == scene.stages)

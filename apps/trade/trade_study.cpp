@@ -133,11 +133,11 @@ ListSpec trade_spec() {
                .at_most(1000)
                .by_default(7)
                .means("Timed runs of a cell with each number of threads, at most; at least three if Seconds allow."));
-  spec.add(real("Seconds").at_least(0.0).by_default(0.1).means("For the repetitions of a cell; else one run counts."));
+  spec.add(real("Seconds").at_least(0.0).by_default(0.06).means("For the repetitions of a cell; else one run counts."));
   spec.add(
       real("Most Seconds")
           .above(0.0)
-          .by_default(0.8)
+          .by_default(0.5)
           .means(
               "Processor time: a cell that takes longer is stopped after its load step, finer meshes are left out."));
   return spec;
