@@ -1,5 +1,7 @@
 """Figures of the trade between accuracy and cost: work and precision, unknowns, price of each order."""
 
+import matplotlib.lines
+import matplotlib.ticker
 import numpy as np
 
 import style
@@ -8,8 +10,10 @@ from results import read_table
 COLUMNS = 4
 LOWEST_ERROR = 1e-14
 CELLS = ["benchmark", "integration", "order", "elements", "status", "largest_error", "pareto", "global_unknowns",
-         "interior_unknowns"]
+         "interior_unknowns", "flops"]
 INTEGRATION = "both reduced"
+SOME = {"linewidth": 0.8, "linestyle": (0, (2, 2))}  # a mean over those benchmarks on which an order is exact enough
+ACCURACIES = 10.0 ** -np.arange(2, 13)
 
 
 def _cells(folder):
@@ -93,7 +97,10 @@ def orders_figure(folder):
         row[0].set_ylabel("cost over that of the cheapest order")
     for panel in axes[1]:
         panel.set_xlabel("accuracy asked for")
-    axes[0, 1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    handles, labels = axes[0, 1].get_legend_handles_labels()
+    some = matplotlib.lines.Line2D([], [], color=style.GREY, **SOME)
+    axes[0, 1].legend(handles + [some], labels + ["not reached\neverywhere"], loc="upper left",
+                      bbox_to_anchor=(1.0, 1.0))
     return canvas
 
 
@@ -104,14 +111,50 @@ def _draw_prices(panel, table):
         look = style.order_line(order)
         panel.plot(line["accuracy"], np.where(everywhere, line["mean"], np.nan), **look)
         if not everywhere.all():  # reached on some benchmarks only: the mean flatters
-            panel.plot(line["accuracy"], line["mean"], color=look["color"], linewidth=0.8, linestyle=(0, (2, 2)))
+            panel.plot(line["accuracy"], line["mean"], color=look["color"], **SOME)
     panel.set_xscale("log")
     panel.set_yscale("log")
-    panel.set_ylim(0.9, 100)
-    panel.set_yticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
+    panel.set_ylim(0.9, 60)
+    _plain_ticks(panel, 50)
     panel.set_xlim(2e-2, 5e-13)
 
 
-FIGURES = {"trade_time": (["trade.csv", "benchmarks.csv"], time_figure),
+def digits_figure(folder):
+    """What the cheapest cell costs for an accuracy, over what it costs for the first: each benchmark, and the mean."""
+    cells, benchmarks = _cells(folder), read_table(folder / "benchmarks.csv", ["benchmark", "floor"])
+    canvas, axes = style.figure(11.0, 4.2, 1, 2)
+    for panel, costs, title in ((axes[0], _seconds, "time"), (axes[1], lambda table: table["flops"], "operations")):
+        curves = []
+        for name, floor in zip(benchmarks["benchmark"], benchmarks["floor"]):
+            of_benchmark = cells.where(benchmark=name)
+            cost = np.array([_least(of_benchmark, costs(of_benchmark), accuracy) if accuracy >= floor else np.nan
+                             for accuracy in ACCURACIES])
+            curves.append(cost / cost[0])
+            panel.loglog(ACCURACIES, curves[-1], color=style.GREY, linewidth=0.9, label="each benchmark")
+        panel.loglog(ACCURACIES, np.exp(np.nanmean(np.log(curves), axis=0)), "o-", color=style.BLUE, linewidth=2.2,
+                     label="geometric mean")
+        panel.set_xlim(2e-2, 5e-13)
+        _plain_ticks(panel, np.nanmax(curves))
+        panel.set_title(title)
+        panel.set_xlabel("accuracy asked for")
+    axes[0].set_ylabel("cost of the cheapest cell over that for $10^{-2}$")
+    handles = dict(zip(*reversed(axes[1].get_legend_handles_labels())))
+    axes[0].legend(handles.values(), handles.keys(), loc="upper left")
+    return canvas
+
+
+def _plain_ticks(panel, highest):
+    ticks = [tick for tick in (1, 2, 5, 10, 20, 50, 100, 200, 500) if tick <= 1.01 * highest]
+    panel.set_yticks(ticks, [str(tick) for tick in ticks])
+    panel.yaxis.set_minor_locator(matplotlib.ticker.NullLocator())
+
+
+def _least(cells, costs, accuracy):
+    good = cells["largest_error"] <= accuracy
+    return costs[good].min() if good.any() else np.nan
+
+
+FIGURES = {"trade_digits": (["trade.csv", "benchmarks.csv"], digits_figure),
+           "trade_time": (["trade.csv", "benchmarks.csv"], time_figure),
            "trade_unknowns": (["trade.csv", "benchmarks.csv"], unknowns_figure),
            "trade_orders": (["orders.csv"], orders_figure)}

@@ -1,7 +1,6 @@
 #include "apps/trade/reference.hpp"
 
 #include "discretization/errors.hpp"
-#include "kernels/rotation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -66,10 +65,6 @@ Errors Reference::errors_of(const Simulation& simulation) const {
   }) / centerline_;
   errors.moment = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
     return sample.moment - exact(sample, member).moment;
-  }) / moment_;
-  errors.spatial_moment = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
-    const PointSample there = exact(sample, member);
-    return rotation_matrix(sample.triad) * sample.moment - rotation_matrix(there.triad) * there.moment;
   }) / moment_;
   errors.energy = std::abs(energy_of(simulation) - energy_) / energy_;
   return errors;

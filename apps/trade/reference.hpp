@@ -13,14 +13,11 @@ struct Errors {
   double centerline = 0.0;    ///< position of the centerline, over the norm of its displacement
   double moment = 0.0;        ///< material moment, over its norm
   double energy = 0.0;        ///< strain energy
-  /// Of these four; not a number if one of them is.
-  double largest() const;
-  /// Moment in spatial components: that of the material ones without the error of the triad they are taken in.
-  double spatial_moment = 0.0;
+  double largest() const;     ///< not a number if one of them is
 };
 
 /// Of a simulation that did not converge.
-inline const Errors kNoErrors{std::nan(""), std::nan(""), std::nan(""), std::nan(""), std::nan("")};
+inline const Errors kNoErrors{std::nan(""), std::nan(""), std::nan(""), std::nan("")};
 
 struct Discretization {
   int order = 0, elements = 0;

@@ -100,11 +100,12 @@ void write_orders(std::ostream& page, const Results& results, const MatrixPlan& 
          "meshes allowed, it says on\nhow many it is reached. `benchmarks`: those on which the accuracy can be judged. "
          "`n`: elements of each member for the\norder taken, geometric mean.\n\n"
          "![Price of each order](trade_orders.png)\n\n"
-         "By time:\n\n";
+         "Meshes are powers of two, so that prices below about 1.5 are as good as equal. By time:\n\n";
   write_prices(page, results, plan, {largest_error, processor_time(plan.timing.threads.front())});
   page << "\nBy floating-point operations (counted for a Newton iteration of a plain section, times iterations): what "
           "large structures\ncost, where the time does not go into what is the same on every mesh.\n\n";
   write_prices(page, results, plan, {largest_error, operations});
+  page << "\n![What each digit costs](trade_digits.png)\n";
 }
 
 void write_cheapest(std::ostream& page, const Results& results, const ErrorMeasure& error, int threads) {
@@ -152,17 +153,15 @@ std::string rate_text(const BenchmarkResult& result, int order, const ErrorMeasu
 
 void write_rates(std::ostream& page, const Results& results, const MatrixPlan& plan) {
   page << "\n## Rates of convergence\n\n"
-          "Displacement of the tip / centerline / moment, material / moment, spatial / energy, between the finest two "
-          "meshes above\nrounding and reference. Material components are taken in the triad of the element, of degree "
-          "k - 1.\n\n| benchmark |";
+          "Displacement of the tip / centerline / moment / energy, between the finest two meshes above rounding and "
+          "reference.\n\n| benchmark |";
   for (const int order : plan.orders) page << " k = " << order << " |";
   page << "\n| --- |";
   for (std::size_t i = 0; i < plan.orders.size(); ++i) page << " --- |";
   page << "\n";
   const std::vector<ErrorMeasure> measures = {
       [](const Errors& e) { return e.displacement; }, [](const Errors& e) { return e.centerline; },
-      [](const Errors& e) { return e.moment; }, [](const Errors& e) { return e.spatial_moment; },
-      [](const Errors& e) { return e.energy; }};
+      [](const Errors& e) { return e.moment; }, [](const Errors& e) { return e.energy; }};
   for (const BenchmarkResult& result : results) {
     page << "| " << result.problem.about.name << " |";
     for (const int order : plan.orders)

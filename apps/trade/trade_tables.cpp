@@ -54,24 +54,10 @@ void print_row(std::ostream& out, const BenchmarkResult& result, std::size_t fir
 }
 
 std::vector<std::string> columns_of_cells(const std::vector<int>& threads) {
-  std::vector<std::string> columns = {"benchmark",
-                                      "integration",
-                                      "order",
-                                      "elements",
-                                      "status",
-                                      "displacement_error",
-                                      "centerline_error",
-                                      "moment_error",
-                                      "energy_error",
-                                      "spatial_moment_error",
-                                      "largest_error",
-                                      "pareto",
-                                      "global_unknowns",
-                                      "interior_unknowns",
-                                      "flops",
-                                      "load_steps",
-                                      "failed_steps",
-                                      "newton_iterations"};
+  std::vector<std::string> columns = {
+      "benchmark",         "integration",  "order",        "elements",      "status",           "displacement_error",
+      "centerline_error",  "moment_error", "energy_error", "largest_error", "pareto",           "global_unknowns",
+      "interior_unknowns", "flops",        "load_steps",   "failed_steps",  "newton_iterations"};
   for (const int n : threads)
     for (const char* what : {"seconds", "setup_seconds", "processor_seconds"})
       columns.push_back(std::string(what) + "_" + std::to_string(n));
@@ -89,7 +75,6 @@ std::vector<CsvCell> row_of(const BenchmarkResult& result, const CellResult& cel
                               cell.errors.centerline,
                               cell.errors.moment,
                               cell.errors.energy,
-                              cell.errors.spatial_moment,
                               cell.errors.largest(),
                               pareto ? 1 : 0,
                               cell.global_unknowns,
