@@ -14,7 +14,7 @@ constexpr int kRoundedMeshes = 2;
 /// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
 constexpr double kGrowth = 2.0;
 /// From a mesh that is worse than this nothing is guessed: it has followed a path of its own.
-constexpr double kNoSolution = 0.1;
+constexpr double kNoSolution = 0.01;
 
 CellResult left_out(const Cell& cell, CellStatus status) {
   CellResult result;
