@@ -129,7 +129,7 @@ double CellResult::processor_seconds(int threads) const {
 
 double iteration_flops(int order, int elements) {
   static std::map<int, double> of_order;
-  if (of_order.count(order) == 0) of_order[order] = phase_costs(order).at(kWholeIteration).flops;
+  if (of_order.count(order) == 0) of_order[order] = phase_costs("spatial", order).at(kWholeIteration).flops;
   return of_order[order] * elements;
 }
 
