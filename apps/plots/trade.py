@@ -9,6 +9,7 @@ from results import read_table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-14
+HIGHEST_ERROR = 0.3  # beyond, the mesh has followed a path of its own
 CELLS = ["benchmark", "integration", "order", "elements", "status", "largest_error", "pareto", "global_unknowns",
          "interior_unknowns", "flops"]
 INTEGRATION = "both reduced"
@@ -44,8 +45,8 @@ def _panels(folder, draw, label):
     for i, (panel, name) in enumerate(zip(axes.flat, names)):
         panel.set_xscale("log")
         panel.set_yscale("log")
-        draw(panel, cells.where(benchmark=name))
         floor = max(benchmarks["floor"][i], LOWEST_ERROR)
+        draw(panel, cells.where(benchmark=name), floor)
         panel.axhspan(LOWEST_ERROR / 10, floor, color="#EEEEEE", zorder=0)
         panel.set_ylim(LOWEST_ERROR, 3.0)
         panel.set_yticks([1e-12, 1e-9, 1e-6, 1e-3, 1.0])
@@ -70,19 +71,21 @@ def _lines(panel, cells, across):
     for order in cells.values("order"):
         line = cells.where(order=order).sorted_by("elements")
         look = {**style.order_line(order), "markersize": 3.5, "linewidth": 0.9}
-        panel.plot(across(line), np.maximum(line["largest_error"], LOWEST_ERROR * 1.3), **look)
+        error = np.where(line["largest_error"] < HIGHEST_ERROR, line["largest_error"], np.nan)
+        panel.plot(across(line), np.maximum(error, LOWEST_ERROR * 1.3), **look)
 
 
-def _draw_times(panel, cells):
+def _draw_times(panel, cells, floor):
     _lines(panel, cells, lambda line: 1e3 * _seconds(line))
     front = cells.where(pareto=1)
     if len(front):
         place = np.argsort(_seconds(front))
+        place = place[:1 + np.count_nonzero(front["largest_error"] > floor)]  # below, errors are those of rounding
         panel.plot(1e3 * _seconds(front)[place], np.maximum(front["largest_error"][place], LOWEST_ERROR * 1.3),
                    color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
 
 
-def _draw_unknowns(panel, cells):
+def _draw_unknowns(panel, cells, _floor):
     _lines(panel, cells, lambda line: line["global_unknowns"] + line["interior_unknowns"])
 
 
@@ -99,7 +102,7 @@ def orders_figure(folder):
         panel.set_xlabel("accuracy asked for")
     handles, labels = axes[0, 1].get_legend_handles_labels()
     some = matplotlib.lines.Line2D([], [], color=style.GREY, **SOME)
-    axes[0, 1].legend(handles + [some], labels + ["not reached\neverywhere"], loc="upper left",
+    axes[0, 1].legend(handles + [some], labels + ["on half of the\nbenchmarks\nor more"], loc="upper left",
                       bbox_to_anchor=(1.0, 1.0))
     return canvas
 
@@ -110,8 +113,9 @@ def _draw_prices(panel, table):
         everywhere = (line["reached"] == line["judged"]) & (line["judged"] > 0)
         look = style.order_line(order)
         panel.plot(line["accuracy"], np.where(everywhere, line["mean"], np.nan), **look)
-        if not everywhere.all():  # reached on some benchmarks only: the mean flatters
-            panel.plot(line["accuracy"], line["mean"], color=look["color"], **SOME)
+        if not everywhere.all():  # the mean over a few would flatter too much
+            panel.plot(line["accuracy"], np.where(2 * line["reached"] >= line["judged"], line["mean"], np.nan),
+                       color=look["color"], **SOME)
     panel.set_xscale("log")
     panel.set_yscale("log")
     panel.set_ylim(0.9, 60)
