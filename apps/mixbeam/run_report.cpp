@@ -141,9 +141,9 @@ void RunReport::print_errors(std::ostream& out) const {
     out << "  discretization error not estimated: " << last_.error_estimate->not_estimated << "\n";
     return;
   }
-  out << text_of("  %-34s %9s %9s\n", "estimated discretization error", "absolute", "relative");
+  out << text_of("  %-36s %9s %9s\n", "estimated discretization error", "absolute", "relative");
   for (const NamedError& quantity : named(*last_.error_estimate))
-    out << text_of("    %-32s %9.1e %9.1e\n", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
+    out << text_of("    %-34s %9.1e %9.1e\n", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
 }
 
 void RunReport::print(std::ostream& out) const {
