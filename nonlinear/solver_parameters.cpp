@@ -84,6 +84,12 @@ ListSpec newton_spec() {
           .at_most(3.0)
           .by_default(defaults.maximum_rotation)
           .means("Largest rotation of a vertex in one iteration [radian]; longer Newton steps are shortened to it."));
+  spec.add(integer("Tangent Reuse")
+               .at_least(0)
+               .at_most(kMostIterations)
+               .by_default(defaults.tangent_reuse)
+               .means("Further iterations that a tangent and its factors serve, as long as each of them lowers the "
+                      "residual to a tenth (modified Newton); 0: every iteration has its own tangent."));
   return spec;
 }
 
@@ -100,6 +106,11 @@ ListSpec linear_solver_spec() {
                .below(1.0)
                .by_default(defaults.residual_tolerance)
                .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
+  spec.add(choice("Precision", {"double", "single"})
+               .by_default(defaults.single_precision ? "single" : "double")
+               .means("chains: numbers in which the factors of chains are kept. single: half the memory, and "
+                      "increments good to about six digits; the residual, and so the result, is as exact as with "
+                      "double."));
   spec.add(
       real("Force Stiffness Cap")
           .at_least(1e3)
@@ -157,6 +168,7 @@ NewtonParameters read_newton(const ParameterList& list) {
   parameters.residual_tolerance = list.get<double>("Residual Tolerance");
   parameters.maximum_iterations = list.get<int>("Maximum Iterations");
   parameters.maximum_rotation = list.get<double>("Maximum Rotation");
+  parameters.tangent_reuse = list.get<int>("Tangent Reuse");
   return parameters;
 }
 
@@ -164,6 +176,7 @@ LinearSolverParameters read_linear_solver(const ParameterList& list) {
   LinearSolverParameters parameters;
   parameters.method = list.get<std::string>("Method");
   parameters.residual_tolerance = list.get<double>("Residual Tolerance");
+  parameters.single_precision = list.get<std::string>("Precision") == "single";
   parameters.force_stiffness_cap = list.get<double>("Force Stiffness Cap");
   return parameters;
 }
@@ -200,6 +213,12 @@ ListSpec solver_spec() {
           .means(
               "Scenes in a plane are recognised and solved with three unknowns per vertex, about three times as fast; "
               "their last digits are not those of the solution in space."));
+  spec.add(boolean("Symmetric Tangent")
+               .by_default(kDefaults.symmetric_tangent)
+               .means("Loads without a potential (followers, dead moments and couples) leave the tangent symmetric: "
+                      "Newton's method converges linearly instead of quadratically, each iteration costs less, and "
+                      "members under line loads without a potential are condensed as chains; results do not depend on "
+                      "it."));
   spec.add_list("NOX", nox_spec(), Presence::optional);
   spec.add_list(
       "Status Tests",
@@ -219,6 +238,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
   parameters.threads = list.get<int>("Threads");
   parameters.planar = list.get<bool>("Planar");
+  parameters.symmetric_tangent = list.get<bool>("Symmetric Tangent");
   parameters.nox = given_list(list, "NOX");
   parameters.status_tests = given_status_tests(list, source, path);
   parameters.loca = given_list(list, "LOCA");

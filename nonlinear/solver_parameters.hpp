@@ -36,13 +36,15 @@ struct NewtonParameters {
   double residual_tolerance = 1e-11;  ///< scaled residual, without dimension
   int maximum_iterations = 50;
   double maximum_rotation = 0.4;  ///< of any vertex in one iteration
+  int tangent_reuse = 0;          ///< further iterations that a tangent serves while they converge well
 };
 
 struct LinearSolverParameters {
   std::string method = "chains";
   double residual_tolerance = 1e-8;  ///< |b - A x| / (|A| |x| + |b|), checked after every solve
   double force_stiffness_cap =
-      1e5;  ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only
+      1e5;                        ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only
+  bool single_precision = false;  ///< of the factors of chains
 };
 
 struct SolverParameters {
@@ -52,6 +54,7 @@ struct SolverParameters {
   LinearSolverParameters linear;
   int threads = 0;     ///< 0: as OMP_NUM_THREADS says
   bool planar = true;  ///< scenes in a plane are solved with three unknowns per vertex; see Assembler::plane()
+  bool symmetric_tangent = false;  ///< loads without potential enter the residual alone
   // Null unless the user gave the list; then it holds what was given and nothing else.
   Teuchos::RCP<Teuchos::ParameterList> nox;
   Teuchos::RCP<Teuchos::ParameterList> status_tests;
