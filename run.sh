@@ -7,7 +7,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 source .ci/setup.sh
 
 readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes
-  trade)
+  trade economies)
 readonly all_scene_groups=(verification gallery)
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results

@@ -1,0 +1,14 @@
+/// The page of the documentation, as a run writes it.
+#pragma once
+
+#include "apps/economies/economies_study.hpp"
+
+#include <iosfwd>
+
+namespace mixbeam {
+
+/// Markdown: both tables, with what was measured where.
+void write_economies_page(std::ostream& page, const Scene& rod, const std::vector<EconomyResult>& unused,
+                          const std::vector<EconomyResult>& arithmetic);
+
+}  // namespace mixbeam
