@@ -1,6 +1,7 @@
 #include "apps/trade/cell.hpp"
 
 #include "apps/common/phase_costs.hpp"
+#include "apps/trade/estimate_check.hpp"
 #include "discretization/errors.hpp"
 #include "kernels/element_layout.hpp"
 
@@ -152,6 +153,9 @@ CellResult measure_cell(const BenchmarkProblem& problem, const Reference& refere
     if (!path.finished) return result;
     result.status = CellStatus::converged;
     result.errors = reference.errors_of(first.simulation);
+    const RunWatch watch;
+    result.estimated = estimated_errors(first.simulation, problem.about.point);
+    result.estimate_seconds = watch.processor_seconds();
     result.times = time_cell(problem, scene, first.times, plan, communicator);
   } catch (const InputError&) {  // a mesh that is too coarse for its curve
     result.status = CellStatus::failed;

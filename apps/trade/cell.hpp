@@ -32,6 +32,8 @@ struct CellResult {
   Cell cell;
   CellStatus status = CellStatus::failed;
   Errors errors = kNoErrors;
+  Errors estimated = kNoErrors;   ///< by the run itself, see estimated_errors()
+  double estimate_seconds = 0.0;  ///< processor time for that
   int global_unknowns = 0, interior_unknowns = 0;
   int load_steps = 0, failed_steps = 0, iterations = 0;
   double flops = 0.0;              ///< of all iterations, see iteration_flops()

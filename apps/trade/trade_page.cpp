@@ -2,6 +2,7 @@
 
 #include "apps/common/convergence_table.hpp"
 #include "apps/common/machine_facts.hpp"
+#include "apps/trade/estimate_check.hpp"
 #include "apps/trade/trade_tables.hpp"
 
 #include <algorithm>
@@ -268,6 +269,7 @@ void write_page(std::ostream& page, const std::vector<BenchmarkResult>& results,
   write_rates(page, results, plan);
   write_integrations(page, results, threads);
   write_two_threads(page, results, plan.timing.threads);
+  write_judgements(page, results);
   write_references(page, results, plan);
   write_failures(page, results);
 }

@@ -4,6 +4,7 @@
 #include "apps/common/csv_table.hpp"
 #include "apps/common/expected_quantity.hpp"
 #include "apps/common/machine_facts.hpp"
+#include "apps/trade/estimate_check.hpp"
 #include "apps/trade/matrix.hpp"
 #include "apps/trade/trade_page.hpp"
 #include "apps/trade/trade_tables.hpp"
@@ -26,6 +27,8 @@ constexpr double kReferencesAgree = 1e-10;
 constexpr int kHighestRatedOrder = 4;
 constexpr double kRateTolerance = 0.2;
 constexpr double kRateRoundOff = 1e-10;
+
+constexpr double kShareBeyond = 0.05, kMostBelow = 10.0;
 
 std::vector<int> counts_of(Application& app, const char* name) {
   std::vector<int> counts = app.study().get<Teuchos::Array<int>>(name).toVector();
@@ -84,6 +87,18 @@ void check_rates(Application& app, const BenchmarkResult& result, const MatrixPl
     app.summary.check_absolute(result.problem.about.name + " k=" + std::to_string(order) + ": rate of the centerline",
                                *rate, order + 1, kRateTolerance,
                                "Humer, Steinbrecher, Pechstein: polynomials of degree k, optimal rate k + 1");
+  }
+}
+
+/// Promised of displacements and moments; the energy is told beside.
+void check_estimates(Application& app, const std::vector<BenchmarkResult>& results) {
+  for (const EstimateJudgement& judgement : judge_estimates(results)) {
+    if (judgement.cells == 0 || judgement.quantity == "energy") continue;
+    const std::string name = "estimate of the " + judgement.quantity;
+    app.summary.check_upper_bound(name + ": cells beyond a factor of 5", 1.0 - judgement.share(), kShareBeyond,
+                                  "goal of mixbeam: 95 % of all cells within a factor of 5");
+    app.summary.check_upper_bound(name + ": largest true error over estimate", 1.0 / judgement.least, kMostBelow,
+                                  "goal of mixbeam: never less than a tenth");
   }
 }
 
@@ -151,8 +166,11 @@ void run_trade_study(Application& app) {
     if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end())
       results.push_back(compute(app, benchmark, plan));
   print_recommendation(app.out(), results, plan.timing.threads.front());
+  print_judgements(app.out(), results);
+  check_estimates(app, results);
   if (!app.writes_files()) return;
   write_tables(app.output, results, plan.timing.threads);
+  write_estimates(app.output / "estimates.csv", results);
   write_machine(app);
   std::ofstream page(app.output / "trade.md");
   write_page(page, results, plan);
