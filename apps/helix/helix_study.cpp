@@ -25,7 +25,7 @@ const std::string kGoal =
     "goal of mixbeam: pure bending and twisting in one load step of 3 iterations (4 where rounding leaves more "
     "than the tolerance after the third), at any slenderness";
 
-/// "Exact up to the floating point accuracy": what the scene's residual tolerance of 2e-12 leaves, as a share of L.
+/// "Exact up to the floating point accuracy": what the scene's residual tolerance of 1e-12 leaves, as a share of L.
 constexpr double kExact = 1e-12;
 
 /// The same for angles up to two full turns, in radians.
