@@ -16,6 +16,7 @@ class CondensedSystem {
   /// Vertices eliminated in chains, on this rank.
   int eliminated_vertices() const { return structure_.eliminated_vertices(); }
   const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
+  const VertexMatrix& remaining() const { return *remaining_; }
 
   /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
   bool condense();

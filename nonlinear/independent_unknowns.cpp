@@ -2,12 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
 namespace mixbeam {
 
 IndependentUnknowns::IndependentUnknowns(const Assembler& assembler)
-    : root_(assembler.matrix()), map_(assembler.map()), vertices_(assembler.mesh().vertices()) {
+    : root_(assembler.matrix()), map_(assembler.map()), rows_(assembler.map()) {
+  own_.resize(assembler.structure().owned_vertices);
+  std::iota(own_.begin(), own_.end(), 0);
+  set_up(assembler);
+}
+
+IndependentUnknowns::IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining)
+    : root_(remaining.matrix()), map_(assembler.map()), rows_(remaining.matrix()->getRowMap()), remaining_(&remaining) {
+  const KernelView<int*> vertices = remaining.vertices();
+  own_.assign(vertices.data(), vertices.data() + vertices.extent(0));
+  set_up(assembler);
+}
+
+void IndependentUnknowns::set_up(const Assembler& assembler) {
+  vertices_ = static_cast<int>(rows_->getGlobalNumElements()) / kVertexDofs;
   number(assembler);
   if (is_root()) {
     measure(assembler);
@@ -15,37 +30,57 @@ IndependentUnknowns::IndependentUnknowns(const Assembler& assembler)
   }
 }
 
+/// Rows of the vertices that are numbered here, on rank 0.
+std::vector<double> IndependentUnknowns::gather_rows(const DofVector& all) const {
+  DofVector chosen(rows_);
+  const KernelView<double*> to = MixedVector::view_of(chosen);
+  const KernelView<const double*> from = MixedVector::view_of(all);
+  for (size_t i = 0; i < own_.size(); ++i)
+    for (int c = 0; c < kVertexDofs; ++c) to(kVertexDofs * i + c) = from(vertex_row(own_[i], c));
+  std::vector<double> result(is_root() ? static_cast<size_t>(kVertexDofs) * vertices_ : 0);
+  root_.gather(chosen, result.data());
+  return result;
+}
+
 /// Free rows are the unknowns, in the order of the vertices.
 void IndependentUnknowns::number(const Assembler& assembler) {
-  master_.assign(vertices_, -1);
-  colour_.assign(vertices_, 0);
-  std::vector<int> slaves(vertices_, 0);
+  const Structure& structure = assembler.structure();
+  DofVector numbers(map_), fixed(map_);
+  const KernelView<double*> names = MixedVector::view_of(numbers), held = MixedVector::view_of(fixed);
+  for (size_t i = 0; i < held.extent(0); ++i) {
+    held(i) = assembler.fixed_rows()(i);
+    names(i) = structure.local_vertex_to_global[i / kVertexDofs];
+  }
+  const std::vector<double> name = gather_rows(numbers), is_fixed = gather_rows(fixed);
+  std::vector<int> place(is_root() ? assembler.mesh().vertices() : 0, -1);
+  for (int v = 0; is_root() && v < vertices_; ++v) {
+    vertex_of_mesh_.push_back(static_cast<int>(name[static_cast<size_t>(kVertexDofs) * v]));
+    place[vertex_of_mesh_.back()] = v;
+  }
+  master_.assign(is_root() ? vertices_ : 0, -1);
+  colour_.assign(assembler.mesh().vertices(), 0);
+  std::vector<int> slaves(assembler.mesh().vertices(), 0);
   for (const MeshJoint& joint : assembler.mesh().joints) {
-    master_[joint.slave] = joint.master;
+    if (is_root()) master_[place[joint.slave]] = place[joint.master];
     colour_[joint.slave] = ++slaves[joint.master];
     colours_ = std::max(colours_, 1 + colour_[joint.slave]);
   }
-  DofVector fixed(map_);
-  const KernelView<double*> mine = MixedVector::view_of(fixed);
-  for (size_t i = 0; i < mine.extent(0); ++i) mine(i) = assembler.fixed_rows()(i);
-  std::vector<double> all(is_root() ? static_cast<size_t>(kVertexDofs) * vertices_ : 0);
-  root_.gather(fixed, all.data());
-  unknown_.assign(all.size(), -1);
-  for (size_t i = 0; i < all.size(); ++i)
-    if (all[i] == 0.0) unknown_[i] = count_++;
+  unknown_.assign(is_fixed.size(), -1);
+  for (size_t i = 0; i < is_fixed.size(); ++i)
+    if (is_fixed[i] == 0.0) unknown_[i] = count_++;
   MPI_Bcast(&count_, 1, MPI_INT, 0, root_.communicator());
 }
 
 void IndependentUnknowns::measure(const Assembler& assembler) {
   const Structure& structure = assembler.structure();
   const Mesh& mesh = assembler.mesh();
-  std::vector<double> length(vertices_, 0.0);
+  std::vector<double> length(mesh.vertices(), 0.0);
   for (const MeshElement& element : mesh.elements)
     for (int vertex : element.vertex) length[vertex] += 0.5 * mesh.element_length(element);
   const double L = structure.length, bending = structure.bending_reference / L;
   measure_.resize(unknown_.size());
   for (size_t i = 0; i < measure_.size(); ++i)
-    measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[i / kVertexDofs] / L);
+    measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[vertex_of_mesh_[i / kVertexDofs]] / L);
 }
 
 /// Columns of slaves become those of their own free motion and of their master.
@@ -85,14 +120,14 @@ void IndependentUnknowns::probe(const Assembler& assembler, const State& state) 
       for (int c = 0; c < kVertexDofs; ++c)
         mine(kVertexDofs * v + c) = kVertexDofs * colour_[structure.local_vertex_to_global[v]] + c == k ? 1.0 : 0.0;
     assembler.turn_rows(state, mine);
-    unit_force_[k].resize(is_root() ? unknown_.size() : 0);
-    root_.gather(rows, unit_force_[k].data());
+    unit_force_[k] = gather_rows(rows);
   }
 }
 
 /// Displacement or rotation `component` of a vertex per unit of a free component of itself or of its master.
 double IndependentUnknowns::motion_of(int vertex, int component, int by_vertex, int by_component) const {
-  return unit_force_[kVertexDofs * colour_[vertex] + component][kVertexDofs * by_vertex + by_component];
+  return unit_force_[kVertexDofs * colour_[vertex_of_mesh_[vertex]] + component]
+                    [kVertexDofs * by_vertex + by_component];
 }
 
 /// Row of A times Z, both sides measured.
@@ -110,7 +145,7 @@ void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& fu
 
 const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, const State& state) {
   probe(assembler, state);
-  assembler.matrix();  // gathers the present tangent
+  if (remaining_ == nullptr) assembler.matrix();  // gathers the present tangent
   root_.gather_values();
   if (!is_root()) return reduced_;
   const auto local = root_.matrix()->getLocalMatrixHost();

@@ -8,6 +8,7 @@
 #pragma once
 
 #include "discretization/assembler.hpp"
+#include "discretization/vertex_matrix.hpp"
 #include "nonlinear/inertia_solver.hpp"
 #include "nonlinear/root_copy.hpp"
 
@@ -22,6 +23,10 @@ namespace mixbeam {
 class IndependentUnknowns {
  public:
   explicit IndependentUnknowns(const Assembler& assembler);
+  /// Those of the vertices that are left when chains are condensed to their ends: by Sylvester's law of inertia the
+  /// reduced matrix has as many negative eigenvalues less as pivots of the chains are negative. `remaining` must
+  /// outlive this and hold the tangent that is to be reduced.
+  IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining);
 
   const RootCopy& root() const { return root_; }
   bool is_root() const { return root_.is_root(); }
@@ -31,10 +36,13 @@ class IndependentUnknowns {
   /// result, other ranks an empty matrix.
   const SparseMatrix& reduce(const Assembler& assembler, const State& state);
   const SparseMatrix& matrix() const { return reduced_; }
-  /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce().
+  /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce();
+  /// not for the vertices that chains leave.
   void expand(const double* y, DofVector& motion) const;
 
  private:
+  void set_up(const Assembler& assembler);
+  std::vector<double> gather_rows(const DofVector& all) const;
   void number(const Assembler& assembler);
   void measure(const Assembler& assembler);
   void build_structure();
@@ -47,10 +55,13 @@ class IndependentUnknowns {
   double motion_of(int vertex, int component, int by_vertex, int by_component) const;
 
   RootCopy root_;
-  Teuchos::RCP<const DofMap> map_;
-  int vertices_ = 0, count_ = 0;
-  std::vector<int> master_;  ///< (vertex): -1 where it is no slave
-  std::vector<int> colour_;  ///< (vertex): slaves of one master differ; 0 where it is no slave
+  Teuchos::RCP<const DofMap> map_, rows_;    ///< of all vertices, and of those that are numbered here
+  std::vector<int> own_;                     ///< local vertices of this rank among those, in the order of the rows
+  const VertexMatrix* remaining_ = nullptr;  ///< null: all vertices
+  int vertices_ = 0, count_ = 0;             ///< vertices below are places among those that are numbered here
+  std::vector<int> vertex_of_mesh_;          ///< (vertex); rank 0
+  std::vector<int> master_;                  ///< (vertex): -1 where it is no slave; rank 0
+  std::vector<int> colour_;  ///< (vertex of the mesh): slaves of one master differ; 0 where it is no slave
   int colours_ = 1;
   std::vector<int> unknown_;                     ///< (6 * vertex + component): -1 where fixed; rank 0
   std::vector<double> measure_;                  ///< (6 * vertex + component): size of one unit of y; rank 0

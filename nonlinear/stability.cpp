@@ -45,20 +45,55 @@ SparseMatrix symmetric_part(const SparseMatrix& a) {
 
 }  // namespace
 
-Stability::Stability(BeamProblem& problem) : problem_(problem), unknowns_(problem.assembler) {}
+Stability::Stability(BeamProblem& problem) : problem_(problem) {}
 
-void Stability::assemble(const State& state, double load_factor) {
+void Stability::evaluate_tangent(const State& state, double load_factor) {
   Assembler& assembler = problem_.assembler;
   problem_.tangent_owner = nullptr;
   MixedVector residual = assembler.create_vector();
   assembler.residual(state, load_factor, residual);
   assembler.tangent(state, load_factor);
-  unknowns_.reduce(assembler, state);
+}
+
+/// The tangent of evaluate_tangent(), all of it.
+void Stability::assemble(const State& state, double load_factor) {
+  evaluate_tangent(state, load_factor);
+  if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.assembler);
+  unknowns_->reduce(problem_.assembler, state);
+}
+
+/// None where the signs of pivots cannot be relied on, or do not count: next to a critical point, without symmetry.
+std::optional<StabilityResult> Stability::inertia_with_chains(const State& state) {
+  if (chains_ == nullptr) {
+    chains_ = std::make_unique<CondensedSystem>(problem_.assembler);
+    unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.assembler, chains_->remaining());
+  }
+  const bool reliable = chains_->condense();
+  const SparseMatrix& matrix = unknowns_beside_chains_->reduce(problem_.assembler, state);
+  const RootCopy& root = unknowns_beside_chains_->root();
+  StabilityResult result;
+  on_root(root, [&] {
+    result.asymmetry = asymmetry(matrix);
+    result.symmetric = result.asymmetry <= kSymmetric;
+    if (!result.symmetric || matrix.rows() == 0) return;
+    if (symmetric_beside_chains_ == nullptr)
+      symmetric_beside_chains_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
+    const InertiaSolver::Signs signs = symmetric_beside_chains_->factorize(matrix);
+    result.null = signs.null;
+    result.negative = signs.negative;
+  });
+  double on_all[4] = {static_cast<double>(result.negative), static_cast<double>(result.null),
+                      result.symmetric ? 1.0 : 0.0, result.asymmetry};
+  MPI_Bcast(on_all, 4, MPI_DOUBLE, 0, root.communicator());
+  double of_chains[2] = {static_cast<double>(chains_->negative_pivots()), reliable ? 0.0 : 1.0};
+  MPI_Allreduce(MPI_IN_PLACE, of_chains, 2, MPI_DOUBLE, MPI_SUM, root.communicator());
+  if (of_chains[1] > 0.0 || on_all[1] > 0.0 || on_all[2] == 0.0) return std::nullopt;
+  return StabilityResult{static_cast<int>(on_all[0] + of_chains[0]), 0, true, on_all[3]};
 }
 
 /// No real eigenvalue lies below the smallest one of the symmetric part (Bendixson), and that is quickly looked at.
 bool Stability::is_positive_in_its_symmetric_part() {
-  const SparseMatrix part = symmetric_part(unknowns_.matrix());
+  const SparseMatrix part = symmetric_part(unknowns_->matrix());
   if (symmetric_ == nullptr) symmetric_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, part);
   const InertiaSolver::Signs signs = symmetric_->factorize(part);
   return signs.negative == 0 && signs.null == 0;
@@ -66,23 +101,23 @@ bool Stability::is_positive_in_its_symmetric_part() {
 
 StabilityResult Stability::inertia(bool keeps_factors) {
   StabilityResult result;
-  on_root(unknowns_.root(), [&] {
-    result.asymmetry = asymmetry(unknowns_.matrix());
+  on_root(unknowns_->root(), [&] {
+    result.asymmetry = asymmetry(unknowns_->matrix());
     result.symmetric = result.asymmetry <= kSymmetric;
     if (!result.symmetric && !keeps_factors && is_positive_in_its_symmetric_part()) return;
     const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
     std::unique_ptr<InertiaSolver>& solver = result.symmetric ? symmetric_ : general_;
-    if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, unknowns_.matrix());
-    const InertiaSolver::Signs signs = solver->factorize(unknowns_.matrix());
+    if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, unknowns_->matrix());
+    const InertiaSolver::Signs signs = solver->factorize(unknowns_->matrix());
     result.null = signs.null;
     result.negative = signs.negative;
-    if (signs.null > 0) solver->factorize(shifted(unknowns_.matrix(), kShift));
+    if (signs.null > 0) solver->factorize(shifted(unknowns_->matrix(), kShift));
     if (!result.symmetric) result.negative = signs.determinant_sign < 0 ? 1 : 0;
     if (!result.symmetric) count_real_negative(result);
   });
   double numbers[4] = {static_cast<double>(result.negative), static_cast<double>(result.null),
                        result.symmetric ? 1.0 : 0.0, result.asymmetry};
-  MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, unknowns_.root().communicator());
+  MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, unknowns_->root().communicator());
   return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2] == 1.0, numbers[3]};
 }
 
@@ -91,7 +126,7 @@ StabilityResult Stability::inertia(bool keeps_factors) {
 void Stability::count_real_negative(StabilityResult& result) {
   const int parity = result.negative;
   KrylovProblem problem;
-  problem.unknowns = unknowns_.count();
+  problem.unknowns = unknowns_->count();
   problem.symmetric = false;
   problem.apply = [&](double* block, int columns) { general_->solve(block, columns); };
   for (int wanted = kFirstCount;; wanted *= 2) {
@@ -108,6 +143,8 @@ void Stability::count_real_negative(StabilityResult& result) {
 }
 
 StabilityResult Stability::count(const State& state, double load_factor) {
+  evaluate_tangent(state, load_factor);
+  if (const auto result = inertia_with_chains(state)) return *result;
   assemble(state, load_factor);
   return inertia(false);
 }
@@ -115,11 +152,11 @@ StabilityResult Stability::count(const State& state, double load_factor) {
 /// Uses the factors that inertia() left.
 Stability::Reduced Stability::nearest(const StabilityResult& stability, int count) {
   Reduced reduced;
-  on_root(unknowns_.root(), [&] {
+  on_root(unknowns_->root(), [&] {
     InertiaSolver& solver = stability.symmetric ? *symmetric_ : *general_;
     const double shift = stability.null > 0 ? kShift : 0.0;
     KrylovProblem problem;
-    problem.unknowns = unknowns_.count();
+    problem.unknowns = unknowns_->count();
     problem.symmetric = stability.symmetric;
     problem.apply = [&](double* block, int columns) { solver.solve(block, columns); };
     std::vector<RitzPair> right = largest_eigenpairs(problem, count);
@@ -137,11 +174,11 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
                              })->vector);
   });
   int found = static_cast<int>(reduced.eigenvalue.size());
-  MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_.root().communicator());
+  MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_->root().communicator());
   reduced.eigenvalue.resize(found);
   reduced.vector.resize(found);
   if (!stability.symmetric) reduced.left.resize(found);
-  MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, unknowns_.root().communicator());
+  MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, unknowns_->root().communicator());
   return reduced;
 }
 
@@ -176,7 +213,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
   Assembler& assembler = problem_.assembler;
   const int m = static_cast<int>(reduced.eigenvalue.size());
   std::vector<MixedVector> found;
-  for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(assembler, unknowns_, state, y));
+  for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(assembler, *unknowns_, state, y));
   std::vector<double> values = reduced.eigenvalue, weights(static_cast<size_t>(m) * m, 0.0);
   if (stability.symmetric) {
     for (int i = 0; i < m; ++i)
@@ -188,11 +225,11 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
     for (int i = 0; i < m; ++i) {
       weights[i * (m + 1)] = 1.0;
       double overlap = 0.0;
-      if (unknowns_.is_root())
+      if (unknowns_->is_root())
         overlap = std::inner_product(reduced.left[i].begin(), reduced.left[i].end(), reduced.vector[i].begin(), 0.0);
-      MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+      MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_->root().communicator());
       values[i] +=
-          added_compliance(assembler, complete_motion(assembler, unknowns_, state, reduced.left[i]), found[i]) /
+          added_compliance(assembler, complete_motion(assembler, *unknowns_, state, reduced.left[i]), found[i]) /
           overlap;
     }
   }

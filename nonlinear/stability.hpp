@@ -15,12 +15,14 @@
 /// load of a hinged column of its length) goes unnoticed.
 #pragma once
 
+#include "discretization/condensed_system.hpp"
 #include "nonlinear/beam_problem.hpp"
 #include "nonlinear/block_krylov.hpp"
 #include "nonlinear/eigen_mode.hpp"
 #include "nonlinear/independent_unknowns.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mixbeam {
@@ -43,8 +45,8 @@ class Stability {
  public:
   explicit Stability(BeamProblem& problem);
 
-  /// Inertia of the tangent as it is, capped: one factorisation. Within about 1e-5 of a critical load the count may
-  /// differ from that of spectrum().
+  /// Inertia of the tangent as it is, capped: one factorisation, most of it that of chains, in parallel. Within about
+  /// 1e-5 of a critical load the count may differ from that of spectrum().
   StabilityResult count(const State& state, double load_factor);
 
   /// The `count` eigenvalues nearest to zero (or all there are), with modes, and the number of negative ones.
@@ -60,7 +62,9 @@ class Stability {
     std::vector<std::vector<double>> vector, left;  ///< left: unsymmetric only
   };
 
+  void evaluate_tangent(const State& state, double load_factor);
   void assemble(const State& state, double load_factor);
+  std::optional<StabilityResult> inertia_with_chains(const State& state);
   /// `keeps_factors`: those of the tangent itself are wanted afterwards.
   StabilityResult inertia(bool keeps_factors);
   bool is_positive_in_its_symmetric_part();
@@ -69,8 +73,12 @@ class Stability {
   std::vector<EigenMode> corrected_modes(const State& state, const StabilityResult& stability, const Reduced& reduced);
 
   BeamProblem& problem_;
-  IndependentUnknowns unknowns_;
-  std::unique_ptr<InertiaSolver> symmetric_, general_;  ///< rank 0, when first needed
+  // When first needed:
+  std::unique_ptr<IndependentUnknowns> unknowns_;
+  std::unique_ptr<InertiaSolver> symmetric_, general_;  ///< rank 0
+  std::unique_ptr<CondensedSystem> chains_;
+  std::unique_ptr<IndependentUnknowns> unknowns_beside_chains_;
+  std::unique_ptr<InertiaSolver> symmetric_beside_chains_;  ///< rank 0
 };
 
 }  // namespace mixbeam
