@@ -37,7 +37,7 @@ TEST(Trade, TinySizeConvergesAsTheorySays) {
   expect_in(text_of(folder / "orders.csv"), {"\nlargest,seconds,0.01,1,3,3,", "\ndisplacement,flops,0.01,1,3,3,"});
   expect_in(text_of(folder / "trade.md"),
             {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |"});
-  expect_in(text_of(folder / "output.txt"), {"15 of 15 checks passed."});
+  expect_in(text_of(folder / "output.txt"), {"21 of 21 checks passed."});
 }
 
 TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
