@@ -111,23 +111,71 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
 NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (isJacobian()) return Ok;
   computeF();
-  problem_->assembler.use_scales(scales_);
-  if (problem_->keeps_cap)  // borders may leave the plane, and all solves are to be with the same tangent
-    problem_->assembler.tangent(state_, load_factor());
-  else
-    problem_->assembler.newton_tangent(state_, load_factor());
-  ++problem_->work.tangents;
+  if (may_reuse_tangent()) {
+    ++problem_->tangent.reuses;
+    condense(f_->values());
+  } else {
+    take_tangent();
+  }
+  if (problem_->tangent_reuse > 0) problem_->tangent.norm = getNormF();
   problem_->tangent_owner = this;
   valid_jacobian_ = true;
+  // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
+  // right-hand side can spoil it.
+  return solve_newton();
+}
+
+void BeamGroup::take_tangent() {
+  problem_->assembler.use_scales(scales_);
+  // borders may leave the plane, and all solves are to be with the same tangent
+  problem_->assembler.newton_tangent(state_, load_factor(), problem_->keeps_cap);
+  problem_->tangent = {state_, load_factor(), scales_};
+  ++problem_->work.tangents;
+  ++problem_->work.factorizations;
   problem_->last_failure.clear();
   try {
     problem_->linear_solver->factorize();
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();
   }
-  // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
-  // right-hand side can spoil it.
-  return solve_newton();
+}
+
+void BeamGroup::take_tangent_in_space() const {
+  const TangentInUse& tangent = problem_->tangent;
+  problem_->assembler.use_scales(tangent.scales);
+  problem_->assembler.newton_tangent(tangent.state, tangent.load_factor, true);
+  ++problem_->work.factorizations;
+  problem_->linear_solver->factorize();
+}
+
+namespace {
+
+/// A tangent of another state converges linearly; as long as each iteration gains a digit, the few that are missing
+/// cost no more than a new tangent would.
+constexpr double kGoodContraction = 0.1;
+
+}  // namespace
+
+bool BeamGroup::may_reuse_tangent() const {
+  const TangentInUse& tangent = problem_->tangent;
+  if (tangent.reuses >= problem_->tangent_reuse || problem_->tangent_owner == nullptr) return false;
+  if (problem_->keeps_cap) return false;  // next to a critical point the tangent decides where the path goes
+  if (!problem_->last_failure.empty() || !(getNormF() <= kGoodContraction * tangent.norm)) return false;
+  return state_.in_plane || !problem_->assembler.has_planar_tangent();
+}
+
+void BeamGroup::condense(const MixedVector& rhs) const {
+  Assembler& assembler = problem_->assembler;
+  const TangentInUse& tangent = problem_->tangent;
+  if (tangent.reuses == 0) {
+    assembler.use_scales(scales_);
+    assembler.condense(state_, load_factor(), rhs);
+    return;
+  }
+  MixedVector rows = rhs.clone(true);
+  assembler.rescale(rows, scales_, tangent.scales);
+  assembler.condense(tangent.state, tangent.load_factor, rows);
+  assembler.use_scales(scales_);
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::solve_newton() {
@@ -148,7 +196,7 @@ void BeamGroup::solve_condensed(MixedVector& increment) const {
   DofVector& rhs = problem_->assembler.condensed_residual();
   rhs.scale(-1.0);
   problem_->linear_solver->solve(rhs, increment.vertex_dofs());
-  problem_->assembler.recover(state_, increment);
+  problem_->assembler.recover(problem_->tangent.state, increment);
 }
 
 namespace {
@@ -181,8 +229,7 @@ void BeamGroup::correct_newton() {
 SofteningOperators BeamGroup::softening_operators() const {
   return {
       [this](const MixedVector& rhs, MixedVector& increment) {
-        problem_->assembler.use_scales(scales_);
-        problem_->assembler.condense(state_, load_factor(), rhs);
+        condense(rhs);
         solve_condensed(increment);
       },
       [this](const MixedVector& increment, MixedVector& rows) { problem_->assembler.softening_rows(increment, rows); }};
@@ -212,12 +259,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   BeamVector increment(problem_->assembler.create_vector());
   try {
     if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
-    problem_->assembler.use_scales(scales_);
-    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) {
-      problem_->assembler.tangent(state_, load_factor());
-      problem_->linear_solver->factorize();
-    }
-    problem_->assembler.condense(state_, load_factor(), rhs);
+    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) take_tangent_in_space();
+    condense(rhs);
     solve_condensed(increment.values());
     const double cap_ratio = problem_->keeps_cap ? 0.0 : problem_->assembler.least_cap_ratio();
     if (cap_ratio > 0.0) {

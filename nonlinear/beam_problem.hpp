@@ -13,17 +13,33 @@ namespace mixbeam {
 
 struct WorkCount {
   int residuals = 0, tangents = 0, newton_iterations = 0;
+  int factorizations = 0;  ///< of tangents, by Newton's method
+};
+
+/// The tangent that Newton's method works with, and how it has served.
+struct TangentInUse {
+  State state;
+  double load_factor = 0.0;
+  ResidualScales scales;
+  int reuses = 0;     ///< further iterations
+  double norm = 0.0;  ///< residual in front of the last step with it; zero: no state may follow with the same tangent
 };
 
 class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : assembler(scene, comm,
-                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar}),
-        linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
+                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar,
+                   parameters.symmetric_tangent}),
+        linear_solver(make_linear_solver(
+            assembler, parameters.linear.method, parameters.linear.residual_tolerance,
+            parameters.linear.single_precision ? FactorPrecision::single : FactorPrecision::double_)),
+        tangent_reuse(parameters.newton.tangent_reuse) {}
 
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;
+  int tangent_reuse;  ///< NewtonParameters::tangent_reuse
+  TangentInUse tangent;
   WorkCount work;
   AttemptLog attempts;
   const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to

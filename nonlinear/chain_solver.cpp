@@ -12,8 +12,13 @@ namespace {
 
 /// Condensation leaves rounding errors where a mechanism has a zero, and no sparse solver can tell any more. A response
 /// this large, in units in which the diagonal is one, is that of rounding errors: the condition of what remains of real
-/// structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11 and more.
+/// structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11 and
+/// more.
 constexpr double kResponseOfRounding = 1e10;
+
+/// Rounding of factors in single precision, 6e-8, times the few dozen products that meet in a row of a run; what they
+/// leave of an increment is measured against |A| |x|, and the next iteration sees it in the residual.
+constexpr double kSinglePrecisionError = 1e-5;
 
 /// max |x_i| sqrt(|A_ii|) / max |b_i| / sqrt(|A_ii|): never more than the condition of the matrix scaled to a diagonal
 /// of ones. Collective.
@@ -49,11 +54,14 @@ class WholeSolver : public LinearSolver {
 
 }  // namespace
 
-ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance)
+ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance,
+                         FactorPrecision precision)
     : assembler_(assembler),
       method_(method),
       tolerance_(residual_tolerance),
-      system_(assembler),
+      chain_tolerance_(precision == FactorPrecision::single ? std::max(kSinglePrecisionError, residual_tolerance)
+                                                            : residual_tolerance),
+      system_(assembler, precision),
       remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, assembler.times())),
       diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
       remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
@@ -91,7 +99,7 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
   double remaining_error = 0.0, ignored = 0.0;
   solve_once(b, x, remaining_error);
   double error = system_.chain_error(b, x, *residual_);
-  if (remaining_error <= tolerance_ && !(error <= tolerance_)) {
+  if (remaining_error <= tolerance_ && !(error <= chain_tolerance_)) {
     solve_once(*residual_, *correction_, ignored);
     x.update(1.0, *correction_, 1.0);
     system_.condense_rows(b, *remaining_b_, *correction_);  // what arrives at the ends belongs to b again
@@ -103,7 +111,7 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
 double ChainSolver::solve(const DofVector& b, DofVector& x) {
   if (!uses_whole_) {
     const double error = solve_condensed(b, x);
-    if (error <= tolerance_) return error;
+    if (error <= chain_tolerance_) return error;
     uses_whole_ = true;
     ++whole_solves_;
     whole().factorize();
@@ -112,8 +120,8 @@ double ChainSolver::solve(const DofVector& b, DofVector& x) {
 }
 
 std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
-                                                 double residual_tolerance) {
-  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance);
+                                                 double residual_tolerance, FactorPrecision precision) {
+  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance, precision);
   return std::make_unique<WholeSolver>(assembler, method, residual_tolerance);
 }
 

@@ -139,7 +139,7 @@ std::optional<UncertainForce> Perturbation::most_uncertain() {
   MixedVector residual = assembler_.create_vector();
   assembler_.residual(state_, load_factor_, residual);
   problem_.tangent_owner = nullptr;  // the matrix no longer belongs to any group
-  assembler_.tangent(state_, load_factor_);
+  assembler_.newton_tangent(state_, load_factor_, true);
   problem_.linear_solver->factorize();
   const MixedVector rows = rounding_errors();
   MixedVector increment = assembler_.create_vector();

@@ -2,6 +2,7 @@
 
 #include "discretization/number_text.hpp"
 #include "discretization/validate.hpp"
+#include "nonlinear/chain_solver.hpp"
 #include "nonlinear/nox_spec.hpp"
 #include "nonlinear/status_test_check.hpp"
 
@@ -172,12 +173,16 @@ NewtonParameters read_newton(const ParameterList& list) {
   return parameters;
 }
 
-LinearSolverParameters read_linear_solver(const ParameterList& list) {
+LinearSolverParameters read_linear_solver(const ParameterList& list, const ParameterSource& source,
+                                          const ParameterPath& path) {
   LinearSolverParameters parameters;
   parameters.method = list.get<std::string>("Method");
   parameters.residual_tolerance = list.get<double>("Residual Tolerance");
   parameters.single_precision = list.get<std::string>("Precision") == "single";
   parameters.force_stiffness_cap = list.get<double>("Force Stiffness Cap");
+  if (parameters.single_precision && parameters.method != kChains)
+    throw source.error(child(path, "Precision"), R"(given, but has no meaning for "Method" = ")" + parameters.method +
+                                                     R"("; allowed: with ")" + std::string(kChains) + "\"");
   return parameters;
 }
 
@@ -215,10 +220,10 @@ ListSpec solver_spec() {
               "their last digits are not those of the solution in space."));
   spec.add(boolean("Symmetric Tangent")
                .by_default(kDefaults.symmetric_tangent)
-               .means("Loads without a potential (followers, dead moments and couples) leave the tangent symmetric: "
-                      "Newton's method converges linearly instead of quadratically, each iteration costs less, and "
-                      "members under line loads without a potential are condensed as chains; results do not depend on "
-                      "it."));
+               .means("Line loads without a potential (followers, dead couples) enter the tangent with their symmetric "
+                      "part alone, so that their members are condensed as chains; Newton's method then converges "
+                      "linearly. Results and stability do not depend on it; point loads, which cost nothing, stay as "
+                      "they are."));
   spec.add_list("NOX", nox_spec(), Presence::optional);
   spec.add_list(
       "Status Tests",
@@ -235,7 +240,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   SolverParameters parameters;
   parameters.load_path = read_load_path(list.sublist("Load Path"), source, child(path, "Load Path"));
   parameters.newton = read_newton(list.sublist("Newton"));
-  parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
+  parameters.linear = read_linear_solver(list.sublist("Linear Solver"), source, child(path, "Linear Solver"));
   parameters.threads = list.get<int>("Threads");
   parameters.planar = list.get<bool>("Planar");
   parameters.symmetric_tangent = list.get<bool>("Symmetric Tangent");
