@@ -24,6 +24,7 @@ using TriadQuaternion = std::array<double, 4>;
 /// each of the two elements that meet there; `element` tells them apart.
 struct MemberSamples {
   std::string name;                         ///< the member's name in the scene
+  int order = 0, elements = 0;              ///< of its mesh
   std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
   std::vector<int> element;                 ///< element within the member, 0, 1, ...
   std::vector<Vector3> reference_position;  ///< undeformed centerline, spatial

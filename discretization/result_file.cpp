@@ -127,6 +127,8 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members) {
     hdf5::write_attribute(group, "first_sample", first_sample);
     hdf5::write_attribute(group, "samples", static_cast<int>(member.size()));
     hdf5::write_attribute(group, "points_per_element", points_per_element(member));
+    hdf5::write_attribute(group, "order", member.order);
+    hdf5::write_attribute(group, "elements", member.elements);
     hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
     hdf5::write_dataset(group, "element", member.element);
     std::vector<double> reference_position;

@@ -6,8 +6,8 @@
 ///     /scene, /version          the input XML and the program's version, as text
 ///     /imported/0, 1, ...       files that the input names: attribute name, dataset text
 ///     /properties               attributes: compiler, threads, ... as the caller names them
-///     /members/<name>           attributes index, first_sample, samples, points_per_element; arc_length, element,
-///                               reference_position (.,3)
+///     /members/<name>           attributes index, first_sample, samples, points_per_element, order, elements;
+///                               arc_length, element, reference_position (.,3)
 ///     /supports/0, 1, ...       attribute point
 ///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
 ///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,

@@ -234,6 +234,8 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& a
   for (size_t m = 0; m < members.size(); ++m) {
     members[m].name = scene.members[m].name;
     const MeshMember& member = mesh.members[m];
+    members[m].order = scene.members[m].order;
+    members[m].elements = member.elements;
     if (comm.getRank() == 0)
       members[m].resize(first[member.first_element + member.elements] - first[member.first_element]);
   }

@@ -90,10 +90,12 @@ struct Member {
                           ///< radians, on top of how the curve carries its triad
   std::vector<InnerPoint> inner_points{};  ///< ascending
   std::vector<double>
-      stations{};             ///< relative arc length of every vertex from 0 to 1, ascending, elements + 1 of them;
-                              ///< inner points are among them; empty: elements as equal as the inner points permit
-  std::string end_section{};  ///< taper: section at the end of the member; empty: one section throughout
-  std::string taper{};        ///< weight of the end section as formula of x = relative arc length; empty: x itself
+      stations{};               ///< relative arc length of every vertex from 0 to 1, ascending, elements + 1 of them;
+                                ///< inner points are among them; empty: elements as equal as the inner points permit
+  std::string end_section{};    ///< taper: section at the end of the member; empty: one section throughout
+  std::string taper{};          ///< weight of the end section as formula of x = relative arc length; empty: x itself
+  bool keeps_order = false;     ///< the order was asked for, so Scene::accuracy does not change it
+  bool keeps_elements = false;  ///< likewise the elements
 };
 
 /// When a load or a prescribed motion acts: its amplitude is clamp(load_factor - (stage - 1), 0, 1),
@@ -197,6 +199,9 @@ struct Scene {
   /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
   /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
   std::vector<std::string> load_cases{};
+  /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
+  /// chosen (accurate_run.hpp), and those here mean nothing.
+  std::optional<double> accuracy{};
 };
 
 }  // namespace mixbeam

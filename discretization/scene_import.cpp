@@ -205,6 +205,8 @@ Member imported_member(const ImportTable& table, const CsvRecord& record, const 
     throw table.error(record, "section", "missing section; allowed: a name here, or \"Section\" of \"Import\"");
   member.order = imported_count(table, record, "order", list.get<int>("Order"), kLargestOrder);
   member.elements = imported_count(table, record, "elements", list.get<int>("Elements"), kMostElements);
+  member.keeps_order = is_given(list, "Order") || !table.cell(record, "order").empty();
+  member.keeps_elements = is_given(list, "Elements") || !table.cell(record, "elements").empty();
   return member;
 }
 

@@ -75,6 +75,12 @@ ListSpec scene_spec() {
                 ListSpec("Beams; at least one here or by Import.").with_named_lists("member", member_spec()));
   spec.add_list("Import", import_spec(), Presence::optional);
   spec.add_list("Patterns", patterns_spec(), Presence::optional);
+  spec.add(
+      real("Accuracy")
+          .above(kBestAccuracy)
+          .below(1.0)
+          .means("Wanted error of displacements over the largest of them, at the end of the path: order and number "
+                 "of elements are chosen for every member that does not give them itself."));
   add_condition_lists(spec);
   return spec;
 }

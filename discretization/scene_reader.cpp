@@ -29,6 +29,7 @@ SceneReader::SceneReader(const List& list, const ParameterSource& source, Parame
 
 Scene SceneReader::read() {
   scene_.name = source_.root_name();
+  if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
   read_sections();
   read_points();
   import_points();

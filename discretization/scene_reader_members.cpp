@@ -57,6 +57,8 @@ Member SceneReader::read_member(const std::string& name, const List& list, const
   member.section = list.get<std::string>("Section");
   member.order = list.get<int>("Order");
   member.elements = list.get<int>("Elements");
+  member.keeps_order = is_given(list, "Order");
+  member.keeps_elements = is_given(list, "Elements") || list.isParameter("Stations");
   member.force_integration = translated(list, "Force Integration", kForceIntegrations);
   member.second_axis = get_vector_or_zero(list, "Second Axis");
   if (list.isParameter("Second Axis") && norm(member.second_axis) < kShortestLength) {

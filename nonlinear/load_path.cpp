@@ -2,6 +2,7 @@
 
 #include "discretization/message_text.hpp"
 #include "nonlinear/automatic_path.hpp"
+#include "nonlinear/corrector.hpp"
 #include "nonlinear/loca_stage.hpp"
 
 #include <cmath>
@@ -74,7 +75,31 @@ bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state
   return cause.empty();
 }
 
+/// From a state that is nearly right, Newton's method needs three or four.
+constexpr int kMostIterationsToSettle = 12;
+
 }  // namespace
+
+LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+                             const PathObserver& observer) {
+  const int end = problem->assembler.scene().stages, before = problem->work.newton_iterations;
+  LoadPathResult result;
+  PathControl control;
+  control.resume.emplace();  // the step that is reported is the first one, not the start of a path
+  PathRecorder recorder(problem, parameters, state, observer, control, result);
+  problem->attempts.start_path(0, {});
+  recorder.enter_stage(end, 1);
+  Corrector corrector(problem, parameters, recorder.record());
+  const Correction found = corrector.at_load({state, static_cast<double>(end)}, kMostIterationsToSettle);
+  result.newton_iterations = problem->work.newton_iterations - before;
+  if (!found.converged || !problem_of_end_angles(*problem, found.state, end).empty()) {
+    result.failure = found.converged ? "an element turns too far" : found.cause;
+    return result;
+  }
+  recorder.converged({found.state, found.load_factor, found.residual});
+  result.finished = true;
+  return result;
+}
 
 LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 State& state, const PathObserver& observer, const PathControl& control) {

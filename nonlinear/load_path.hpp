@@ -52,6 +52,11 @@ using PathObserver = std::function<void(const StepReport& report, const State& s
 LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 State& state, const PathObserver& observer, const PathControl& control = {});
 
+/// Newton's method at the end of the path, in place of the path: `state` is nearly the equilibrium there and becomes
+/// it. The result is that of a path of one step; not finished where Newton's method fails, and then `state` stays.
+LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+                             const PathObserver& observer);
+
 /// Why a path with these parameters cannot be resumed exactly, empty if it can: some of the methods that a user may
 /// choose in the lists "LOCA" and "Status Tests" remember more than the last step.
 std::string obstacle_to_resuming(const SolverParameters& parameters);

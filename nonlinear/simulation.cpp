@@ -5,6 +5,8 @@
 #include "nonlinear/linear_buckling.hpp"
 #include "nonlinear/linear_solver.hpp"
 
+#include <cmath>
+
 namespace mixbeam {
 
 namespace {
@@ -12,6 +14,9 @@ namespace {
 /// Of a mode whose largest entry is one, for a central difference: its error is about 1e-10, from the third derivative
 /// as from rounding.
 constexpr double kModeAmplitude = 1e-5;
+
+/// Load factors are sums of rounded steps.
+constexpr double kSameLoadFactor = 1e-9;
 
 }  // namespace
 
@@ -29,6 +34,20 @@ const LoadPathResult& Simulation::run(const PathObserver& observer, const PathCo
   };
   result_ = follow_load_path(problem_, parameters_, state_, remember, control);
   return result_;
+}
+
+const LoadPathResult& Simulation::settle(const State& start, const PathObserver& observer) {
+  state_ = start;
+  load_factor_ = scene().stages;
+  result_ = settle_at_end(problem_, parameters_, state_, observer);
+  return result_;
+}
+
+bool Simulation::is_end_of_path(double load_factor) const {
+  if (!parameters_.analysis.control) return std::abs(scene().stages - load_factor) <= kSameLoadFactor;
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  const double rest = control.target - displacement(control.point)[control.component];
+  return std::abs(rest) <= kSameLoadFactor * assembler().structure().length;
 }
 
 void Simulation::restore(const StateSnapshot& snapshot, double load_factor) {
@@ -49,7 +68,8 @@ double Simulation::condition_estimate() {
   equations.residual(state_, load_factor_, residual);
   equations.tangent(state_, load_factor_);
   problem_->tangent_owner = nullptr;  // the matrix no longer belongs to any group
-  return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method), equations.structure().length);
+  return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method),
+                                     equations.structure().length);
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {
@@ -122,8 +142,8 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   return record;
 }
 
-RecordedErrorEstimate Simulation::record_error(const std::vector<std::string>& points) const {
-  const ErrorEstimate estimate = estimate_error();
+RecordedErrorEstimate Simulation::record_error(const ErrorEstimate& estimate,
+                                               const std::vector<std::string>& points) const {
   RecordedErrorEstimate record;
   record.not_estimated = estimate.not_estimated;
   if (!estimate.exists()) return record;

@@ -20,6 +20,12 @@ class Simulation {
   /// result().finished tells which. May be called once.
   const LoadPathResult& run(const PathObserver& observer = {}, const PathControl& control = {});
 
+  /// In place of run(), from a state that is nearly that of the end of the path, see settle_at_end().
+  const LoadPathResult& settle(const State& start, const PathObserver& observer = {});
+
+  /// Whether a path arrives with state() at this load factor.
+  bool is_end_of_path(double load_factor) const;
+
   /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. Throws
   /// std::invalid_argument when the snapshot is not one of this mesh. Collective.
   void restore(const StateSnapshot& snapshot, double load_factor);
@@ -48,7 +54,7 @@ class Simulation {
     return mixbeam::estimate_error(assembler(), parameters_, state_, load_factor_);
   }
   /// The same for a result file, with the errors of some points.
-  RecordedErrorEstimate record_error(const std::vector<std::string>& points) const;
+  RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
 
   // All of the following are collective and give the same on every rank (samples: complete on rank 0).
   Vector3 displacement(const std::string& point) const;

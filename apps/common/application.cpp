@@ -227,54 +227,105 @@ PathControl control_of(const Recording& recording) {
 
 }  // namespace
 
-void Application::estimate_error(const Simulation& simulation, const SolverParameters& parameters,
-                                 const std::vector<std::string>& points, StepRecord& record) const {
-  const size_t elements = simulation.assembler().mesh().elements.size();
-  if (is_end_of_path(simulation, simulation.load_factor()) && estimates_error(parameters.analysis, elements))
-    record.error_estimate = simulation.record_error(points);
-}
-
-Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
-  std::unique_ptr<ResultFile> results;
-  std::optional<MonitorTable> monitor;
-  if (writes_files()) {
+/// The files of a run, and those who listen to it.
+class Application::Recorder {
+ public:
+  Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
+      : parameters_(parameters), recording_(recording), points_(followed_points(scene)) {
+    if (!app.writes_files()) return;
     std::error_code ignored;
     std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-    results = recording.resume != nullptr
-                  ? std::make_unique<ResultFile>(*recording.resume)
-                  : std::make_unique<ResultFile>(recording.file, header(solved, recording.properties));
-    if (!recording.monitor.empty()) monitor.emplace(recording.monitor);
-    if (monitor && recording.resume != nullptr) monitor->add(*recording.resume);
+    results_ = recording.resume != nullptr
+                   ? std::make_unique<ResultFile>(*recording.resume)
+                   : std::make_unique<ResultFile>(recording.file, app.header(scene, recording.properties));
+    if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
+    if (monitor_ && recording.resume != nullptr) monitor_->add(*recording.resume);
   }
-  const std::vector<std::string> points = followed_points(solved);
-  bool recorded = false;
-  const auto keep = [&](const Simulation& running, const StepReport& report) {
-    recorded = true;
-    auto step = std::make_shared<StepRecord>(running.record(report, recording.points_per_element, points));
-    follow_reactions(points, *step);
-    if (report.step == 0 && parameters.analysis.buckling_modes > 0)
-      step->buckling = running.buckling_modes(parameters.analysis.buckling_modes, recording.points_per_element);
-    estimate_error(running, parameters, points, *step);
-    if (results != nullptr) results->append_step(step);
-    if (monitor) monitor->add(*step);
-    if (recording.record_observer) recording.record_observer(*step);
-    if (recording.observer) recording.observer(running, report);
-  };
+
+  bool has_steps() const { return has_steps_; }
+  /// `estimate`: of the state, where it is known already.
+  void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
+    has_steps_ = true;
+    const auto step = std::make_shared<const StepRecord>(record(running, report, estimate));
+    if (results_ != nullptr) results_->append_step(step);
+    if (monitor_) monitor_->add(*step);
+    if (recording_.record_observer) recording_.record_observer(*step);
+    if (recording_.observer) recording_.observer(running, report);
+  }
+  StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
+    StepRecord step = running.record(report, recording_.points_per_element, points_);
+    follow_reactions(points_, step);
+    if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
+      step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
+    if (estimate != nullptr)
+      step.error_estimate = running.record_error(*estimate, points_);
+    else if (running.is_end_of_path(running.load_factor()) &&
+             estimates_error(parameters_.analysis, running.assembler().mesh().elements.size()))
+      step.error_estimate = running.record_error(running.estimate_error(), points_);
+    return step;
+  }
+  void close() {
+    if (results_ != nullptr) results_->close();
+  }
+
+ private:
+  const SolverParameters& parameters_;
+  const Recording& recording_;
+  std::vector<std::string> points_;
+  std::unique_ptr<ResultFile> results_;
+  std::optional<MonitorTable> monitor_;
+  bool has_steps_ = false;
+};
+
+Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+  Recorder recorder(*this, solved, parameters, recording);
   const auto prepare = [&](Simulation& simulation) {
     if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
   };
   Simulation simulation =
-      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare, keep);
-  if (!recorded && recording.record_observer) {  // resumed at the end of its path
-    StepRecord last = simulation.record({}, recording.points_per_element, points);
-    follow_reactions(points, last);
-    estimate_error(simulation, parameters, points, last);
-    recording.record_observer(last);
-  }
-  if (results != nullptr) results->close();
+      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare,
+           [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
+  if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
+    recording.record_observer(recorder.record(simulation, {}, nullptr));
+  recorder.close();
   if (simulation.result().finished || simulation.result().interrupted) return simulation;
   give_up(simulation, recording.file.stem().string(),
           "The last converged state is the last step in " + recording.file.string() + ".", recording.file);
+}
+
+AccurateRun Application::record_accurately(const Scene& solved, const SolverParameters& parameters,
+                                           const Recording& recording, bool keeps_path) {
+  const std::string label = recording.file.stem().string();
+  std::optional<Recorder> recorder;
+  std::optional<Progress> progress;
+  AccurateRunObserver observer;
+  observer.begin = [&](const Simulation& running, bool) {
+    recorder.reset();  // removes the hidden copy of the file
+    recorder.emplace(*this, running.scene(), parameters, recording);
+    progress.emplace(quiet ? nowhere() : out(), name + " " + label, solved.stages, 0.0);
+    if (recording.restart) recording.restart();
+  };
+  observer.step = [&](const Simulation& running, const StepReport& report) {
+    progress->report(report);
+    recorder->keep(running, report);
+  };
+  observer.end = [&](const Simulation& running, const StepReport& report, const ErrorEstimate& estimate) {
+    progress->report(report);
+    recorder->keep(running, report, &estimate);
+  };
+  observer.stop = recording.stop;
+  observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
+  observer.threads = [&](const Scene& scene) { return threads_for(scene, parameters); };
+  AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
+  recorder->close();
+  for (const MeshRound& round : run.rounds) {
+    summary.load_steps += round.steps;
+    summary.newton_iterations += round.iterations;
+  }
+  for (const auto& [phase, seconds] : run.simulation.times()) summary.seconds[phase] += seconds;
+  if (run.simulation.result().finished || run.simulation.result().interrupted) return run;
+  give_up(run.simulation, label, "The last converged state is the last step in " + recording.file.string() + ".",
+          recording.file);
 }
 
 ResultHeader Application::header(const Scene& solved, const std::map<std::string, std::string>& properties) const {
@@ -302,15 +353,8 @@ void Application::compare(const Simulation& simulation, const ExpectedValue& val
     summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
 }
 
-bool Application::is_end_of_path(const Simulation& simulation, double load_factor) const {
-  if (!solver.analysis.control) return std::abs(simulation.scene().stages - load_factor) <= kSameLoadFactor;
-  const MonitoredComponent& control = *solver.analysis.control;
-  const double rest = control.target - simulation.displacement(control.point)[control.component];
-  return std::abs(rest) <= kSameLoadFactor * simulation.assembler().structure().length;
-}
-
 void Application::check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity) {
-  const bool is_end = is_end_of_path(simulation, load_factor);
+  const bool is_end = simulation.is_end_of_path(load_factor);
   for (const ExpectedValue& value : expected) {
     if (value.load_case != load_case || value.critical_point) continue;
     if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kSameLoadFactor : is_end)

@@ -6,7 +6,7 @@
 #include "discretization/expected_values.hpp"
 #include "discretization/result_file.hpp"
 #include "discretization/xml_reader.hpp"
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/accurate_run.hpp"
 
 #include <filesystem>
 #include <functional>
@@ -33,6 +33,7 @@ struct Recording {
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
   std::function<bool()> stop{};       ///< see PathControl
+  std::function<void()> restart{};    ///< what was observed so far does not count: another mesh follows
   const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
 };
 
@@ -79,6 +80,11 @@ class Application {
   /// stopped ends like any other, and result().interrupted tells.
   Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording);
 
+  /// As record(), for a scene with an accuracy (accurate_run.hpp): the file holds the last mesh, its whole path or,
+  /// where the state was carried over from another mesh, its end. `keeps_path`: the whole path is wanted.
+  AccurateRun record_accurately(const Scene& solved, const SolverParameters& parameters, const Recording& recording,
+                                bool keeps_path);
+
   /// As record(), to <output>/<file>.h5.
   Simulation solve_and_record(const Scene& solved, const SolverParameters& parameters, const std::string& file,
                               int points_per_element = kPointsByOrder, const RunObserver& observer = {});
@@ -99,6 +105,8 @@ class Application {
   int critical_points(const std::string& of_case) const;
 
  private:
+  class Recorder;
+
   ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
   /// Walks along the path, after `prepare`, and counts its costs; does not judge how it ended.
   Simulation walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
@@ -108,10 +116,6 @@ class Application {
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
                             const std::filesystem::path& results) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
-  bool is_end_of_path(const Simulation& simulation, double load_factor) const;
-  /// Estimates the error of the state at the end of a path, where asked for.
-  void estimate_error(const Simulation& simulation, const SolverParameters& parameters,
-                      const std::vector<std::string>& points, StepRecord& record) const;
   void compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity);
 
   std::set<std::string> compared_;              ///< names of expected values
@@ -123,6 +127,7 @@ struct ApplicationDefinition {
   std::string purpose;                      ///< one sentence
   ListSpec study;                           ///< declaration of the list "Study"
   std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
+  bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
   std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
   std::function<void(Application&)>
       single;  ///< empty: run the scene, record it to single.h5, check the expected values

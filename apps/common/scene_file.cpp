@@ -46,6 +46,10 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   if (app.xml.source.files().empty())
     app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
+  if (app.scene.accuracy && !definition.chooses_meshes)
+    throw app.xml.source.error({"Scene", "Accuracy"},
+                               "given, but this program's meshes are those of its study; allowed: "
+                               "in scenes for mixbeam run");
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);

@@ -38,6 +38,28 @@ nlohmann::ordered_json json_number(double value) {
   return exact_text(value);
 }
 
+nlohmann::ordered_json json_mesh(const ChosenMesh& mesh) {
+  nlohmann::ordered_json json = {{"run", mesh.run},
+                                 {"wanted", json_number(mesh.wanted)},
+                                 {"estimated", json_number(mesh.estimated)},
+                                 {"outcome", mesh.outcome}};
+  json["members"] = nlohmann::ordered_json::array();
+  for (const auto& members : mesh.members)
+    json["members"].push_back(
+        {{"names", members.names}, {"count", members.count}, {"order", members.order}, {"elements", members.elements}});
+  json["meshes"] = nlohmann::ordered_json::array();
+  for (const auto& round : mesh.rounds) {
+    json["meshes"].push_back({{"elements", round.elements},
+                              {"path_followed", round.followed},
+                              {"load_steps", round.steps},
+                              {"newton_iterations", round.iterations},
+                              {"seconds", json_number(round.seconds)},
+                              {"estimated", json_number(round.error)}});
+    if (!round.remark.empty()) json["meshes"].back()["remark"] = round.remark;
+  }
+  return json;
+}
+
 nlohmann::ordered_json json_errors(const EstimatedErrors& errors) {
   nlohmann::ordered_json json = {{"run", errors.run}};
   if (!errors.not_estimated.empty()) json["not_estimated"] = errors.not_estimated;
@@ -185,6 +207,8 @@ void Summary::write_json(const std::filesystem::path& path) const {
   if (!warnings.empty()) json["warnings"] = warnings;
   if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
   for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));
+  if (!chosen_meshes.empty()) json["chosen_meshes"] = nlohmann::ordered_json::array();
+  for (const auto& mesh : chosen_meshes) json["chosen_meshes"].push_back(json_mesh(mesh));
   json["all_passed"] = all_passed();
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));

@@ -50,6 +50,26 @@ struct EstimatedErrors {
   std::vector<Quantity> quantities;
 };
 
+/// What it took to reach a wanted accuracy of displacements.
+struct ChosenMesh {
+  struct Members {
+    std::string names;  ///< "rod", "left, right", "left, right and 12 more"
+    int count = 0, order = 0, elements = 0;
+  };
+  struct Round {
+    int elements = 0;
+    bool followed = false;  ///< the whole path
+    int steps = 0, iterations = 0;
+    double seconds = 0.0, error = 0.0;
+    std::string remark;
+  };
+  std::string run;  ///< which of several runs
+  double wanted = 0.0, estimated = 0.0;
+  std::string outcome;           ///< "reached", or why not
+  std::vector<Members> members;  ///< those with the same mesh together
+  std::vector<Round> rounds;     ///< meshes on the way
+};
+
 /// Collects checks and costs during a run.
 class Summary {
  public:
@@ -63,6 +83,7 @@ class Summary {
   std::string failure;                ///< why the run ended early; empty if it did not
   std::vector<std::string> warnings;  ///< what should be known of the results
   std::vector<EstimatedErrors> estimated_errors;
+  std::vector<ChosenMesh> chosen_meshes;
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
@@ -78,6 +99,8 @@ class Summary {
                             const std::string& source, int units_in_last_place = 1);
 
   const std::vector<CheckedQuantity>& checks() const { return checks_; }
+  /// Takes back all checks but the first ones.
+  void keep_checks(std::size_t count) { checks_.resize(count); }
 
   /// True when no check failed and the run did not end early; also when nothing was checked, which `print_checks` says.
   bool all_passed() const;

@@ -3,6 +3,7 @@
 #include "apps/common/mpi_session.hpp"
 #include "apps/common/scene_file.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/load_cases.hpp"
@@ -76,10 +77,19 @@ void print_loads(std::ostream& out, Simulation& simulation) {
 }
 
 void print_check(Application& app, const std::string& load_case) {
-  const Scene scene = scene_of_case(app.scene, load_case);
+  Scene scene = scene_of_case(app.scene, load_case);
+  MeshChoice start;
+  if (scene.accuracy) {
+    start = start_mesh(scene, *scene.accuracy);
+    scene = on_mesh(scene, start);
+  }
   Simulation simulation(scene, app.solver, app.communicator);
   std::ostream& out = app.out();
   out << (scene.name.empty() ? "scene" : scene.name) << (load_case.empty() ? "" : ", load case " + load_case) << "\n";
+  if (scene.accuracy) {
+    out << text_of("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
+    print_members(out, members_by_mesh(scene, start));
+  }
   print_size(out, simulation);
   print_extent(out, simulation);
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",

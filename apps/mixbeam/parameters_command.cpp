@@ -17,6 +17,7 @@ const ApplicationDefinition& mixbeam_definition() {
     own.purpose = "static equilibrium of structures of geometrically exact beams.";
     own.study = ListSpec("Of the benchmark programs; mixbeam ignores it.").without_checks();
     own.batch = batch_spec();
+    own.chooses_meshes = true;
     own.own_quantities = {kMomentEnergyName};
     return own;
   }();

@@ -27,7 +27,7 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   describe_run(app, "mixbeam", line.threads);
   app.output = run.path().has_parent_path() ? run.path().parent_path() : std::filesystem::path(".");
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
-  const std::string obstacle = obstacle_to_resuming(app.solver);
+  const std::string obstacle = obstacle_to_resuming(app);
   if (!obstacle.empty()) throw InputError(run.path().string() + ": cannot be resumed: " + obstacle);
   if (property(run, "program") != "mixbeam")
     throw InputError(run.path().string() + ": written by \"" + property(run, "program") +

@@ -3,6 +3,7 @@
 #include "apps/common/guarded_run.hpp"
 #include "apps/common/interrupt.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "discretization/errors.hpp"
 #include "discretization/load_cases.hpp"
@@ -31,12 +32,11 @@ void warn_of_uncertain_forces(Application& app, const std::string& run, Simulati
   app.out() << "warning: " << text_of(*force) << "\n";
 }
 
-void say_how_to_resume(Application& app, const SolverParameters& solver, const Simulation& simulation,
-                       const std::filesystem::path& file) {
+void say_how_to_resume(Application& app, const Simulation& simulation, const std::filesystem::path& file) {
   char progress[64];
   std::snprintf(progress, sizeof progress, "%.6g of %d", simulation.result().load_factor, simulation.scene().stages);
   app.out() << "Stopped after step " << simulation.result().steps << ", load factor " << progress << ". ";
-  const std::string obstacle = obstacle_to_resuming(solver);
+  const std::string obstacle = obstacle_to_resuming(app);
   if (obstacle.empty())
     app.out() << "To go on:\n  mixbeam resume " << file.string() << "\n";
   else
@@ -44,6 +44,11 @@ void say_how_to_resume(Application& app, const SolverParameters& solver, const S
 }
 
 }  // namespace
+
+std::string obstacle_to_resuming(const Application& app) {
+  if (app.scene.accuracy) return "its scene asks for an accuracy, and the mesh is chosen by the whole run";
+  return obstacle_to_resuming(app.solver);
+}
 
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
                                      const std::string& load_case) {
@@ -66,15 +71,23 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
     check_expected(app, simulation, step);
   };
-  Simulation simulation = app.record(scene, app.solver, recording);
+  const std::size_t checks = app.summary.checks().size();
+  recording.restart = [&app, &report, checks] {
+    report = {};
+    app.summary.keep_checks(checks);
+  };
+  std::optional<AccurateRun> accurate;
+  if (scene.accuracy) accurate = app.record_accurately(scene, app.solver, recording, asks_for_path(app, scene));
+  Simulation simulation = accurate ? accurate->simulation : app.record(scene, app.solver, recording);
   app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << ", " << file.string() << "\n";
+  if (accurate) report_mesh(app, file.stem().string(), *accurate);
   report.print(app.out());
   warn_of_uncertain_forces(app, file.stem().string(), simulation);
   report.add_errors(app, file.stem().string());
   report.check_balance(app, file.stem().string());
   if (!simulation.result().interrupted) return RunEnd::arrived;
-  say_how_to_resume(app, app.solver, simulation, file);
+  say_how_to_resume(app, simulation, file);
   return RunEnd::interrupted;
 }
 

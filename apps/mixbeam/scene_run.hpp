@@ -9,6 +9,9 @@ namespace mixbeam {
 /// Whether the run came to its end.
 enum class RunEnd { arrived, interrupted };
 
+/// Why the runs of a program with this scene cannot be resumed, empty if they can.
+std::string obstacle_to_resuming(const Application& app);
+
 /// Solves the scene of one case (an empty name: what acts in all cases) into `file`, or goes on with `resume`, and
 /// prints what came out.
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,

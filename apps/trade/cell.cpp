@@ -2,12 +2,11 @@
 
 #include "apps/common/phase_costs.hpp"
 #include "apps/trade/estimate_check.hpp"
+#include "apps/trade/run_watch.hpp"
 #include "discretization/errors.hpp"
 #include "kernels/element_layout.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <ctime>
 #include <limits>
 #include <optional>
 
@@ -16,20 +15,6 @@ namespace mixbeam {
 namespace {
 
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-/// A median of fewer is none.
-constexpr int kLeastRounds = 3;
-
-class RunWatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-  double processor_seconds() const { return static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-  std::clock_t processor_start_ = std::clock();
-};
-
 struct TimedRun {
   Simulation simulation;
   CellTimes times;
@@ -49,17 +34,6 @@ TimedRun run_once(const BenchmarkProblem& problem, const Scene& scene, int threa
   times.seconds = watch.seconds();
   times.processor_seconds = watch.processor_seconds();
   return {std::move(simulation), times};
-}
-
-double median(std::vector<CellTimes> runs, double CellTimes::*what) {
-  std::sort(runs.begin(), runs.end(), [&](const CellTimes& a, const CellTimes& b) { return a.*what < b.*what; });
-  const size_t middle = runs.size() / 2;
-  return runs.size() % 2 == 1 ? runs[middle].*what : 0.5 * (runs[middle - 1].*what + runs[middle].*what);
-}
-
-CellTimes medians(const std::vector<CellTimes>& runs) {
-  return {median(runs, &CellTimes::seconds), median(runs, &CellTimes::setup_seconds),
-          median(runs, &CellTimes::processor_seconds)};
 }
 
 /// Numbers of threads in turn, so that a machine that slows down for a while does so for all of them.

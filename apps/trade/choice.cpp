@@ -43,6 +43,9 @@ double BenchmarkResult::floor() const { return kAboveReference * difference.larg
 
 double largest_error(const Errors& errors) { return errors.largest(); }
 double displacement_error(const Errors& errors) { return errors.displacement; }
+double motion_error(const Errors& errors) {
+  return std::isnan(errors.displacement) ? errors.displacement : std::max(errors.displacement, errors.centerline);
+}
 
 CostMeasure processor_time(int threads) {
   return [threads](const CellResult& cell) { return cell.processor_seconds(threads); };

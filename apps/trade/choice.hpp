@@ -1,7 +1,7 @@
 /// Which mesh and order to take: the cheapest cells, and what holds over all benchmarks.
 #pragma once
 
-#include "apps/trade/cell.hpp"
+#include "apps/trade/accurate_cell.hpp"
 
 #include <functional>
 #include <optional>
@@ -15,6 +15,7 @@ struct BenchmarkResult {
   BenchmarkProblem problem;
   Errors difference;  ///< of the two references
   std::vector<CellResult> cells;
+  std::vector<AccurateCell> accurate{};  ///< what the program makes of a wanted accuracy
   /// Smallest accuracy that is judged: errors below are those of reference and rounding.
   double floor() const;
 };
@@ -23,6 +24,7 @@ struct BenchmarkResult {
 using ErrorMeasure = std::function<double(const Errors&)>;
 double largest_error(const Errors& errors);
 double displacement_error(const Errors& errors);
+double motion_error(const Errors& errors);  ///< of tip and centerline
 
 /// What is paid for it: time on structures as small as these, operations on large ones.
 using CostMeasure = std::function<double(const CellResult&)>;

@@ -50,7 +50,7 @@ void measure_row(const BenchmarkProblem& problem, const Reference& reference, co
 
 BenchmarkResult measure_matrix(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
                                const Communicator& communicator) {
-  BenchmarkResult result{problem, reference.difference(), {}};
+  BenchmarkResult result{problem, reference.difference(), {}, {}};
   for (const int order : plan.orders)
     measure_row(problem, reference, plan, ForceIntegration::both_reduced, order, communicator, result.cells);
   if (problem.about.integrations)

@@ -10,6 +10,7 @@ struct MatrixPlan {
   std::vector<int> orders, elements;  ///< ascending
   Discretization reference, confirmation;
   TimingPlan timing;
+  std::vector<double> accuracies{};  ///< that the program is asked for
 };
 
 /// Fills the cells of one benchmark. Cells that are not computed are among them, with the reason; see CellStatus.

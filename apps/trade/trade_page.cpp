@@ -174,6 +174,28 @@ void write_rates(std::ostream& page, const Results& results, const MatrixPlan& p
 
 std::string mesh_sentence(const Discretization& mesh) { return format("k = %d, n = %d", mesh.order, mesh.elements); }
 
+void write_accuracies(std::ostream& page, const Results& results, int threads) {
+  page << "\n## Asking for an accuracy\n\n"
+          "What the program makes of `Accuracy` in a scene: meshes that it went through (order x elements of a member, "
+          "the finest\nwhere they differ; a star: the solution carried over, else the whole path followed), estimated "
+          "and true error of tip and\ncenterline, processor time of all of it, the cheapest single cell with so small "
+          "an error, and the ratio of the times.\n\n"
+          "| benchmark | wanted | meshes | estimated | true | time | best cell | ratio |\n"
+          "| --- | --- | --- | --- | --- | --- | --- | --- |\n";
+  for (const BenchmarkResult& result : results)
+    for (const AccuracyPrice& price : accuracy_prices(result, threads)) {
+      const AccurateCell& cell = *price.cell;
+      page << "| " << result.problem.about.name << " | " << accuracy_text(cell.wanted) << " | " << meshes_text(cell)
+           << format(" | %.1e | %.1e | ", cell.estimated, motion_error(cell.errors))
+           << time_text(cell.times.processor_seconds) << " | "
+           << (price.best == nullptr
+                   ? std::string("- | -")
+                   : mesh_text(price.best->cell) + ", " + time_text(price.best->processor_seconds(threads)) +
+                         format(" | %.2f", price.ratio))
+           << " |\n";
+    }
+}
+
 void write_references(std::ostream& page, const Results& results, const MatrixPlan& plan) {
   page << "\n## References\n\n"
           "Errors are measured against "
@@ -266,6 +288,7 @@ void write_page(std::ostream& page, const std::vector<BenchmarkResult>& results,
   write_head(page, results, plan);
   write_orders(page, results, plan);
   write_recommendations(page, results, threads);
+  write_accuracies(page, results, threads);
   write_rates(page, results, plan);
   write_integrations(page, results, threads);
   write_two_threads(page, results, plan.timing.threads);

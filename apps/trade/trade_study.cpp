@@ -45,6 +45,7 @@ MatrixPlan plan_of(Application& app) {
   plan.elements = counts_of(app, "Elements");
   plan.reference = {reference[0], reference[1]};
   plan.confirmation = {confirmation[0], confirmation[1]};
+  plan.accuracies = study.get<Teuchos::Array<double>>("Accuracies").toVector();
   plan.timing.threads = study.get<Teuchos::Array<int>>("Threads").toVector();
   plan.timing.repetitions = study.get<int>("Repetitions");
   plan.timing.budget = study.get<double>("Seconds");
@@ -102,6 +103,15 @@ void check_estimates(Application& app, const std::vector<BenchmarkResult>& resul
   }
 }
 
+/// What the program promises for a wanted accuracy, where the references tell so small errors.
+void check_accuracies(Application& app, const BenchmarkResult& result) {
+  for (const AccurateCell& cell : result.accurate)
+    if (cell.wanted >= result.floor())
+      app.summary.check_upper_bound(
+          result.problem.about.name + ": error for a wanted accuracy of " + accuracy_text(cell.wanted),
+          motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
+}
+
 void count_work(Application& app, const BenchmarkResult& result) {
   for (const CellResult& cell : result.cells) {
     app.summary.load_steps += cell.load_steps;
@@ -114,7 +124,10 @@ BenchmarkResult compute(Application& app, const Benchmark& benchmark, const Matr
   const Reference reference(problem, app.communicator, plan.reference, plan.confirmation);
   check_reference(app, problem, reference);
   BenchmarkResult result = measure_matrix(problem, reference, plan, app.communicator);
+  for (const double wanted : plan.accuracies)
+    result.accurate.push_back(measure_accurate_cell(problem, reference, wanted, plan.timing, app.communicator));
   check_rates(app, result, plan);
+  check_accuracies(app, result);
   count_work(app, result);
   print_matrix(app.out(), result, plan.timing.threads.front());
   return result;
@@ -142,6 +155,11 @@ ListSpec trade_spec() {
                   "Numbers of elements of each member."));
   spec.add(counts("Reference", {8, 64}, kMostElements, "Order and elements of each member of the reference.", 2));
   spec.add(counts("Confirmation", {6, 96}, kMostElements, "The same of the solution that confirms it.", 2));
+  spec.add(array("Accuracies", ParameterType::real_array)
+               .above(0.0)
+               .below(1.0)
+               .by_default(Teuchos::Array<double>{1e-3, 1e-6, 1e-9})
+               .means("Errors of displacements that the program is asked for, to choose meshes itself."));
   spec.add(counts("Threads", {1, 2}, kMostElements, "Numbers of threads; recommendations are those of the first."));
   spec.add(integer("Repetitions")
                .at_least(1)
@@ -168,6 +186,7 @@ void run_trade_study(Application& app) {
   print_recommendation(app.out(), results, plan.timing.threads.front());
   print_judgements(app.out(), results);
   check_estimates(app, results);
+  print_accuracies(app.out(), results, plan.timing.threads.front());
   if (!app.writes_files()) return;
   write_tables(app.output, results, plan.timing.threads);
   write_estimates(app.output / "estimates.csv", results);

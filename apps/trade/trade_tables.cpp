@@ -187,11 +187,58 @@ void print_recommendation(std::ostream& out, const std::vector<BenchmarkResult>&
   print_orders(out, results, {largest_error, operations});
 }
 
+std::vector<AccuracyPrice> accuracy_prices(const BenchmarkResult& result, int threads) {
+  std::vector<AccuracyPrice> prices;
+  for (const AccurateCell& cell : result.accurate) {
+    const CellResult* best = cheapest(result, {motion_error, processor_time(threads)}, cell.wanted);
+    prices.push_back(
+        {&cell, best,
+         best == nullptr ? std::nan("") : cell.times.processor_seconds / best->processor_seconds(threads)});
+  }
+  return prices;
+}
+
+void print_accuracies(std::ostream& out, const std::vector<BenchmarkResult>& results, int threads) {
+  out << "\nWanted accuracies of displacements: meshes chosen, error estimated and true, time, the cheapest single "
+         "solve\n";
+  for (const BenchmarkResult& result : results)
+    for (const AccuracyPrice& price : accuracy_prices(result, threads)) {
+      const AccurateCell& cell = *price.cell;
+      out << formatted("  %-20s %6s  %-28s %8.1e %8.1e %9s", result.problem.about.name.c_str(),
+                       accuracy_text(cell.wanted).c_str(), meshes_text(cell).c_str(), cell.estimated,
+                       motion_error(cell.errors), time_text(cell.times.processor_seconds).c_str());
+      if (price.best != nullptr)
+        out << formatted("   %-8s %9s  ratio %5.2f", mesh_text(price.best->cell).c_str(),
+                         time_text(price.best->processor_seconds(threads)).c_str(), price.ratio);
+      out << (cell.end == AccuracyEnd::reached ? "" : "  " + text_of(cell.end)) << "\n";
+    }
+}
+
+namespace {
+
+void write_accuracies(const std::filesystem::path& file, const std::vector<BenchmarkResult>& results, int threads) {
+  CsvTable csv(file, {"benchmark", "wanted", "outcome", "meshes", "rounds", "estimated_error", "displacement_error",
+                      "centerline_error", "seconds", "processor_seconds", "best_order", "best_elements", "best_seconds",
+                      "ratio"});
+  for (const BenchmarkResult& result : results)
+    for (const AccuracyPrice& price : accuracy_prices(result, threads)) {
+      const AccurateCell& cell = *price.cell;
+      csv.add_row({result.problem.about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.size(),
+                   cell.estimated, cell.errors.displacement, cell.errors.centerline, cell.times.seconds,
+                   cell.times.processor_seconds, price.best == nullptr ? 0 : price.best->cell.order,
+                   price.best == nullptr ? 0 : price.best->cell.elements,
+                   price.best == nullptr ? std::nan("") : price.best->processor_seconds(threads), price.ratio});
+    }
+}
+
+}  // namespace
+
 void write_tables(const std::filesystem::path& folder, const std::vector<BenchmarkResult>& results,
                   const std::vector<int>& threads) {
   write_cells(folder / "trade.csv", results, threads);
   write_benchmarks(folder / "benchmarks.csv", results);
   write_orders(folder / "orders.csv", results, threads.front());
+  write_accuracies(folder / "accuracy.csv", results, threads.front());
 }
 
 }  // namespace mixbeam

@@ -1,0 +1,95 @@
+#include "apps/mixbeam/mesh_report.hpp"
+
+#include "apps/mixbeam/text_of.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <ostream>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+/// Names in one line; the result file has the mesh of every member.
+constexpr int kMostNames = 4;
+/// Lines of groups.
+constexpr std::size_t kMostGroups = 12;
+
+void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& rounds) {
+  out << text_of("  %-4s %9s %-12s %6s %10s %9s %10s\n", "mesh", "elements", "solved by", "steps", "iterations",
+                 "seconds", "estimated");
+  for (std::size_t i = 0; i < rounds.size(); ++i) {
+    const ChosenMesh::Round& round = rounds[i];
+    const std::string error = std::isnan(round.error) ? "-" : text_of("%.1e", round.error);
+    out << text_of("  %-4zu %9d %-12s %6d %10d %9.3f %10s%s%s\n", i + 1, round.elements,
+                   round.followed ? "load path" : "correction", round.steps, round.iterations, round.seconds,
+                   error.c_str(), round.remark.empty() ? "" : "  ", round.remark.c_str());
+  }
+}
+
+}  // namespace
+
+bool asks_for_path(const Application& app, const Scene& scene) {
+  const AnalysisParameters& analysis = app.solver.analysis;
+  const LoadPathParameters& path = app.solver.load_path;
+  const bool by_analysis =
+      analysis.trace || analysis.control || analysis.branch != Branch::primary || analysis.buckling_modes > 0;
+  const bool by_steps = path.method == LoadPathMethod::fixed && path.steps > 1;
+  const bool by_values = std::any_of(app.expected.begin(), app.expected.end(), [&](const ExpectedValue& value) {
+    return value.load_case == app.load_case &&
+           (value.critical_point || value.load_factor.value_or(scene.stages) != scene.stages);
+  });
+  return by_analysis || by_steps || by_values || scene.stages > 1;
+}
+
+std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice) {
+  std::map<std::pair<int, int>, ChosenMesh::Members> groups;
+  for (std::size_t m = 0; m < choice.size(); ++m) {
+    ChosenMesh::Members& group = groups[{choice[m].order, choice[m].elements}];
+    group.order = choice[m].order;
+    group.elements = choice[m].elements;
+    if (group.count++ < kMostNames) group.names += (group.names.empty() ? "" : ", ") + scene.members[m].name;
+  }
+  std::vector<ChosenMesh::Members> members;
+  for (auto& [mesh, group] : groups) {
+    if (group.count > kMostNames) group.names += " and " + std::to_string(group.count - kMostNames) + " more";
+    members.push_back(group);
+  }
+  std::stable_sort(members.begin(), members.end(), [](const auto& a, const auto& b) { return a.count > b.count; });
+  return members;
+}
+
+void print_members(std::ostream& out, const std::vector<ChosenMesh::Members>& members) {
+  for (std::size_t i = 0; i < std::min(members.size(), kMostGroups); ++i)
+    out << text_of("  order %d, elements %d: ", members[i].order, members[i].elements) << members[i].names << "\n";
+  if (members.size() > kMostGroups) out << "  ... and " << members.size() - kMostGroups << " other meshes\n";
+}
+
+void report_mesh(Application& app, const std::string& run, const AccurateRun& accurate) {
+  ChosenMesh report;
+  report.run = run;
+  report.wanted = *accurate.simulation.scene().accuracy;
+  report.estimated = accurate.rounds.back().error;
+  report.outcome = text_of(accurate.end);
+  MeshChoice choice;
+  for (std::size_t m = 0; m < accurate.simulation.scene().members.size(); ++m)
+    choice.push_back(
+        {accurate.simulation.scene().members[m].order, accurate.simulation.assembler().mesh().members[m].elements});
+  report.members = members_by_mesh(accurate.simulation.scene(), choice);
+  for (const MeshRound& round : accurate.rounds)
+    report.rounds.push_back(
+        {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
+  app.out() << text_of("  wanted accuracy of displacements %.1e, estimated error %.1e: ", report.wanted,
+                       report.estimated)
+            << report.outcome << "\n";
+  print_members(app.out(), report.members);
+  print_rounds(app.out(), report.rounds);
+  if (accurate.end != AccuracyEnd::interrupted)
+    app.summary.check_upper_bound(run + ": estimated error of displacements", report.estimated, report.wanted,
+                                  "accuracy that the scene asks for");
+  app.summary.chosen_meshes.push_back(std::move(report));
+}
+
+}  // namespace mixbeam

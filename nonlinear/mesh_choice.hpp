@@ -1,0 +1,47 @@
+/// Orders and numbers of elements for a wanted accuracy: where to start, and what to take after an error estimate.
+#pragma once
+
+#include "nonlinear/error_estimate.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+struct MemberMesh {
+  int order = 1, elements = 1;
+  bool operator==(const MemberMesh& other) const { return order == other.order && elements == other.elements; }
+};
+using MeshChoice = std::vector<MemberMesh>;  ///< (member)
+
+/// The scene on this mesh. What a member keeps (Member::keeps_order, keeps_elements) stays as it is.
+Scene on_mesh(const Scene& scene, const MeshChoice& choice);
+
+/// A mesh that suffices for the accuracy where elements turn as they do in ordinary structures: the order from the
+/// accuracy, the elements from the turning of the undeformed member and of a load that one would call large.
+MeshChoice start_mesh(const Scene& scene, double accuracy);
+
+/// What decides whether an accuracy is reached: the larger relative error of vertices and centerline.
+double judged_error(const ErrorEstimate& estimate);
+
+/// How far a member turns from element to element: theta such that the mean of theta_e^(k+1) over its elements is
+/// theta^(k+1). `vertex_rotation`: (vertex, 4) unit quaternions w, x, y, z. [radian]
+std::vector<double> element_turning(const Scene& scene, const Mesh& mesh, const std::vector<double>& vertex_rotation);
+/// The largest such turning that goes with an accuracy.
+double allowed_turning(int order, double accuracy);
+/// Enough elements for members that turn too much; `turning`: of present elements.
+MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const std::vector<double>& turning,
+                            double accuracy);
+
+/// Twice as many elements.
+MeshChoice doubled(const Scene& scene, const MeshChoice& present);
+
+/// The cheapest mesh whose predicted error is at most `aim`; where there is none, that of the least error.
+///
+/// The error inside the elements of a member falls as (q h)^(k+1), the error of vertices as (q h)^(2k) with the share
+/// of the member in it. Each q follows from the estimate with the assumption that an error of one belongs to q h = 1,
+/// which the measured errors of smooth beams obey over eight digits (apps/docs/trade.md). `mesh`: the one that was
+/// estimated; elements change by a factor of at most eight.
+MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
+                     double aim);
+
+}  // namespace mixbeam
