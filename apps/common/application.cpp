@@ -315,7 +315,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   };
   observer.stop = recording.stop;
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
-  observer.threads = [&](const Scene& scene) { return threads_for(scene, parameters); };
+  observer.threads = [&](const Scene& on_mesh) { return threads_for(on_mesh, parameters); };
   AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
   recorder->close();
   for (const MeshRound& round : run.rounds) {

@@ -158,7 +158,7 @@ ListSpec trade_spec() {
   spec.add(array("Accuracies", ParameterType::real_array)
                .above(0.0)
                .below(1.0)
-               .by_default(Teuchos::Array<double>{1e-3, 1e-6, 1e-9})
+               .by_default(Teuchos::Array<double>(std::vector<double>{1e-3, 1e-6, 1e-9}))
                .means("Errors of displacements that the program is asked for, to choose meshes itself."));
   spec.add(counts("Threads", {1, 2}, kMostElements, "Numbers of threads; recommendations are those of the first."));
   spec.add(integer("Repetitions")
