@@ -1,5 +1,6 @@
 #include "nonlinear/mesh_choice.hpp"
 
+#include "discretization/section_law.hpp"
 #include "kernels/element_layout.hpp"
 
 #include <algorithm>
@@ -12,22 +13,29 @@ namespace mixbeam {
 namespace {
 
 /// Errors of meshes of 16 scenes: an element of order k that turns by theta has a relative error of (theta / c)^(k+1)
-/// with c from 14 (order 4) to 20 (order 8); from 11 where the turning is at one end of the element. [radian]
+/// with c from 14 (order 4) to 20 (order 8). [radian]
 constexpr double kTurningScale = 16.0;
 /// A start mesh aims at this share of the wanted error. A digit more costs a tenth more time, another mesh costs half.
 constexpr double kAim = 0.1;
 /// Vertices of an element must not turn by pi against it; beyond this Newton's method finds other solutions, too.
 constexpr double kLargestTurning = 2.5;
-/// Orders of the start mesh: measured, those that reach 1e-3, 1e-6, 1e-9 cheapest are 3 to 5, 5 to 7, 6 to 8.
-constexpr double kOrderOfNoDigit = 3.4, kOrdersForDigit = 0.5;
-/// A cantilever under a large dead load bends at its clamp as if it turned by this angle. [radian]
-constexpr double kTurningByLoad = 5.0;
-/// Elements of all members together that a small structure has at least, and of a single member.
-constexpr int kLeastElements = 6, kMostOfThem = 4;
-constexpr int kLeastOrder = 2;
+/// A member of length L under a force F at a distance d has errors as if it turned evenly by f sqrt(F d L / EI): where
+/// the force bends it most, its curvature is sqrt(2 F / EI) at most, and higher there than anywhere else. Measured with
+/// the elastica, arcs and frames: f is 1.7 to 2.1, and small loads leave errors as if it turned by 2. [radian]
+constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0;
+/// In a structure of more members a load bends those next to it, about as far from it as some of their lengths.
+constexpr int kMembersOfAFrame = 8;
+constexpr double kLeverOfALattice = 3.0;
+/// Orders that pay for any accuracy, see apps/docs/trade.md.
+constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 
-/// Microseconds of a Newton iteration for one element of order 1 to 8: 64 elements in space on one thread.
+/// Microseconds of a Newton iteration for one element of order 1 to 8: 64 elements in space on one thread; with coupled
+/// sections, whose kernels have matrices in place of diagonals.
 constexpr std::array<double, kMaximumOrder + 1> kElementCost = {0.0, 2.0, 3.3, 5.0, 6.5, 9.0, 11.5, 15.0, 20.0};
+constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0,   14.0,  25.0,  41.0, 78.0,
+                                                                150.0, 250.0, 350.0, 420.0};
+/// Elements that are computed together: fewer cost as much.
+constexpr int kPack = 4;
 
 /// Elements of a member change by at most this from mesh to mesh: further away nothing is known.
 constexpr int kLargestGrowth = 8, kLargestCoarsening = 2;
@@ -38,10 +46,10 @@ constexpr double kUnresolved = 0.7;
 
 int pieces_of(const Member& member) { return static_cast<int>(member.inner_points.size()) + 1; }
 
-int order_for(double accuracy) {
-  const double digits = -std::log10(accuracy);
-  return std::clamp(static_cast<int>(std::ceil(kOrderOfNoDigit + kOrdersForDigit * digits)), kLeastOrder,
-                    kMaximumOrder);
+using OrderCosts = std::array<double, kMaximumOrder + 1>;  ///< of one element
+
+const OrderCosts& costs_of(const Scene& scene, const Member& member) {
+  return has_general_section(scene, member) ? kGeneralCost : kElementCost;
 }
 
 double angle_between(const double* p, const double* q) {
@@ -70,12 +78,6 @@ double reference_turning(const ReferenceCurve& curve) {
   return std::hypot(angle, curve.twist_rate * curve.length);
 }
 
-/// What an estimate says about one member, relative to the sizes of the quantities.
-struct MemberError {
-  double inside = 0.0;  ///< root mean square over the structure of what the element itself cannot represent
-  double vertex = 0.0;  ///< its share in the largest error of a vertex
-};
-
 /// Softness in bending, to weigh errors of the moment with.
 double bending_compliance(const Scene& scene, const Member& member) {
   for (const Section& section : scene.sections)
@@ -83,6 +85,75 @@ double bending_compliance(const Scene& scene, const Member& member) {
       return 1.0 / std::min({section.bending_stiffness[0], section.bending_stiffness[1], section.torsional_stiffness});
   return 1.0;
 }
+
+double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+/// What bends a structure, gathered at points.
+struct BendingLoad {
+  Vector3 place{};
+  double force = 0.0, moment = 0.0;
+};
+
+std::vector<BendingLoad> bending_loads(const Scene& scene, const Mesh& mesh) {
+  std::vector<BendingLoad> loads;
+  for (const PointLoad& load : scene.point_loads)
+    loads.push_back({mesh.vertex_position[static_cast<size_t>(vertex_of(mesh, load.point))], length_of(load.force),
+                     length_of(load.moment)});
+  for (const DistributedLoad& load : scene.distributed_loads) {
+    const ReferenceCurve& curve = mesh.members[static_cast<size_t>(member_index(scene, load.member))].curve;
+    const Vec3<double> middle = curve.position(0.5 * curve.length);
+    loads.push_back({{middle[0], middle[1], middle[2]},
+                     length_of(load.force) * curve.length,
+                     length_of(load.couple) * curve.length});
+  }
+  return loads;
+}
+
+/// (member): angle that a member turns by when the loads bend it, to choose a start mesh with. In frames every load
+/// counts with its full lever, in lattices the largest one does with a short one.
+std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh) {
+  const std::vector<BendingLoad> loads = bending_loads(scene, mesh);
+  const bool is_frame = scene.members.size() <= kMembersOfAFrame;
+  BendingLoad largest;
+  for (const BendingLoad& load : loads) {
+    largest.force = std::max(largest.force, load.force);
+    largest.moment = std::max(largest.moment, load.moment);
+  }
+  std::vector<double> turning;
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    const double length = member.curve.length;
+    const double softness = length * bending_compliance(scene, scene.members[m]);
+    double bending = 0.0, moment = 0.0;
+    if (is_frame) {
+      const MeshElement &first = mesh.elements[member.first_element],
+                        &last = mesh.elements[member.first_element + member.elements - 1];
+      for (const BendingLoad& load : loads) {
+        bending += load.force * std::max({distance(load.place, mesh.vertex_position[first.vertex[0]]),
+                                          distance(load.place, mesh.vertex_position[last.vertex[1]]), 0.5 * length});
+        moment += load.moment;
+      }
+    } else {
+      bending = largest.force * kLeverOfALattice * length;
+      moment = largest.moment;
+    }
+    turning.push_back(
+        std::max(kLeastTurningByLoad, std::hypot(kTurningByForce * std::sqrt(bending * softness), moment * softness)));
+  }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    const auto m = static_cast<size_t>(member_index(scene, strain.member));
+    turning[m] += length_of(strain.curvature) * mesh.members[m].curve.length;
+  }
+  return turning;
+}
+
+/// What an estimate says about one member, relative to the sizes of the quantities.
+struct MemberError {
+  double inside = 0.0;  ///< root mean square over the structure of what the element itself cannot represent
+  double vertex = 0.0;  ///< its share in the largest error of a vertex
+};
 
 double squared(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
@@ -115,11 +186,9 @@ std::vector<MemberError> errors_of_members(const Scene& scene, const Mesh& mesh,
   return errors;
 }
 
-/// error = (q h)^power with h = 1 / elements, and another mesh with another power.
-double predicted(double error, int power, int elements, int new_power, int new_elements) {
-  if (error <= 0.0) return 0.0;
-  const double now = std::min(kUnresolved, std::pow(error, 1.0 / power));
-  return std::max(1.0, error) * std::pow(now * elements / new_elements, new_power);
+/// q of error = (q h)^power with h = 1 / elements.
+double rate_of(double error, int power, int elements) {
+  return error > 0.0 ? elements * std::min(kUnresolved, std::pow(error, 1.0 / power)) : 0.0;
 }
 
 struct Candidate {
@@ -135,17 +204,18 @@ std::vector<int> element_numbers(const Member& member, int present) {
   return numbers;
 }
 
-std::vector<Candidate> candidates_of(const Member& member, const MemberMesh& present, const MemberError& error) {
+std::vector<Candidate> candidates_of(const Scene& scene, const Member& member, const MemberMesh& present,
+                                     const MemberError& error) {
   std::vector<Candidate> list;
   const int first = member.keeps_order ? present.order : kLeastOrder;
   const int last = member.keeps_order ? present.order : kMaximumOrder;
   const std::vector<int> numbers = element_numbers(member, present.elements);
+  const OrderCosts& costs = costs_of(scene, member);
+  const double inside = rate_of(error.inside, present.order + 1, present.elements);
+  const double vertex = rate_of(error.vertex, 2 * present.order, present.elements);
   for (int k = first; k <= last; ++k)
     for (const int n : numbers)
-      list.push_back({{k, n},
-                      n * kElementCost[k],
-                      predicted(error.inside, present.order + 1, present.elements, k + 1, n),
-                      predicted(error.vertex, 2 * present.order, present.elements, 2 * k, n)});
+      list.push_back({{k, n}, n * costs[k], std::pow(inside / n, k + 1), std::pow(vertex / n, 2 * k)});
   return list;
 }
 
@@ -203,17 +273,29 @@ double allowed_turning(int order, double accuracy) {
 
 MeshChoice start_mesh(const Scene& scene, double accuracy) {
   const Mesh mesh = build_mesh(scene);
-  const int members = static_cast<int>(scene.members.size());
-  const int least = std::clamp((kLeastElements + members - 1) / members, 1, kMostOfThem);
-  const double by_load = kTurningByLoad / std::sqrt(static_cast<double>(members));
+  const std::vector<double> by_load = turning_by_loads(scene, mesh);
+  const int pack = std::max(1, kPack / static_cast<int>(scene.members.size()));
   MeshChoice choice;
-  for (int m = 0; m < members; ++m) {
+  for (size_t m = 0; m < scene.members.size(); ++m) {
     const Member& member = scene.members[m];
-    const int order = member.keeps_order ? member.order : order_for(accuracy);
-    const double turning = reference_turning(mesh.members[m].curve) + by_load;
-    const int elements = static_cast<int>(std::ceil(turning / allowed_turning(order, accuracy)));
-    choice.push_back(
-        {order, member.keeps_elements ? mesh.members[m].elements : std::max({elements, least, pieces_of(member)})});
+    const double turning = reference_turning(mesh.members[m].curve) + by_load[m];
+    const int first = member.keeps_order ? member.order : kLeastStartOrder;
+    const int last = member.keeps_order ? member.order : kMaximumOrder;
+    const OrderCosts& costs = costs_of(scene, member);
+    MemberMesh best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = first; k <= last; ++k) {
+      int n = mesh.members[m].elements;
+      if (!member.keeps_elements)
+        n = std::max({static_cast<int>(std::ceil(turning / allowed_turning(k, accuracy))), pack, pieces_of(member)});
+      // an order that misses the accuracy on elements that are kept is as dear as those that would do
+      const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy));
+      const double cost = needed * costs[k];
+      if (cost >= least) continue;
+      least = cost;
+      best = {k, n};
+    }
+    choice.push_back(best);
   }
   return choice;
 }
@@ -258,7 +340,7 @@ MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& pre
   const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
   Candidates members;
   for (size_t m = 0; m < present.size(); ++m)
-    members.push_back(candidates_of(scene.members[m], {present[m].order, mesh.members[m].elements}, errors[m]));
+    members.push_back(candidates_of(scene, scene.members[m], {present[m].order, mesh.members[m].elements}, errors[m]));
   // Prices from that of a single coarse element to one that leaves no error; a factor of 4 tells neighbours apart.
   constexpr double kFirstPrice = 1e-3, kLastPrice = 1e30, kPriceRatio = 4.0;
   MeshChoice choice;

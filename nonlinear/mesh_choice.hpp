@@ -16,8 +16,8 @@ using MeshChoice = std::vector<MemberMesh>;  ///< (member)
 /// The scene on this mesh. What a member keeps (Member::keeps_order, keeps_elements) stays as it is.
 Scene on_mesh(const Scene& scene, const MeshChoice& choice);
 
-/// A mesh that suffices for the accuracy where elements turn as they do in ordinary structures: the order from the
-/// accuracy, the elements from the turning of the undeformed member and of a load that one would call large.
+/// The cheapest mesh that suffices for the accuracy if members turn as they do in the undeformed structure and by a
+/// simple guess from the loads.
 MeshChoice start_mesh(const Scene& scene, double accuracy);
 
 /// What decides whether an accuracy is reached: the larger relative error of vertices and centerline.
