@@ -23,6 +23,11 @@ constexpr double kLargestTurning = 2.5;
 /// the force bends it most, its curvature is sqrt(2 F / EI) at most, and higher there than anywhere else. Measured with
 /// the elastica, arcs and frames: f is 1.7 to 2.1, and small loads leave errors as if it turned by 2. [radian]
 constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0;
+/// A force turns a member into its own direction and no further. How thin the layers at the ends of a cable are is left
+/// to the estimate. [radian]
+constexpr double kMostTurningByForce = 8.0;
+/// A hundred coils are few enough to try; more would rather be a moment that others than this member carry. [radian]
+constexpr double kMostTurningByMoment = 600.0;
 /// In a structure of more members a load bends those next to it, about as far from it as some of their lengths.
 constexpr int kMembersOfAFrame = 8;
 constexpr double kLeverOfALattice = 3.0;
@@ -111,40 +116,48 @@ std::vector<BendingLoad> bending_loads(const Scene& scene, const Mesh& mesh) {
   return loads;
 }
 
-/// (member): angle that a member turns by when the loads bend it, to choose a start mesh with. In frames every load
-/// counts with its full lever, in lattices the largest one does with a short one.
+/// All loads of a frame, with their force times the lever to the far end of a member.
+BendingLoad load_of_frame_member(const Mesh& mesh, const MeshMember& member, const std::vector<BendingLoad>& loads) {
+  const auto end = [&](int element, int side) {
+    return mesh.vertex_position[static_cast<size_t>(mesh.elements[member.first_element + element].vertex[side])];
+  };
+  const Vector3 first = end(0, 0), last = end(member.elements - 1, 1);
+  BendingLoad sum;
+  for (const BendingLoad& load : loads) {
+    const double lever = std::max({distance(load.place, first), distance(load.place, last), 0.5 * member.curve.length});
+    sum.force += load.force * lever;
+    sum.moment += load.moment;
+  }
+  return sum;
+}
+
+/// The largest loads of a lattice, likewise.
+BendingLoad load_of_lattice_member(const MeshMember& member, const std::vector<BendingLoad>& loads) {
+  BendingLoad largest;
+  for (const BendingLoad& load : loads) {
+    largest.force = std::max(largest.force, load.force * kLeverOfALattice * member.curve.length);
+    largest.moment = std::max(largest.moment, load.moment);
+  }
+  return largest;
+}
+
+/// (member): angle that a member turns by when the loads bend it, to choose a start mesh with.
 std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh) {
   const std::vector<BendingLoad> loads = bending_loads(scene, mesh);
   const bool is_frame = scene.members.size() <= kMembersOfAFrame;
-  BendingLoad largest;
-  for (const BendingLoad& load : loads) {
-    largest.force = std::max(largest.force, load.force);
-    largest.moment = std::max(largest.moment, load.moment);
-  }
   std::vector<double> turning;
   for (size_t m = 0; m < scene.members.size(); ++m) {
     const MeshMember& member = mesh.members[m];
-    const double length = member.curve.length;
-    const double softness = length * bending_compliance(scene, scene.members[m]);
-    double bending = 0.0, moment = 0.0;
-    if (is_frame) {
-      const MeshElement &first = mesh.elements[member.first_element],
-                        &last = mesh.elements[member.first_element + member.elements - 1];
-      for (const BendingLoad& load : loads) {
-        bending += load.force * std::max({distance(load.place, mesh.vertex_position[first.vertex[0]]),
-                                          distance(load.place, mesh.vertex_position[last.vertex[1]]), 0.5 * length});
-        moment += load.moment;
-      }
-    } else {
-      bending = largest.force * kLeverOfALattice * length;
-      moment = largest.moment;
-    }
-    turning.push_back(
-        std::max(kLeastTurningByLoad, std::hypot(kTurningByForce * std::sqrt(bending * softness), moment * softness)));
+    const BendingLoad load =
+        is_frame ? load_of_frame_member(mesh, member, loads) : load_of_lattice_member(member, loads);
+    const double softness = member.curve.length * bending_compliance(scene, scene.members[m]);
+    const double by_forces = std::min(kMostTurningByForce, kTurningByForce * std::sqrt(load.force * softness));
+    const double by_moments = std::min(kMostTurningByMoment, load.moment * softness);
+    turning.push_back(std::max(kLeastTurningByLoad, std::hypot(by_forces, by_moments)));
   }
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const auto m = static_cast<size_t>(member_index(scene, strain.member));
-    turning[m] += length_of(strain.curvature) * mesh.members[m].curve.length;
+    turning[m] += std::min(kMostTurningByMoment, length_of(strain.curvature) * mesh.members[m].curve.length);
   }
   return turning;
 }
