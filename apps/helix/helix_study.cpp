@@ -49,7 +49,7 @@ constexpr int kStudyIterations =
     4;  // ill-conditioned meshes (high order, slender) may need one more to reach the tolerance
 constexpr int kSmoothSamples = 65;  // of each element in order1.h5 and order3.h5, where an element is most of a coil
 
-struct MeshChoice {
+struct RodMesh {
   int order = 0, elements = 0;
 };
 
@@ -117,7 +117,7 @@ HelixRun compare_tip(Application& app, const Scene& scene, double slenderness, c
 
 /// The meshes that the paper names, at every slenderness, then the scene with its clamp turned.
 void compare_with_paper(Application& app, const ExactHelix& exact, const std::vector<double>& slendernesses) {
-  const std::vector<MeshChoice> meshes = {{1, 3}, {1, 5}, {2, 3}, {3, 3}};
+  const std::vector<RodMesh> meshes = {{1, 3}, {1, 5}, {2, 3}, {3, 3}};
   TablePrinter table(
       "Helix experiment: tip of the rod (paper: exact for 5 elements of order 1, and for 3 of order 2 and higher)",
       {"k", "elements", "iterations"}, {"r1(L)", "r2(L)", "r3(L)"}, "exact");
@@ -125,7 +125,7 @@ void compare_with_paper(Application& app, const ExactHelix& exact, const std::ve
     std::ostringstream heading;
     heading << "slenderness " << slenderness;
     table.add_group(heading.str());
-    for (const MeshChoice& mesh : meshes) {
+    for (const RodMesh& mesh : meshes) {
       const Scene scene = with_mesh(with_slenderness(app.scene, slenderness, exact), mesh.order, mesh.elements);
       const HelixRun run = compare_tip(app, scene, slenderness, exact, table, "");
       app.summary.check_absolute(name_of(run) + ": load steps", run.load_steps, 1, 0.0, kGoal);
@@ -135,7 +135,7 @@ void compare_with_paper(Application& app, const ExactHelix& exact, const std::ve
   table.add_group(
       "undeformed rod along e1, its clamp turned by -arctan(c) about e2 in the same load step (slenderness of the "
       "scene)");
-  for (const MeshChoice& mesh : meshes) {
+  for (const RodMesh& mesh : meshes) {
     const Scene scene = with_turned_clamp(with_mesh(app.scene, mesh.order, mesh.elements), exact);
     compare_tip(app, scene, slenderness_of(app.scene, exact), exact, table, "clamp turned, ");
   }
@@ -274,7 +274,7 @@ void run_helix_study(Application& app) {
   const auto slendernesses = list_of<double>(app, "Slenderness");
   compare_with_paper(app, exact, slendernesses);
   app.check_expected(app.solve(app.scene));
-  for (const MeshChoice& mesh : {MeshChoice{1, 5}, MeshChoice{3, 3}})
+  for (const RodMesh& mesh : {RodMesh{1, 5}, RodMesh{3, 3}})
     app.solve_and_record(with_mesh(app.scene, mesh.order, mesh.elements), app.solver,
                          "order" + std::to_string(mesh.order), kSmoothSamples);
   const std::vector<HelixRun> runs = run_all(app, exact, slendernesses);
