@@ -18,7 +18,7 @@ namespace mixbeam {
 namespace {
 
 constexpr int kMostMeshes = 6;
-/// Start meshes on which no path arrives before that is the scene's own fault.
+/// Meshes on which a path may fail to arrive before that is the scene's own fault.
 constexpr int kMostFailures = 2;
 /// Elements of a start mesh may turn this much further than they should: the estimate will tell.
 constexpr double kTurningMargin = 1.5;
@@ -52,9 +52,8 @@ class AccurateSolver {
   bool turns_too_far(const Simulation& simulation, double load_factor);
   std::optional<AccuracyEnd> judge();
   bool choose_finer();
+  bool try_finer();
   void finish_round(const std::string& remark);
-  bool can_choose() const;
-
   const Scene& scene_;
   const SolverParameters& parameters_;
   const Communicator& comm_;
@@ -77,11 +76,6 @@ std::unique_ptr<Simulation> AccurateSolver::simulation_of_choice() const {
   SolverParameters parameters = parameters_;
   if (observer_.threads) parameters.threads = observer_.threads(scene);
   return std::make_unique<Simulation>(scene, parameters, comm_);
-}
-
-bool AccurateSolver::can_choose() const {
-  return std::any_of(scene_.members.begin(), scene_.members.end(),
-                     [](const Member& member) { return !member.keeps_order || !member.keeps_elements; });
 }
 
 void AccurateSolver::finish_round(const std::string& remark) {
@@ -113,7 +107,7 @@ bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_fac
 
 bool AccurateSolver::follow() {
   simulation_ = simulation_of_choice();
-  if (observer_.begin) observer_.begin(*simulation_, true);
+  if (observer_.begin) observer_.begin(*simulation_);
   const bool is_first = rounds_.size() == 1;
   turned_ = false;
   bool critical = false;
@@ -137,7 +131,7 @@ bool AccurateSolver::follow() {
 /// Newton's method from the state of the mesh before; false where the path must tell which equilibrium is meant.
 bool AccurateSolver::settle(const Simulation& last, const StepReport& last_report) {
   simulation_ = simulation_of_choice();
-  if (observer_.begin) observer_.begin(*simulation_, false);
+  if (observer_.begin) observer_.begin(*simulation_);
   Simulation& running = *simulation_;
   try {
     const State carried = transfer(last.assembler(), last.state(), running.assembler());
@@ -157,20 +151,17 @@ bool AccurateSolver::settle(const Simulation& last, const StepReport& last_repor
 
 bool AccurateSolver::solve() {
   start_ = std::chrono::steady_clock::now();
-  int elements = 0;
-  const bool carries = !keeps_path_ && simulation_ != nullptr && simulation_->result().finished && estimate_.exists();
-  rounds_.push_back({choice_, 0, !carries});
+  rounds_.push_back({choice_});
   rounds_.back().error = std::numeric_limits<double>::quiet_NaN();
+  const bool carries = !keeps_path_ && simulation_ != nullptr && simulation_->result().finished && estimate_.exists();
   bool solved = false;
   if (carries) {
     const std::unique_ptr<Simulation> last = std::move(simulation_);
-    const StepReport last_report = report_;
-    solved = settle(*last, last_report);
-    if (!solved) rounds_.back().followed = true;
+    solved = settle(*last, StepReport(report_));
   }
+  rounds_.back().followed = !solved;
   if (!solved) solved = follow();
-  elements = static_cast<int>(simulation_->assembler().mesh().elements.size());
-  rounds_.back().elements = elements;
+  rounds_.back().elements = static_cast<int>(simulation_->assembler().mesh().elements.size());
   return solved;
 }
 
@@ -185,42 +176,45 @@ void AccurateSolver::estimate() {
 std::optional<AccuracyEnd> AccurateSolver::judge() {
   const double error = rounds_.back().error;
   if (error <= kShareOfAccuracy * accuracy_) return AccuracyEnd::reached;
-  if (!can_choose()) return estimate_.exists() ? AccuracyEnd::kept_meshes : AccuracyEnd::not_estimated;
   if (rounds_.size() >= 2 && error < kRoundingMayShow && error > kLeastGain * rounds_[rounds_.size() - 2].error)
     return AccuracyEnd::rounding;
   if (rounds_.size() >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
   return std::nullopt;
 }
 
-/// Takes the next mesh; false where there is none.
-bool AccurateSolver::choose_finer() {
+/// Takes a mesh that is finer whatever the error is; false where members keep theirs.
+bool AccurateSolver::try_finer() {
   const MeshChoice before = choice_;
-  if (estimate_.exists()) {
-    choice_ = next_mesh(scene_, simulation_->assembler().mesh(), choice_, estimate_, aim_ * accuracy_);
-    aim_ *= kNextAim;
-  } else {
-    choice_ = doubled(scene_, choice_);
-  }
+  choice_ = doubled(scene_, choice_);
+  return !(choice_ == before);
+}
+
+/// Takes the next mesh after an estimate, or for want of one; false where members prevent it.
+bool AccurateSolver::choose_finer() {
+  if (!estimate_.exists()) return try_finer();
+  const MeshChoice before = choice_;
+  choice_ = next_mesh(scene_, simulation_->assembler().mesh(), choice_, estimate_, aim_ * accuracy_);
+  aim_ *= kNextAim;
   return !(choice_ == before);
 }
 
 AccurateRun AccurateSolver::run() {
   const auto done = [&](AccuracyEnd end) { return AccurateRun{*simulation_, estimate_, end, rounds_}; };
   for (;;) {
-    if (!solve()) {
-      const bool again = !turned_ && failures_ < kMostFailures && can_choose();
-      finish_round(turned_ ? "elements turn too far" : simulation_->result().interrupted ? "interrupted" : "no path");
-      if (turned_) continue;
-      if (simulation_->result().interrupted) return done(AccuracyEnd::interrupted);
-      choice_ = doubled(scene_, choice_);
-      if (!again || ++failures_ > kMostFailures) return done(AccuracyEnd::no_equilibrium);
-      continue;
+    if (solve()) {
+      estimate();
+      std::optional<AccuracyEnd> end = judge();
+      if (!end && !choose_finer()) end = estimate_.exists() ? AccuracyEnd::kept_meshes : AccuracyEnd::not_estimated;
+      if (end) return done(*end);
+    } else if (turned_) {
+      finish_round("elements turn too far");
+    } else if (simulation_->result().interrupted) {
+      finish_round("stopped");
+      return done(AccuracyEnd::interrupted);
+    } else {
+      finish_round("no equilibrium");
+      if (++failures_ > kMostFailures || !try_finer()) return done(AccuracyEnd::no_equilibrium);
     }
-    estimate();
-    std::optional<AccuracyEnd> end = judge();
-    if (!end && !choose_finer()) end = AccuracyEnd::kept_meshes;
-    if (!end) continue;
-    if (!keeps_path_ || rounds_.back().followed) return done(*end);
   }
 }
 

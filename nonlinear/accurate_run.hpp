@@ -41,7 +41,7 @@ std::string text_of(AccuracyEnd end);
 /// What watches a run. `begin`: a mesh is about to be solved; `step`: of its path, all but the last; `end`: its last
 /// step with the estimated error.
 struct AccurateRunObserver {
-  std::function<void(const Simulation& simulation, bool follows)> begin{};
+  std::function<void(const Simulation& simulation)> begin{};
   std::function<void(const Simulation& simulation, const StepReport& report)> step{};
   std::function<void(const Simulation& simulation, const StepReport& report, const ErrorEstimate& estimate)> end{};
   std::function<bool()> stop{};  ///< see PathControl

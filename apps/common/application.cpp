@@ -299,7 +299,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   std::optional<Recorder> recorder;
   std::optional<Progress> progress;
   AccurateRunObserver observer;
-  observer.begin = [&](const Simulation& running, bool) {
+  observer.begin = [&](const Simulation& running) {
     recorder.reset();  // removes the hidden copy of the file
     recorder.emplace(*this, running.scene(), parameters, recording);
     progress.emplace(quiet ? nowhere() : out(), name + " " + label, solved.stages, 0.0);

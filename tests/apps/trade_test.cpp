@@ -19,6 +19,7 @@ constexpr const char* kFewCells = R"xml(
     <Parameter name="Elements" type="Array(int)" value="{4, 8, 16, 32}"/>
     <Parameter name="Reference" type="Array(int)" value="{8, 24}"/>
     <Parameter name="Confirmation" type="Array(int)" value="{6, 32}"/>
+    <Parameter name="Accuracies" type="Array(double)" value="{1e-3, 1e-5}"/>
     <Parameter name="Threads" type="Array(int)" value="{1, 2}"/>
     <Parameter name="Repetitions" type="int" value="1"/>
 )xml";
@@ -35,9 +36,10 @@ TEST(Trade, TinySizeConvergesAsTheorySays) {
                     "newton_iterations,seconds_1,setup_seconds_1,processor_seconds_1,seconds_2"});
   EXPECT_EQ(cells.find("elastica"), std::string::npos) << "a benchmark that was not asked for";
   expect_in(text_of(folder / "orders.csv"), {"\nlargest,seconds,0.01,1,3,3,", "\ndisplacement,flops,0.01,1,3,3,"});
-  expect_in(text_of(folder / "trade.md"),
-            {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |"});
-  expect_in(text_of(folder / "output.txt"), {"21 of 21 checks passed."});
+  expect_in(text_of(folder / "accuracy.csv"), {"\nthick_cantilever,0.001,reached,", "\nrollup,1e-05,reached,"});
+  expect_in(text_of(folder / "trade.md"), {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |",
+                                           "## Asking for an accuracy", "| rollup | 1e-05 |"});
+  expect_in(text_of(folder / "output.txt"), {"27 of 27 checks passed."});
 }
 
 TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
