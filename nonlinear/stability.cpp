@@ -62,7 +62,8 @@ void Stability::assemble(const State& state, double load_factor) {
   unknowns_->reduce(problem_.assembler, state);
 }
 
-/// None where the signs of pivots cannot be relied on, or do not count: next to a critical point, without symmetry.
+/// None where the signs of pivots cannot be relied on, next to a critical point, and where they are not enough: without
+/// symmetry, unless the symmetric part is positive (is_positive_in_its_symmetric_part).
 std::optional<StabilityResult> Stability::inertia_with_chains(const State& state) {
   if (chains_ == nullptr) {
     chains_ = std::make_unique<CondensedSystem>(problem_.assembler);
@@ -75,10 +76,12 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const State& state
   on_root(root, [&] {
     result.asymmetry = asymmetry(matrix);
     result.symmetric = result.asymmetry <= kSymmetric;
-    if (!result.symmetric || matrix.rows() == 0) return;
+    if (matrix.rows() == 0) return;
+    // Chains are symmetric, so what they leave of the symmetric part is the symmetric part of what they leave.
+    const SparseMatrix part = result.symmetric ? matrix : symmetric_part(matrix);
     if (symmetric_beside_chains_ == nullptr)
-      symmetric_beside_chains_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
-    const InertiaSolver::Signs signs = symmetric_beside_chains_->factorize(matrix);
+      symmetric_beside_chains_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, part);
+    const InertiaSolver::Signs signs = symmetric_beside_chains_->factorize(part);
     result.null = signs.null;
     result.negative = signs.negative;
   });
@@ -87,8 +90,10 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const State& state
   MPI_Bcast(on_all, 4, MPI_DOUBLE, 0, root.communicator());
   double of_chains[2] = {static_cast<double>(chains_->negative_pivots()), reliable ? 0.0 : 1.0};
   MPI_Allreduce(MPI_IN_PLACE, of_chains, 2, MPI_DOUBLE, MPI_SUM, root.communicator());
-  if (of_chains[1] > 0.0 || on_all[1] > 0.0 || on_all[2] == 0.0) return std::nullopt;
-  return StabilityResult{static_cast<int>(on_all[0] + of_chains[0]), 0, true, on_all[3]};
+  const int negative = static_cast<int>(on_all[0] + of_chains[0]);
+  const bool symmetric = on_all[2] == 1.0;
+  if (of_chains[1] > 0.0 || on_all[1] > 0.0 || (!symmetric && negative > 0)) return std::nullopt;
+  return StabilityResult{negative, 0, symmetric, on_all[3]};
 }
 
 /// No real eigenvalue lies below the smallest one of the symmetric part (Bendixson), and that is quickly looked at.

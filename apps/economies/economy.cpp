@@ -163,7 +163,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"rotation about the axis held there: one row that depends on the rotation", with_held_twist(in_plane(rod)),
         in_space},
        kSameSolution,
-       ""},
+       "The row is evaluated with the vertex it belongs to; elements know nothing of it."},
       {"rigid",
        {"inextensible and shear rigid", with_force_stiffness(rod, rigid), solver},
        {"EA = GA = 1e14", with_force_stiffness(rod, kNearlyRigid), solver},
