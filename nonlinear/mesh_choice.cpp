@@ -39,7 +39,7 @@ constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 constexpr std::array<double, kMaximumOrder + 1> kElementCost = {0.0, 2.0, 3.3, 5.0, 6.5, 9.0, 11.5, 15.0, 20.0};
 constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0,   14.0,  25.0,  41.0, 78.0,
                                                                 150.0, 250.0, 350.0, 420.0};
-/// Elements that are computed together: fewer cost as much.
+/// Elements that are computed together, but those with coupled sections: fewer cost as much.
 constexpr int kPack = 4;
 
 /// Elements of a member change by at most this from mesh to mesh: further away nothing is known.
@@ -295,12 +295,13 @@ MeshChoice start_mesh(const Scene& scene, double accuracy) {
     const int first = member.keeps_order ? member.order : kLeastStartOrder;
     const int last = member.keeps_order ? member.order : kMaximumOrder;
     const OrderCosts& costs = costs_of(scene, member);
+    const int least_elements = std::max(pieces_of(member), has_general_section(scene, member) ? 1 : pack);
     MemberMesh best;
     double least = std::numeric_limits<double>::infinity();
     for (int k = first; k <= last; ++k) {
       int n = mesh.members[m].elements;
       if (!member.keeps_elements)
-        n = std::max({static_cast<int>(std::ceil(turning / allowed_turning(k, accuracy))), pack, pieces_of(member)});
+        n = std::max(static_cast<int>(std::ceil(turning / allowed_turning(k, accuracy))), least_elements);
       // an order that misses the accuracy on elements that are kept is as dear as those that would do
       const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy));
       const double cost = needed * costs[k];
