@@ -176,6 +176,9 @@ void AccurateSolver::estimate() {
 std::optional<AccuracyEnd> AccurateSolver::judge() {
   const double error = rounds_.back().error;
   if (error <= kShareOfAccuracy * accuracy_) return AccuracyEnd::reached;
+  if (estimate_.exists() &&
+      error_of_kept(scene_, simulation_->assembler().mesh(), estimate_) > kShareOfAccuracy * accuracy_)
+    return AccuracyEnd::kept_meshes;
   if (rounds_.size() >= 2 && error < kRoundingMayShow && error > kLeastGain * rounds_[rounds_.size() - 2].error)
     return AccuracyEnd::rounding;
   if (rounds_.size() >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;

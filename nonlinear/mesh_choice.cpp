@@ -42,6 +42,8 @@ constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0,   14.0,  25
 /// Elements that are computed together, but those with coupled sections: fewer cost as much.
 constexpr int kPack = 4;
 
+/// Elements of a member of a start mesh: a low order that is kept would take any number for a high accuracy.
+constexpr int kMostStartElements = 20'000;
 /// Elements of a member change by at most this from mesh to mesh: further away nothing is known.
 constexpr int kLargestGrowth = 8, kLargestCoarsening = 2;
 /// Numbers of elements that are looked at grow by this factor.
@@ -301,7 +303,8 @@ MeshChoice start_mesh(const Scene& scene, double accuracy) {
     for (int k = first; k <= last; ++k) {
       int n = mesh.members[m].elements;
       if (!member.keeps_elements)
-        n = std::max(static_cast<int>(std::ceil(turning / allowed_turning(k, accuracy))), least_elements);
+        n = std::max(least_elements, static_cast<int>(std::min<double>(
+                                         kMostStartElements, std::ceil(turning / allowed_turning(k, accuracy)))));
       // an order that misses the accuracy on elements that are kept is as dear as those that would do
       const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy));
       const double cost = needed * costs[k];
@@ -347,6 +350,17 @@ MeshChoice doubled(const Scene& scene, const MeshChoice& present) {
   for (size_t m = 0; m < choice.size(); ++m)
     if (!scene.members[m].keeps_elements) choice[m].elements *= 2;
   return choice;
+}
+
+double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
+  const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+  double inside = 0.0, vertex = 0.0;
+  for (size_t m = 0; m < errors.size(); ++m) {
+    if (!scene.members[m].keeps_order || !scene.members[m].keeps_elements) continue;
+    inside += errors[m].inside * errors[m].inside;
+    vertex += errors[m].vertex;
+  }
+  return std::max(std::sqrt(inside), vertex);
 }
 
 MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,

@@ -35,6 +35,9 @@ MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const
 /// Twice as many elements.
 MeshChoice doubled(const Scene& scene, const MeshChoice& present);
 
+/// What of judged_error() is left where all other members are exact: that of members which keep order and elements.
+double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate);
+
 /// The cheapest mesh whose predicted error is at most `aim`; where there is none, that of the least error.
 ///
 /// The error inside the elements of a member falls as (q h)^(k+1), the error of vertices as (q h)^(2k) with the share
