@@ -100,11 +100,11 @@ TEST(Accuracy, OfARodThatTurnsALot) {
 
 // No load tells how far it turns, but the first step along the path does.
 TEST(Accuracy, OfARodThatIsTwistedByItsSupport) {
-  Scene rod = cantilever(section(1e4, 1e4, 1.0, 4.0), 1.0, 8, 48);
+  Scene rod = cantilever(section(1e4, 1e4, 1.0, 4.0), 1.0, 8, 32);
   rod.point_loads = {dead_load("tip", {0, 0.5, 0})};
   rod.supports.push_back(clamp("tip"));
   rod.supports.back().displacement_fixed = {};
-  rod.supports.back().prescribed_rotation = {40.0, 0, 0};
+  rod.supports.back().prescribed_rotation = {20.0, 0, 0};
   const Simulation fine = solved(rod);
   const AccurateRun run = solved_accurately(with_accuracy(rod, 1e-6));
   EXPECT_EQ(run.end, AccuracyEnd::reached);
