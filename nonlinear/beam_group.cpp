@@ -150,8 +150,7 @@ void BeamGroup::take_tangent_in_space() const {
 
 namespace {
 
-/// A tangent of another state converges linearly; as long as each iteration gains a digit, the few that are missing
-/// cost no more than a new tangent would.
+/// A tangent of another state converges linearly: where an iteration gains less than a digit, a new one is cheaper.
 constexpr double kGoodContraction = 0.1;
 
 }  // namespace

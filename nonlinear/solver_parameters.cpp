@@ -107,11 +107,12 @@ ListSpec linear_solver_spec() {
                .below(1.0)
                .by_default(defaults.residual_tolerance)
                .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
-  spec.add(choice("Precision", {"double", "single"})
-               .by_default(defaults.single_precision ? "single" : "double")
-               .means("chains: numbers in which the factors of chains are kept. single: half the memory, and "
-                      "increments good to about six digits; the residual, and so the result, is as exact as with "
-                      "double."));
+  spec.add(
+      choice("Precision", {"double", "single"})
+          .by_default(defaults.single_precision ? "single" : "double")
+          .means("chains: numbers in which the factors of chains are kept. single: half the memory, increments good "
+                 "to about six digits, a few more iterations; the residual, and so the result, is as exact as "
+                 "with double."));
   spec.add(
       real("Force Stiffness Cap")
           .at_least(1e3)
