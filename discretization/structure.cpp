@@ -248,8 +248,7 @@ ElementEquations allocate_equations(const Structure& structure) {
   ElementEquations equations;
   equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
   equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
-  equations.condensed_tangent =
-      allocate_tangents(structure, some_unsymmetric ? kFullTangent : kSymmetricTangent);
+  equations.condensed_tangent = allocate_tangents(structure, some_unsymmetric ? kFullTangent : kSymmetricTangent);
   equations.response =
       KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
   equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);
