@@ -2,6 +2,8 @@
 
 #include "mixbeam/version.hpp"
 
+#include <array>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -25,6 +27,13 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
           {"version", kVersion},
           {"compiler", kCompiler},
           {"flags", kFlags}};
+}
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d", std::gmtime(&now));
+  return text.data();
 }
 
 }  // namespace mixbeam

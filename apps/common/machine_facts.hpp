@@ -10,4 +10,7 @@ namespace mixbeam {
 /// Pairs of name and value: processor, cores, version, compiler, flags.
 std::vector<std::pair<std::string, std::string>> machine_facts();
 
+/// Of the measurements: year-month-day, UTC.
+std::string today();
+
 }  // namespace mixbeam

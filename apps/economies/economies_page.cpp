@@ -3,19 +3,11 @@
 #include "apps/common/machine_facts.hpp"
 
 #include <cstdio>
-#include <ctime>
 #include <ostream>
 
 namespace mixbeam {
 
 namespace {
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  char text[32];
-  std::strftime(text, sizeof text, "%Y-%m-%d", std::gmtime(&now));
-  return text;
-}
 
 void write_rows(std::ostream& page, const std::vector<EconomyResult>& results) {
   for (const EconomyResult& r : results) {

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <ostream>
 
 namespace mixbeam {
@@ -17,13 +16,6 @@ template <class... Values>
 std::string format(const char* pattern, Values... values) {
   std::array<char, 200> text{};
   std::snprintf(text.data(), text.size(), pattern, values...);
-  return text.data();
-}
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d", std::gmtime(&now));
   return text.data();
 }
 
