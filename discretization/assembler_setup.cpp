@@ -4,6 +4,7 @@
 #include "kernels/element_kinematics.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -91,30 +92,50 @@ namespace {
 /// Of the largest entry: roundings of directions in a plane that is not one of the coordinates'.
 constexpr double kPlaneRounding = 1e-13;
 
+/// What vertices do and what of it leaves the plane, each the largest of all.
+struct PlaneParts {
+  double moved, turned, moved_out, turned_out;
+};
+
+struct PlanePartsLoop {
+  using value_type = PlaneParts;
+  PlaneAxes axes;
+  KernelView<const double*> entries;
+
+  KOKKOS_INLINE_FUNCTION static void raise(volatile double& largest, double x) {
+    const double size = x < 0.0 ? -x : x;
+    if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
+  }
+  KOKKOS_INLINE_FUNCTION void init(PlaneParts& parts) const { parts = {0.0, 0.0, 0.0, 0.0}; }
+  KOKKOS_INLINE_FUNCTION void join(volatile PlaneParts& parts, const volatile PlaneParts& other) const {
+    raise(parts.moved, other.moved);
+    raise(parts.turned, other.turned);
+    raise(parts.moved_out, other.moved_out);
+    raise(parts.turned_out, other.turned_out);
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int vertex, PlaneParts& parts) const {
+    const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));
+    const Vec turned = load_vector(&entries(vertex_row(vertex, kMomentPart)));
+    for (int i = 0; i < 3; ++i) {
+      raise(parts.moved, moved[i]);
+      raise(parts.turned, turned[i]);
+    }
+    raise(parts.moved_out, dot(axes.n, moved));
+    raise(parts.turned_out, dot(axes.p, turned));
+    raise(parts.turned_out, dot(axes.q, turned));
+  }
+};
+
 }  // namespace
 
 /// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
 bool Assembler::is_in_plane(const MixedVector& v) const {
-  const PlaneAxes axes = *plane_;
-  const KernelView<const double*> entries = v.vertex();
-  const double sizes[2] = {largest_part(*maps_.rows->getComm(), entries, kForcePart),
-                           largest_part(*maps_.rows->getComm(), entries, kMomentPart)};
-  double out = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::plane::out", Kokkos::RangePolicy<ExecutionSpace>(0, structure_.owned_vertices),
-      KOKKOS_LAMBDA(int vertex, double& largest) {
-        const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));
-        const Vec turned = load_vector(&entries(vertex_row(vertex, kMomentPart)));
-        const double parts[3] = {dot(axes.n, moved) / (sizes[0] > 0.0 ? sizes[0] : 1.0),
-                                 dot(axes.p, turned) / (sizes[1] > 0.0 ? sizes[1] : 1.0),
-                                 dot(axes.q, turned) / (sizes[1] > 0.0 ? sizes[1] : 1.0)};
-        for (double part : parts) {
-          const double size = part < 0.0 ? -part : part;
-          if (!(size <= largest)) largest = size == size ? size : 2.0;  // not a number: out of any plane
-        }
-      },
-      Kokkos::Max<double>(out));
-  return maximum_over_ranks(*maps_.rows->getComm(), out) <= kPlaneRounding;
+  PlaneParts parts{};
+  Kokkos::parallel_reduce("mixbeam::plane::parts", Kokkos::RangePolicy<ExecutionSpace>(0, structure_.owned_vertices),
+                          PlanePartsLoop{*plane_, v.vertex()}, parts);
+  double all[4] = {parts.moved, parts.turned, parts.moved_out, parts.turned_out};
+  maxima_over_ranks(*maps_.rows->getComm(), all, 4);
+  return all[2] <= kPlaneRounding * all[0] && all[3] <= kPlaneRounding * all[1] && std::isfinite(all[2] + all[3]);
 }
 
 }  // namespace mixbeam

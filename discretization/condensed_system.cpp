@@ -40,20 +40,20 @@ std::vector<unsigned char> kept_vertices(const Assembler& assembler) {
 
 /// Forces and moments of one end of an element taken from `left`, and the sum of |entry| times the largest unknown of
 /// its kind added to `size`. `at`: unknowns of both ends.
-KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const double* const* at, double displacement,
-                                          double rotation, double* left, double* size) {
+KOKKOS_INLINE_FUNCTION void subtract_full(const double* tangent, int end, const double* const* at,
+                                          const LargestParts& sizes, double* left, double* size) {
   const double* matrix = tangent + 12 * kVertexDofs * end;
   for (int side = 0; side < 2; ++side)
     for (int r = 0; r < kVertexDofs; ++r)
       for (int c = 0; c < kVertexDofs; ++c) {
         const double k = matrix[12 * r + kVertexDofs * side + c];
         left[r] -= k * at[side][c];
-        size[r] += (k < 0.0 ? -k : k) * (c < 3 ? displacement : rotation);
+        size[r] += (k < 0.0 ? -k : k) * (c < 3 ? sizes.moved : sizes.turned);
       }
 }
 /// The same for kSymmetricTangent numbers.
 KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, const double* const* at,
-                                               double displacement, double rotation, double* left, double* size) {
+                                               const LargestParts& sizes, double* left, double* size) {
   double change[9];
   for (int c = 0; c < 3; ++c) {
     change[c] = at[1][c] - at[0][c];
@@ -68,7 +68,7 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
       const int m = moments + r;
       const double f = tangent[r > c ? triangle(r, c) : triangle(c, r)];
       const double k = tangent[m > c ? triangle(m, c) : triangle(c, m)];
-      const double largest = c < 3 ? 2.0 * displacement : rotation;
+      const double largest = c < 3 ? 2.0 * sizes.moved : sizes.turned;
       force += f * change[c];
       force_size += (f < 0.0 ? -f : f) * largest;
       moment += k * change[c];
@@ -96,6 +96,9 @@ CondensedSystem::CondensedSystem(const Assembler& assembler, FactorPrecision pre
   eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
   for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = structure_.eliminated()[v];
   condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
+  // written at the few vertices that remain: untouched pages cost nothing
+  run_forces_ = KernelView<double*>(Kokkos::view_alloc("mixbeam::run_forces", Kokkos::WithoutInitializing),
+                                    static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
   ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e)
@@ -160,17 +163,16 @@ void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
     chains_.expand(to);
 }
 
-double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const {
+double CondensedSystem::measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const {
   PhaseTimer timer(assembler_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
-  const KernelView<double*> out = MixedVector::view_of(residual);
+  const KernelView<double*> run_forces = run_forces_;
   const LinkMatrices<kSpatialDofs> links =
       planar_ != nullptr ? planar_->remaining() : chains_.matrices(assembler_.equations().condensed_tangent);
-  remaining_->run_forces(links, arrived(), assembler_.structure().local_elements(), values, out);
+  remaining_->run_forces(links, arrived(), assembler_.structure().local_elements(), values, run_forces);
   const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
-  const double displacement = largest_part(comm, values, kForcePart);
-  const double rotation = largest_part(comm, values, kMomentPart);
-  if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, displacement, rotation, out));
+  const LargestParts sizes = largest_parts(comm, values);
+  if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, sizes, run_forces, residual));
   const auto adjacency = assembler_.adjacency();
   const auto ends = ends_;
   const auto eliminated = eliminated_;
@@ -181,7 +183,7 @@ double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofV
       KOKKOS_LAMBDA(int v, double& m) {
         double left[kVertexDofs], size[kVertexDofs];
         for (int r = 0; r < kVertexDofs; ++r) {
-          left[r] = eliminated(v) != 0 ? rows(vertex_row(v, r)) : out(vertex_row(v, r));
+          left[r] = eliminated(v) != 0 ? rows(vertex_row(v, r)) : run_forces(vertex_row(v, r));
           size[r] = left[r] < 0.0 ? -left[r] : left[r];
         }
         for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
@@ -189,15 +191,15 @@ double CondensedSystem::chain_error(const DofVector& b, const DofVector& x, DofV
           if (condensed(e) == 0) continue;
           const double* at[2] = {&values(vertex_row(ends(e, 0), 0)), &values(vertex_row(ends(e, 1), 0))};
           if (links.keeps_symmetric_elements())
-            subtract_symmetric(&links.elements(e, 0), end, at, displacement, rotation, left, size);
+            subtract_symmetric(&links.elements(e, 0), end, at, sizes, left, size);
           else
-            subtract_full(&links.elements(e, 0), end, at, displacement, rotation, left, size);
+            subtract_full(&links.elements(e, 0), end, at, sizes, left, size);
         }
         for (int r = 0; r < kVertexDofs; ++r) {
           const double absolute = left[r] < 0.0 ? -left[r] : left[r];
           const double error = absolute == 0.0 ? 0.0 : absolute / size[r];
           if (!(error <= m)) m = error == error ? error : HUGE_VAL;
-          out(vertex_row(v, r)) = eliminated(v) != 0 ? left[r] : 0.0;
+          if (residual.extent(0) > 0) residual(vertex_row(v, r)) = eliminated(v) != 0 ? left[r] : 0.0;
         }
       },
       Kokkos::Max<double>(largest));

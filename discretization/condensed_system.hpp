@@ -28,11 +28,16 @@ class CondensedSystem {
   void expand(const DofVector& remaining_x, DofVector& x) const;
 
   /// max over the rows of chains of |b - K x|_i / (|K| X + |b|)_i as backward_error() measures it, and the same for
-  /// what the condensed chains do to their end vertices. Writes b - K x at eliminated vertices, zero at others, to
-  /// `residual`. Collective.
-  double chain_error(const DofVector& b, const DofVector& x, DofVector& residual) const;
+  /// what the condensed chains do to their end vertices. Collective.
+  double chain_error(const DofVector& b, const DofVector& x) const { return measure(b, x, {}); }
+  /// b - K x at eliminated vertices, zero at others. Collective.
+  void chain_residual(const DofVector& b, const DofVector& x, DofVector& residual) const {
+    measure(b, x, MixedVector::view_of(residual));
+  }
 
  private:
+  /// The error, and the residual unless that has no entries.
+  double measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const;
   const KernelView<double* [12]>& arrived() const {
     return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
   }
@@ -44,6 +49,7 @@ class CondensedSystem {
   PlanarChains* planar_ = nullptr;               ///< the same while the tangent is in the plane
   long negative_pivots_ = 0;
   std::unique_ptr<VertexMatrix> remaining_;
+  KernelView<double*> run_forces_;         ///< (6 * owned vertex + component), at vertices that remain
   KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
   KernelView<unsigned char*> eliminated_;  ///< (local vertex)
   KernelView<unsigned char*> condensed_;   ///< (local element): 1 where it is part of a condensed chain

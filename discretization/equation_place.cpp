@@ -205,7 +205,7 @@ std::optional<EquationPlace> first_tangent_not_finite(const Assembler& assembler
   const auto entries_of = [&](int e) -> const double* {
     return planar ? &assembler.planar_tangents()(e, 0) : &assembler.equations().condensed_tangent(e, 0);
   };
-  const size_t entries = planar ? 36 : assembler.equations().condensed_tangent.extent(1);
+  const size_t entries = planar ? size_t{kPlanarTangent} : assembler.equations().condensed_tangent.extent(1);
   RowKey first;
   for (int e = 0; e < assembler.structure().local_elements() && !first.found; ++e)
     if (!std::all_of(entries_of(e), entries_of(e) + entries, [](double x) { return std::isfinite(x); })) {

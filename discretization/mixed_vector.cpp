@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace mixbeam {
 
@@ -15,9 +16,19 @@ using Entries = KernelView<double*>;
 using ConstEntries = KernelView<const double*>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
+/// Entries that one call of a kernel works on: as many registers full as make the call itself cheap. Runs do not depend
+/// on the number of threads, and with them which entries share a register.
+constexpr size_t kRun = 64 * kLanes;
+
+/// action(i) for every entry; entries must not depend on each other.
 template <class Action>
 void for_each_entry(const char* label, size_t n, const Action& action) {
-  Kokkos::parallel_for(label, Range(0, n), action);
+  Kokkos::parallel_for(
+      label, Range(0, (n + kRun - 1) / kRun), KOKKOS_LAMBDA(size_t run) {
+        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
+#pragma GCC ivdep
+        for (size_t i = run * kRun; i < end; ++i) action(i);
+      });
 }
 
 /// Not-a-number compares false with everything, so it is carried as infinity.
@@ -30,10 +41,6 @@ void copy_entries(const ConstEntries& from, const Entries& to) {
   for_each_entry(
       "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
 }
-
-/// Entries that are looked at side by side before their largest is compared with the others': long enough that the
-/// comparison of one number does not count.
-constexpr size_t kRun = 64 * kLanes;
 
 double largest_magnitude(const ConstEntries& x) {
   using Real = Pack<kLanes>;
@@ -59,26 +66,49 @@ double largest_magnitude(const ConstEntries& x) {
 
 }  // namespace
 
-double largest_part(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries, int first) {
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::vector::largest_part", Range(0, entries.extent(0) / kVertexDofs),
-      KOKKOS_LAMBDA(int v, double& m) {
-        for (int c = 0; c < 3; ++c) {
-          const double a = magnitude(entries(static_cast<size_t>(kVertexDofs) * v + first + c));
-          if (a > m) m = a;
-        }
-      },
-      Kokkos::Max<double>(largest));
-  return maximum_over_ranks(comm, largest);
+namespace {
+
+struct PartsLoop {
+  using value_type = LargestParts;
+  ConstEntries entries;
+
+  KOKKOS_INLINE_FUNCTION void init(LargestParts& parts) const { parts = {0.0, 0.0}; }
+  KOKKOS_INLINE_FUNCTION void join(volatile LargestParts& parts, const volatile LargestParts& other) const {
+    if (other.moved > parts.moved) parts.moved = other.moved;
+    if (other.turned > parts.turned) parts.turned = other.turned;
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int vertex, LargestParts& parts) const {
+    const double* row = &entries(static_cast<size_t>(kVertexDofs) * vertex);
+    for (int c = 0; c < 3; ++c) {
+      const double moved = magnitude(row[c]), turned = magnitude(row[3 + c]);
+      if (moved > parts.moved) parts.moved = moved;
+      if (turned > parts.turned) parts.turned = turned;
+    }
+  }
+};
+
+}  // namespace
+
+LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries) {
+  LargestParts parts;
+  Kokkos::parallel_reduce("mixbeam::vector::largest_parts", Range(0, entries.extent(0) / kVertexDofs),
+                          PartsLoop{entries}, parts);
+  double both[2] = {parts.moved, parts.turned};
+  maxima_over_ranks(comm, both, 2);
+  return {both[0], both[1]};
 }
 
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
-  if (std::isnan(value)) value = std::numeric_limits<double>::infinity();
-  if (comm.getSize() == 1) return value;
-  double result = value;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, value, Teuchos::outArg(result));
-  return result;
+  maxima_over_ranks(comm, &value, 1);
+  return value;
+}
+
+void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count) {
+  for (int i = 0; i < count; ++i)
+    if (std::isnan(values[i])) values[i] = std::numeric_limits<double>::infinity();
+  if (comm.getSize() == 1) return;
+  const std::vector<double> mine(values, values + count);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, mine.data(), values);
 }
 
 namespace {
@@ -86,14 +116,23 @@ namespace {
 /// This vector and the pool; more hold an array that several vectors share.
 constexpr int kOwnersOfUnshared = 2;
 
-Teuchos::RCP<DofVector> zero_vertex_dofs(const Teuchos::RCP<const DofMap>& map, VectorPool& pool) {
+Teuchos::RCP<DofVector> new_vertex_dofs(const Teuchos::RCP<const DofMap>& map, VectorPool& pool) {
   using Values = DofVector::dual_view_type;
   const Values::t_dev values = pool.vertex.take("mixbeam::vertex_dofs", map->getNodeNumElements());
-  const Teuchos::RCP<DofVector> vector = Teuchos::rcp(new DofVector(map, Values(values, values)));
-  const Entries y(values.data(), values.extent(0));
+  return Teuchos::rcp(new DofVector(map, Values(values, values)));
+}
+
+void clear(const Entries& y) {
   for_each_entry(
       "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
-  return vector;
+}
+
+const Entries& zeros_of(VectorPool& pool, size_t size) {
+  if (pool.zeros.data() == nullptr) {
+    pool.zeros = pool.interior.take("mixbeam::mixed_vector", size);
+    clear(pool.zeros);
+  }
+  return pool.zeros;
 }
 
 }  // namespace
@@ -101,16 +140,14 @@ Teuchos::RCP<DofVector> zero_vertex_dofs(const Teuchos::RCP<const DofMap>& map, 
 MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
                          const KernelView<const unsigned char*>& owned_interior,
                          const std::shared_ptr<VectorPool>& pool)
-    : MixedVector(map, pool->interior.take("mixbeam::mixed_vector", interior_size), owned_interior, pool) {
-  const Entries y = interior_;
-  for_each_entry(
-      "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
+    : MixedVector(map, zeros_of(*pool, interior_size), owned_interior, pool) {
+  clear(vertex());
 }
 
 MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, const Entries& interior,
                          const KernelView<const unsigned char*>& owned_interior,
                          const std::shared_ptr<VectorPool>& pool)
-    : pool_(pool), vertex_dofs_(zero_vertex_dofs(map, *pool)), interior_(interior), owned_interior_(owned_interior) {}
+    : pool_(pool), vertex_dofs_(new_vertex_dofs(map, *pool)), interior_(interior), owned_interior_(owned_interior) {}
 
 MixedVector MixedVector::clone(bool copy_values) const {
   MixedVector copy(vertex_dofs_->getMap(), interior_, owned_interior_, pool_);
@@ -213,37 +250,68 @@ double MixedVector::maximum_norm() const {
 
 namespace {
 
-/// Sum over the entries of this rank, in a fixed order: one thread, so it does not depend on the number of threads.
+/// Sum of term(i) over the entries of one array, in an order that does not depend on the number of threads.
 template <class Term>
-double ordered_sum(const Teuchos::Comm<int>& comm, size_t vertex_entries, size_t interior_entries,
-                   const KernelView<const unsigned char*>& owned, const Term& term) {
-  double sum = 0.0;
-  for (size_t i = 0; i < vertex_entries; ++i) sum += term(0, i);
-  for (size_t i = 0; i < interior_entries; ++i)
-    if (owned.extent(0) == 0 || owned(i)) sum += term(1, i);
-  double total = sum;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, sum, Teuchos::outArg(total));
+double ordered_sum(size_t n, const Term& term) {
+  constexpr size_t side_by_side = 4;  // sums that wait for each other would take the time of their latency
+  const size_t runs = (n + kRun - 1) / kRun;
+  const Entries partial(Kokkos::view_alloc("mixbeam::vector::partial_sums", Kokkos::WithoutInitializing), runs);
+  Kokkos::parallel_for(
+      "mixbeam::vector::sum", Range(0, runs), KOKKOS_LAMBDA(size_t run) {
+        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
+        double sum[side_by_side] = {};
+        size_t i = run * kRun;
+        for (; i + side_by_side <= end; i += side_by_side)
+          for (size_t j = 0; j < side_by_side; ++j) sum[j] += term(i + j);
+        for (; i < end; ++i) sum[0] += term(i);
+        partial(run) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      });
+  double total = 0.0;
+  for (size_t run = 0; run < runs; ++run) total += partial(run);
+  return total;
+}
+
+double sum_over_ranks(const Teuchos::Comm<int>& comm, double mine) {
+  double total = mine;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(total));
   return total;
 }
 
 }  // namespace
 
 double MixedVector::one_norm() const {
-  const Entries x[2] = {vertex(), interior_};
-  return ordered_sum(*vertex_dofs_->getMap()->getComm(), x[0].extent(0), x[1].extent(0), owned_interior_,
-                     [&](int part, size_t i) { return std::abs(x[part](i)); });
+  const ConstEntries u = vertex(), x = interior_;
+  const KernelView<const unsigned char*> owned = owned_interior_;
+  const double sum = ordered_sum(
+                         u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) < 0.0 ? -u(i) : u(i); }) +
+                     ordered_sum(
+                         x.extent(0), KOKKOS_LAMBDA(size_t i) {
+                           if (owned.extent(0) > 0 && owned(i) == 0) return 0.0;
+                           return x(i) < 0.0 ? -x(i) : x(i);
+                         });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
 }
 
 double MixedVector::inner_product(const MixedVector& other) const {
-  const Entries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
-  return ordered_sum(*vertex_dofs_->getMap()->getComm(), x[0].extent(0), x[1].extent(0), owned_interior_,
-                     [&](int part, size_t i) { return x[part](i) * y[part](i); });
+  const ConstEntries u = vertex(), v = other.vertex(), x = interior_, y = other.interior_;
+  const KernelView<const unsigned char*> owned = owned_interior_;
+  const double sum =
+      ordered_sum(
+          u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) * v(i); }) +
+      ordered_sum(
+          x.extent(0), KOKKOS_LAMBDA(size_t i) { return owned.extent(0) > 0 && owned(i) == 0 ? 0.0 : x(i) * y(i); });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
 }
 
 GlobalOrdinal MixedVector::global_length() const {
-  const auto one = [](int, size_t) { return 1.0; };
-  return static_cast<GlobalOrdinal>(
-      ordered_sum(*vertex_dofs_->getMap()->getComm(), vertex().extent(0), interior_.extent(0), owned_interior_, one));
+  if (!pool_->entries) {
+    GlobalOrdinal mine = static_cast<GlobalOrdinal>(vertex().extent(0) + interior_.extent(0));
+    for (size_t i = 0; i < owned_interior_.extent(0); ++i) mine -= owned_interior_(i) == 0 ? 1 : 0;
+    GlobalOrdinal all = mine;
+    Teuchos::reduceAll(*vertex_dofs_->getMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+    pool_->entries = all;
+  }
+  return *pool_->entries;
 }
 
 bool MixedVector::same_values(const MixedVector& other) const {

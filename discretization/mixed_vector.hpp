@@ -7,21 +7,25 @@
 #include "discretization/view_pool.hpp"
 
 #include <memory>
+#include <optional>
 
 namespace mixbeam {
 
 constexpr int kVertexDofs = 6;
 
-/// Arrays of vectors that are not in use.
+/// What all vectors of an assembler have in common.
 struct VectorPool {
+  // arrays of vectors that are not in use
   ViewPool<DofVector::dual_view_type::t_dev> vertex;
   ViewPool<KernelView<double*>> interior;
+  KernelView<double*> zeros;             ///< the interior that vectors share until they are written to
+  std::optional<GlobalOrdinal> entries;  ///< of all ranks, each counted once
 };
 
 class MixedVector {
  public:
-  /// `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on two
-  /// ranks).
+  /// Zeros. `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on
+  /// two ranks).
   MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
               const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
 
@@ -51,7 +55,7 @@ class MixedVector {
   double maximum_norm() const;  ///< the same for any number of threads and ranks
   double one_norm() const;
   double inner_product(const MixedVector& other) const;
-  GlobalOrdinal global_length() const;
+  GlobalOrdinal global_length() const;               ///< collective when it is first asked for
   bool same_values(const MixedVector& other) const;  ///< on every rank
 
   /// Largest rotation (Euclidean norm of the spin) of any vertex.
@@ -70,11 +74,16 @@ class MixedVector {
   KernelView<const unsigned char*> owned_interior_;  ///< empty: all
 };
 
-/// Largest displacement or force (first = 0), rotation or moment (first = 3) among entries (6 * vertex + component) of
-/// all ranks.
-double largest_part(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries, int first);
+/// Largest component of a displacement or force, and of a rotation or moment.
+struct LargestParts {
+  double moved = 0.0, turned = 0.0;
+};
+/// Among entries (6 * vertex + component) of all ranks; not-a-number counts as infinity.
+LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries);
 
 /// Largest of a value over all ranks; not-a-number on any rank wins.
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value);
+/// The same for each of `count` values, in one message.
+void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count);
 
 }  // namespace mixbeam

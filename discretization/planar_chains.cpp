@@ -115,31 +115,55 @@ void PlanarChains::expand(const KernelView<double*>& x) {
       KOKKOS_LAMBDA(int v) { expand_to_space(axes, &planar(planar_row(v, 0)), &x(vertex_row(v, 0))); });
 }
 
+namespace {
+
+/// Forces (2) and moment of one end of an element taken from `left`, and the sum of |entry| times the largest unknown
+/// of its kind added to `size`. `a`, `b`: unknowns of its ends.
+KOKKOS_INLINE_FUNCTION void subtract_element(const double* tangent, int end, const double* a, const double* b,
+                                             const LargestParts& sizes, double* left, double* size) {
+  using Layout = TangentLayout<kPlanarDofs>;
+  const double change[Layout::kReduced] = {b[0] - a[0], b[1] - a[1], a[2], b[2]};
+  const double largest[Layout::kReduced] = {2.0 * sizes.moved, 2.0 * sizes.moved, sizes.turned, sizes.turned};
+  const double sign = end == 0 ? -1.0 : 1.0;
+  const int rows[kPlanarDofs] = {0, 1, 2 + end};
+  for (int r = 0; r < kPlanarDofs; ++r) {
+    double force = 0.0;
+    for (int c = 0; c < Layout::kReduced; ++c) {
+      const double k = tangent[Layout::place(rows[r], c)];
+      force += k * change[c];
+      size[r] += (k < 0.0 ? -k : k) * largest[c];
+    }
+    left[r] -= r < Layout::kMoved ? sign * force : force;
+  }
+}
+
+}  // namespace
+
 double PlanarChains::error(const KernelView<const double*>& rows, const KernelView<const double*>& x,
-                           double displacement, double rotation, const KernelView<double*>& residual) const {
+                           const LargestParts& sizes, const KernelView<const double*>& run_forces,
+                           const KernelView<double*>& residual) const {
   const PlaneAxes axes = *assembler_.plane();
-  const LinkMatrices<kPlanarDofs> links = chains_.matrices(assembler_.planar_tangents());
+  const PlanarTangents tangents = assembler_.planar_tangents();
   const auto adjacency = assembler_.adjacency();
   const KernelView<const int* [2]> ends = ends_;
   const KernelView<const unsigned char*> eliminated = is_eliminated_, condensed = is_condensed_;
+  const KernelView<double*> planar = x_;
+  const Range owned(0, assembler_.structure().owned_vertices);
+  Kokkos::parallel_for(
+      "mixbeam::planar::x", owned,
+      KOKKOS_LAMBDA(int v) { project(axes, &x(vertex_row(v, 0)), &planar(planar_row(v, 0))); });
   double largest = 0.0;
   Kokkos::parallel_reduce(
-      "mixbeam::planar::error", Range(0, assembler_.structure().owned_vertices),
+      "mixbeam::planar::error", owned,
       KOKKOS_LAMBDA(int v, double& m) {
-        double left[kPlanarDofs], size[kPlanarDofs], at[2 * kPlanarDofs];
-        project(axes, eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &residual(vertex_row(v, 0)), left);
+        double left[kPlanarDofs], size[kPlanarDofs];
+        project(axes, eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &run_forces(vertex_row(v, 0)), left);
         for (int r = 0; r < kPlanarDofs; ++r) size[r] = left[r] < 0.0 ? -left[r] : left[r];
-        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
-          const int e = adjacency.element(a, 0), end = adjacency.element(a, 1);
+        for (int i = adjacency.start(v); i < adjacency.start(v + 1); ++i) {
+          const int e = adjacency.element(i, 0);
           if (condensed(e) == 0) continue;
-          for (int side = 0; side < 2; ++side) project(axes, &x(vertex_row(ends(e, side), 0)), at + kPlanarDofs * side);
-          const double* matrix = &links.elements(e, 2 * kPlanarDofs * kPlanarDofs * end);
-          for (int r = 0; r < kPlanarDofs; ++r)
-            for (int c = 0; c < 2 * kPlanarDofs; ++c) {
-              const double k = matrix[2 * kPlanarDofs * r + c];
-              left[r] -= k * at[c];
-              size[r] += (k < 0.0 ? -k : k) * (c % kPlanarDofs < 2 ? displacement : rotation);
-            }
+          const double *a = &planar(planar_row(ends(e, 0), 0)), *b = &planar(planar_row(ends(e, 1), 0));
+          subtract_element(&tangents(e, 0), adjacency.element(i, 1), a, b, sizes, left, size);
         }
         for (int r = 0; r < kPlanarDofs; ++r) {
           const double absolute = left[r] < 0.0 ? -left[r] : left[r];
@@ -147,7 +171,7 @@ double PlanarChains::error(const KernelView<const double*>& rows, const KernelVi
           if (!(error <= m)) m = error == error ? error : HUGE_VAL;
           if (eliminated(v) == 0) left[r] = 0.0;
         }
-        expand_to_space(axes, left, &residual(vertex_row(v, 0)));
+        if (residual.extent(0) > 0) expand_to_space(axes, left, &residual(vertex_row(v, 0)));
       },
       Kokkos::Max<double>(largest));
   return largest;

@@ -24,10 +24,10 @@ class PlanarChains {
   /// Second half: all of x from its entries at vertices that remain.
   void expand(const KernelView<double*>& x);
 
-  /// As CondensedSystem::chain_error on this rank; `residual` holds the forces of runs at vertices that remain.
-  /// `displacement`, `rotation`: largest of all ranks in x.
-  double error(const KernelView<const double*>& rows, const KernelView<const double*>& x, double displacement,
-               double rotation, const KernelView<double*>& residual) const;
+  /// As CondensedSystem::chain_error on this rank, and chain_residual unless `residual` has no entries. `sizes`:
+  /// largest of all ranks in x; `run_forces`: spatial, at vertices that remain.
+  double error(const KernelView<const double*>& rows, const KernelView<const double*>& x, const LargestParts& sizes,
+               const KernelView<const double*>& run_forces, const KernelView<double*>& residual) const;
 
  private:
   const Assembler& assembler_;
@@ -36,7 +36,7 @@ class PlanarChains {
   LinkMatrices<kSpatialDofs> remaining_;
   KernelView<double**> elements_;  ///< behind remaining_
   KernelView<double* [12]> arrived_;
-  KernelView<double*> rows_, x_;              ///< (3 * local vertex + component)
+  KernelView<double*> rows_, x_;              ///< (3 * local vertex + component): scratch
   KernelView<int* [2]> ends_;                 ///< (local element, end): local vertex
   KernelView<unsigned char*> is_eliminated_;  ///< (local vertex)
   KernelView<unsigned char*> is_condensed_;   ///< (local element): part of a condensed chain

@@ -97,48 +97,49 @@ KOKKOS_INLINE_FUNCTION Link<N> load_full(const StepLinks& links, const double* c
 }
 
 /// The other end first: u_b - u_a changes its sign, the spins change places.
+template <int N>
 KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
-      if (j <= i) {
-        to[triangle(i, j)] = from[triangle(i, j)];
-        to[triangle(3 + i, 3 + j)] = from[triangle(6 + i, 6 + j)];
-        to[triangle(6 + i, 6 + j)] = from[triangle(3 + i, 3 + j)];
-      }
-      to[triangle(3 + i, j)] = -from[triangle(6 + i, j)];
-      to[triangle(6 + i, j)] = -from[triangle(3 + i, j)];
-      to[triangle(6 + i, 3 + j)] = from[triangle(6 + j, 3 + i)];
+  using Layout = TangentLayout<N>;
+  constexpr int moved = Layout::kMoved, turned = Layout::kTurned;
+  const auto counterpart = [](int i) { return i < moved ? i : (i < moved + turned ? i + turned : i - turned); };
+#pragma GCC unroll 9
+  for (int i = 0; i < Layout::kReduced; ++i)
+#pragma GCC unroll 9
+    for (int j = 0; j <= i; ++j) {
+      const Real& x = from[Layout::place(counterpart(i), counterpart(j))];
+      to[triangle(i, j)] = i >= moved && j < moved ? -x : x;
     }
 }
 
 /// From symmetric tangents of elements.
-KOKKOS_INLINE_FUNCTION Link<kSpatialDofs> load_symmetric(const StepLinks& links, const double* const* numbers) {
-  Real forward[kSymmetricTangent];
-  gather_lanes(numbers, kSymmetricTangent, forward);
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
+  using Layout = TangentLayout<N>;
+  Real forward[Layout::kSymmetric];
+  gather_lanes(numbers, Layout::kSymmetric, forward);
   bool some_backward = false;
   for (int lane = 0; lane < kLanes; ++lane) some_backward = some_backward || links.backward[lane];
   if (some_backward) {
-    Real backward[kSymmetricTangent];
-    turn_around(forward, backward);
+    Real backward[Layout::kSymmetric];
+    turn_around<N>(forward, backward);
     Real::Mask turned{};
     for (int lane = 0; lane < kLanes; ++lane) turned[lane] = links.backward[lane] ? -1 : 0;
-    for (int i = 0; i < kSymmetricTangent; ++i) forward[i] = select(turned, backward[i], forward[i]);
+    for (int i = 0; i < Layout::kSymmetric; ++i) forward[i] = select(turned, backward[i], forward[i]);
   }
   const auto entry = [&](int i, int j) {
-    const int a = row_among_nine(i), b = row_among_nine(j);
-    const Real& x = forward[a > b ? triangle(a, b) : triangle(b, a)];
-    return (i < 3) != (j < 3) ? -x : x;
+    const Real& x = forward[Layout::place_of_full(i, j)];
+    return Layout::is_negative(i, j) ? -x : x;
   };
-  Link<kSpatialDofs> m;
+  Link<N> m;
 #pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i) {
+  for (int i = 0; i < N; ++i) {
 #pragma GCC unroll 6
     for (int j = 0; j <= i; ++j) {
       m.first[triangle(i, j)] = entry(i, j);
-      m.second[triangle(i, j)] = entry(6 + i, 6 + j);
+      m.second[triangle(i, j)] = entry(N + i, N + j);
     }
 #pragma GCC unroll 6
-    for (int j = 0; j < 6; ++j) m.coupling[i][j] = entry(6 + i, j);
+    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(N + i, j);
   }
   return m;
 }
@@ -146,13 +147,11 @@ KOKKOS_INLINE_FUNCTION Link<kSpatialDofs> load_symmetric(const StepLinks& links,
 template <int N>
 KOKKOS_INLINE_FUNCTION Link<N> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
   const double* rows[kLanes];
-  if constexpr (N == kSpatialDofs) {
-    bool all_elements = matrices.keeps_symmetric_elements();
-    for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
-    if (all_elements) {
-      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
-      return load_symmetric(links, rows);
-    }
+  bool all_elements = matrices.keeps_symmetric_elements();
+  for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
+  if (all_elements) {
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
+    return load_symmetric<N>(links, rows);
   }
   double room[kLanes][LinkMatrices<N>::kFull];
   for (int lane = 0; lane < kLanes; ++lane) rows[lane] = matrices.full(links.link[lane], room[lane]);

@@ -8,15 +8,12 @@
 
 namespace mixbeam {
 
-/// Unknowns of a vertex: displacement and rotation in space, or in a plane.
-constexpr int kSpatialDofs = 6, kPlanarDofs = 3;
-
 /// Matrices of links: those of the elements, then those of condensed runs.
 template <int N>
 struct LinkMatrices {
-  static constexpr int kFull = 4 * N * N;  ///< 2 N x 2 N row-major, ends as they are stored
-  KernelView<const double**> elements;     ///< (element, kFull); in space also (element, kSymmetricTangent)
-  KernelView<double* [kFull]> runs;        ///< (run, kFull)
+  static constexpr int kFull = TangentLayout<N>::kFull;  ///< ends as they are stored
+  KernelView<const double**> elements;                   ///< (element, kFull or kSymmetric of TangentLayout)
+  KernelView<double* [kFull]> runs;                      ///< (run, kFull)
 
   KOKKOS_INLINE_FUNCTION bool is_element(int link) const { return link < static_cast<int>(elements.extent(0)); }
   KOKKOS_INLINE_FUNCTION bool keeps_symmetric_elements() const { return elements.extent(1) != kFull; }
@@ -24,7 +21,7 @@ struct LinkMatrices {
   KOKKOS_INLINE_FUNCTION const double* full(int link, double* room) const {
     if (!is_element(link)) return &runs(link - static_cast<int>(elements.extent(0)), 0);
     if (!keeps_symmetric_elements()) return &elements(link, 0);
-    expand_symmetric_tangent(&elements(link, 0), room);
+    expand_symmetric_tangent<N>(&elements(link, 0), room);
     return room;
   }
 };

@@ -484,7 +484,7 @@ struct TangentLaneLoop {
     for (int lane = 0; lane < lanes.active; ++lane) {
       double numbers[kSymmetricTangent];
       for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = tangent[i][lane];
-      expand_symmetric_tangent(numbers, tangent_of(lanes.element[lane]));
+      expand_symmetric_tangent<kSpatialDofs>(numbers, tangent_of(lanes.element[lane]));
     }
   }
 };

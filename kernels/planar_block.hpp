@@ -36,7 +36,7 @@ struct PlanarBlock {
 /// is normal to the plane, and so is its curvature.
 PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes);
 
-using PlanarTangents = KernelView<double* [36]>;  ///< (element, (u_p, u_q, theta)_a (..)_b row-major)
+using PlanarTangents = KernelView<double* [kPlanarTangent]>;  ///< (element, TangentLayout in a plane)
 
 /// As evaluate_residual, for states in the plane.
 void evaluate_planar_residual(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,

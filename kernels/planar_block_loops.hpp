@@ -279,7 +279,7 @@ template <int K>
 struct PlanarTangentLoop {
   PlanarGather<K> gather;
   KernelView<double**> response;
-  KernelView<double* [36]> tangents;
+  PlanarTangents tangents;
   KernelView<double* [12]> condensed_residual;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
 
@@ -307,12 +307,12 @@ struct PlanarTangentLoop {
  private:
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const PackElements& pack, const PlanarState<K, Real>& state,
                                                    const PlanarSolution<K, Real>& solution, bool own) const {
-    Real tangent[36], gradient[6], end_moment[2], unused[K];
+    Real tangent[kPlanarTangent], gradient[6], end_moment[2], unused[K];
     planar_moment_gradient<K>(state.moment, unused, end_moment);
     planar_condensed(state, solution, own ? end_moment : nullptr, tangent, gradient);
     double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &tangents(gather.first_element + pack.element[lane], 0);
-    scatter_lanes(tangent, 36, 0, pack.active, rows);
+    scatter_lanes(tangent, kPlanarTangent, 0, pack.active, rows);
     scatter_vertex_rows(gather.axes, gradient, pack, condensed_residual, gather.first_element);
   }
   KOKKOS_FORCEINLINE_FUNCTION void load_right_hand_side(const PackElements& pack, const PackOrientation& material,

@@ -631,24 +631,20 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_condensed(const PlanarState<K, Real>& st
   Vec2<Real> force[kPlanarColumns];
   for (int c = 0; c < kPlanarColumns; ++c)
     force[c] = state.triad * Vec2<Real>{solution.force[0][c], solution.force[1][c]};
-  const Real block[3] = {force[0].x, 0.5 * (force[0].y + force[1].x), force[1].y};
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j) {
-      tangent[6 * i + j] = tangent[6 * (3 + i) + 3 + j] = block[i + j];
-      tangent[6 * (3 + i) + j] = tangent[6 * i + 3 + j] = -block[i + j];
-    }
+  using Layout = TangentLayout<kPlanarDofs>;
+  tangent[Layout::place(0, 0)] = force[0].x;
+  tangent[Layout::place(1, 0)] = 0.5 * (force[0].y + force[1].x);
+  tangent[Layout::place(1, 1)] = force[1].y;
   for (int end = 0; end < 2; ++end) {
-    const Real by_spin[2] = {force[2 + end].x, force[2 + end].y};
-    const int theta = 2 + 3 * end;
-    for (int i = 0; i < 2; ++i) {
-      tangent[6 * theta + i] = tangent[6 * i + theta] = -by_spin[i];
-      tangent[6 * theta + 3 + i] = tangent[6 * (3 + i) + theta] = by_spin[i];
-    }
-    tangent[7 * theta] = solution.end_moment[end][2 + end];
-    gradient[theta] = solution.end_moment[end][4];
-    if (own_end_moment != nullptr) gradient[theta] += own_end_moment[end];
+    const int theta = 2 + end;
+    tangent[Layout::place(theta, 0)] = force[theta].x;
+    tangent[Layout::place(theta, 1)] = force[theta].y;
+    tangent[Layout::place(theta, theta)] = solution.end_moment[end][theta];
+    Real& moment = gradient[kPlanarDofs * end + 2];
+    moment = solution.end_moment[end][4];
+    if (own_end_moment != nullptr) moment += own_end_moment[end];
   }
-  tangent[6 * 5 + 2] = tangent[6 * 2 + 5] = 0.5 * (solution.end_moment[0][3] + solution.end_moment[1][2]);
+  tangent[Layout::place(3, 2)] = 0.5 * (solution.end_moment[0][3] + solution.end_moment[1][2]);
   gradient[0] = -force[4].x;
   gradient[1] = -force[4].y;
   gradient[3] = force[4].x;

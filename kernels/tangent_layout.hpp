@@ -1,9 +1,9 @@
-/// How the condensed tangents of elements are kept, spatial. Rows and columns u_a, theta_a, u_b, theta_b: displacement
-/// and spin of the vertex at the start and at the end.
+/// How the condensed tangents of elements are kept. Rows and columns u_a, theta_a, u_b, theta_b: displacement and spin
+/// of the vertex at the start and at the end; three components each in space, two and one in a plane.
 ///
 /// The tangent of an element whose forces all have a potential is symmetric and sees displacements as u_b - u_a alone.
-/// Then it is the lower triangle, row by row, of the 9 x 9 matrix over (u_b - u_a, theta_a, theta_b): 45 numbers in
-/// place of 144, and memory is what limits elements of low order.
+/// Then it is the lower triangle, row by row, of the matrix over (u_b - u_a, theta_a, theta_b): in space 45 numbers in
+/// place of 144, in a plane 10 in place of 36, and memory is what limits elements of low order.
 #pragma once
 
 #include "kernels/execution_space.hpp"
@@ -12,27 +12,49 @@
 
 namespace mixbeam {
 
-constexpr int kFullTangent = 144;      ///< 12 x 12, row-major
-constexpr int kSymmetricTangent = 45;  ///< lower triangle of 9 x 9
+/// Unknowns of a vertex: displacement and rotation in space, or in a plane.
+constexpr int kSpatialDofs = 6, kPlanarDofs = 3;
 
 /// Position of (i, j), i >= j, in a lower triangle stored row by row.
 constexpr int triangle(int i, int j) { return i * (i + 1) / 2 + j; }
 constexpr int triangle_size(int n) { return n * (n + 1) / 2; }
 
-/// Row of the 9 x 9 matrix that row i of the 12 x 12 matrix is, but for the sign: rows of u_a are the negative.
-KOKKOS_INLINE_FUNCTION constexpr int row_among_nine(int i) { return i < 6 ? i : (i < 9 ? i - 6 : i - 3); }
+/// `N` unknowns of each vertex.
+template <int N>
+struct TangentLayout {
+  static constexpr int kMoved = N == kSpatialDofs ? 3 : 2;  ///< components of a displacement
+  static constexpr int kTurned = N - kMoved;                ///< of a spin
+  static constexpr int kReduced = kMoved + 2 * kTurned;     ///< rows over (u_b - u_a, theta_a, theta_b)
+  static constexpr int kFull = 4 * N * N;                   ///< 2 N x 2 N, row-major
+  static constexpr int kSymmetric = triangle_size(kReduced);
 
-/// Entry (i, j) of the 12 x 12 matrix.
+  /// Row of the reduced matrix that row i of the full one is, but for the sign: rows of u_a are the negative.
+  KOKKOS_INLINE_FUNCTION static constexpr int reduced(int i) {
+    return i < N ? i : (i < N + kMoved ? i - N : i - kMoved);
+  }
+  /// Where entry (i, j) of the reduced matrix stands.
+  KOKKOS_INLINE_FUNCTION static constexpr int place(int i, int j) { return i > j ? triangle(i, j) : triangle(j, i); }
+  /// Where entry (i, j) of the full matrix stands, and whether it is the negative of what stands there.
+  KOKKOS_INLINE_FUNCTION static constexpr int place_of_full(int i, int j) { return place(reduced(i), reduced(j)); }
+  KOKKOS_INLINE_FUNCTION static constexpr bool is_negative(int i, int j) { return (i < kMoved) != (j < kMoved); }
+};
+
+constexpr int kFullTangent = TangentLayout<kSpatialDofs>::kFull;
+constexpr int kSymmetricTangent = TangentLayout<kSpatialDofs>::kSymmetric;
+constexpr int kPlanarTangent = TangentLayout<kPlanarDofs>::kSymmetric;
+
+/// Entry (i, j) of the full matrix.
+template <int N>
 KOKKOS_INLINE_FUNCTION double symmetric_tangent_entry(const double* numbers, int i, int j) {
-  const int a = row_among_nine(i), b = row_among_nine(j);
-  const double x = numbers[a > b ? triangle(a, b) : triangle(b, a)];
-  return (i < 3) != (j < 3) ? -x : x;
+  const double x = numbers[TangentLayout<N>::place_of_full(i, j)];
+  return TangentLayout<N>::is_negative(i, j) ? -x : x;
 }
 
-/// All of the 12 x 12 matrix.
+/// All of the full matrix.
+template <int N>
 KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const double* numbers, double* matrix) {
-  for (int i = 0; i < 12; ++i)
-    for (int j = 0; j < 12; ++j) matrix[12 * i + j] = symmetric_tangent_entry(numbers, i, j);
+  for (int i = 0; i < 2 * N; ++i)
+    for (int j = 0; j < 2 * N; ++j) matrix[2 * N * i + j] = symmetric_tangent_entry<N>(numbers, i, j);
 }
 
 }  // namespace mixbeam

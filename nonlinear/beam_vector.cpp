@@ -16,7 +16,7 @@ const MixedVector& BeamVector::of(const NOX::Abstract::Vector& vector) {
 }
 
 NOX::Abstract::Vector& BeamVector::init(double gamma) {
-  values_.fill(gamma);
+  values().fill(gamma);
   return *this;
 }
 
@@ -25,38 +25,38 @@ NOX::Abstract::Vector& BeamVector::random(bool, int) {
 }
 
 NOX::Abstract::Vector& BeamVector::abs(const NOX::Abstract::Vector& y) {
-  values_.absolute_values_of(of(y));
+  values().absolute_values_of(of(y));
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::operator=(const NOX::Abstract::Vector& y) {
-  values_.assign(of(y));
+  values().assign(of(y));
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::reciprocal(const NOX::Abstract::Vector& y) {
-  values_.reciprocals_of(of(y));
+  values().reciprocals_of(of(y));
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::scale(double gamma) {
-  values_.scale(gamma);
+  values().scale(gamma);
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::scale(const NOX::Abstract::Vector& a) {
-  values_.multiply_by(of(a));
+  values().multiply_by(of(a));
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::update(double alpha, const NOX::Abstract::Vector& a, double gamma) {
-  values_.update(alpha, of(a), gamma);
+  values().update(alpha, of(a), gamma);
   return *this;
 }
 
 NOX::Abstract::Vector& BeamVector::update(double alpha, const NOX::Abstract::Vector& a, double beta,
                                           const NOX::Abstract::Vector& b, double gamma) {
-  values_.update(alpha, of(a), beta, of(b), gamma);
+  values().update(alpha, of(a), beta, of(b), gamma);
   return *this;
 }
 
@@ -65,7 +65,10 @@ Teuchos::RCP<NOX::Abstract::Vector> BeamVector::clone(NOX::CopyType type) const 
 }
 
 double BeamVector::norm(NormType type) const {
-  if (type == MaxNorm) return values_.maximum_norm();
+  if (type == MaxNorm) {
+    if (!maximum_norm_) maximum_norm_ = values_.maximum_norm();
+    return *maximum_norm_;
+  }
   return type == OneNorm ? values_.one_norm() : std::sqrt(values_.inner_product(values_));
 }
 

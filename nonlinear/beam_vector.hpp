@@ -7,20 +7,29 @@
 
 #include <NOX_Abstract_Vector.H>
 
+#include <optional>
+
 namespace mixbeam {
 
 class BeamVector : public NOX::Abstract::Vector {
  public:
   explicit BeamVector(MixedVector values) : values_(std::move(values)) {}
-  BeamVector(const BeamVector& other, NOX::CopyType type) : values_(other.values_.clone(type == NOX::DeepCopy)) {}
+  BeamVector(const BeamVector& other, NOX::CopyType type) : values_(other.values_.clone(type == NOX::DeepCopy)) {
+    if (type == NOX::DeepCopy) maximum_norm_ = other.maximum_norm_;
+  }
   BeamVector(const BeamVector& other) : BeamVector(other, NOX::DeepCopy) {}
   // The implicit operator would call the pure virtual one of the base.
   BeamVector& operator=(const BeamVector& other) {
     values_.assign(other.values_);
+    maximum_norm_ = other.maximum_norm_;
     return *this;
   }
 
-  MixedVector& values() { return values_; }
+  /// For writing at once: what is written after the next question for a norm would not be seen by it.
+  MixedVector& values() {
+    maximum_norm_.reset();
+    return values_;
+  }
   const MixedVector& values() const { return values_; }
   /// The mixed vector inside any vector that NOX or LOCA hands over, also one extended by continuation parameters.
   static const MixedVector& of(const NOX::Abstract::Vector& vector);
@@ -43,6 +52,7 @@ class BeamVector : public NOX::Abstract::Vector {
 
  private:
   MixedVector values_;
+  mutable std::optional<double> maximum_norm_;  ///< once known: status tests and reports all ask for that of F
 };
 
 }  // namespace mixbeam

@@ -99,12 +99,13 @@ void ChainSolver::solve_once(const DofVector& b, DofVector& x, double& remaining
 double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
   double remaining_error = 0.0, ignored = 0.0;
   solve_once(b, x, remaining_error);
-  double error = system_.chain_error(b, x, *residual_);
+  double error = system_.chain_error(b, x);
   if (remaining_error <= tolerance_ && !(error <= chain_tolerance_)) {
+    system_.chain_residual(b, x, *residual_);
     solve_once(*residual_, *correction_, ignored);
     x.update(1.0, *correction_, 1.0);
     system_.condense_rows(b, *remaining_b_, *correction_);  // what arrives at the ends belongs to b again
-    error = system_.chain_error(b, x, *residual_);
+    error = system_.chain_error(b, x);
   }
   return std::max(error, remaining_error);
 }

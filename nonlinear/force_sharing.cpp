@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <vector>
 
 namespace mixbeam {
@@ -41,6 +42,45 @@ double scattered(int element, int row) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-52 - 1.0;
+}
+
+/// Vertices that are known to hang together.
+class ConnectedVertices {
+ public:
+  /// False where they hung together before.
+  bool join(int a, int b) {
+    const int first = representative(a), second = representative(b);
+    if (first == second) return false;
+    parent_[second] = first;
+    return true;
+  }
+
+ private:
+  int representative(int vertex) {
+    const auto [entry, is_new] = parent_.emplace(vertex, vertex);
+    if (entry->second != vertex) entry->second = representative(entry->second);
+    return entry->second;
+  }
+  std::map<int, int> parent_;
+};
+
+/// Whether equilibrium alone determines all forces: members, joints and supports close no loop (through the ground).
+bool is_statically_determinate(const Scene& scene, const Mesh& mesh) {
+  constexpr int ground = -1;
+  ConnectedVertices vertices;
+  bool no_loop = true;
+  for (size_t m = 0; m < mesh.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    const int start = mesh.elements[member.first_element].vertex[0],
+              end = mesh.elements[member.first_element + member.elements - 1].vertex[1];
+    no_loop = vertices.join(start, end) && no_loop;
+    for (const InnerPoint& inner : scene.members[m].inner_points)
+      no_loop = vertices.join(start, mesh.vertex_of_point.at(inner.point)) && no_loop;
+  }
+  for (const MeshJoint& joint : mesh.joints) no_loop = vertices.join(joint.master, joint.slave) && no_loop;
+  for (const Support& support : scene.supports)
+    no_loop = vertices.join(vertex_of(mesh, support.point), ground) && no_loop;
+  return no_loop;
 }
 
 /// Visits every force of every element of this rank: mesh element, row in the element, index in interior vectors.
@@ -79,6 +119,7 @@ class Perturbation {
 };
 
 bool Perturbation::is_worth_a_look() const {
+  if (is_statically_determinate(assembler_.scene(), assembler_.mesh())) return false;
   for (const std::array<double, 3>& stiffness : stiffness_)
     if (*std::max_element(stiffness.begin(), stiffness.end()) * kRounding > kUncertain * scales_.force)
       return scales_.force > 0.0;

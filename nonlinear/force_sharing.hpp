@@ -18,7 +18,7 @@ struct UncertainForce {
 };
 
 /// The force that is least certain at an equilibrium, if any is by more than kUncertain. Solves one linear system, and
-/// nothing where no section is that stiff. Where the linear solver fails nothing is said. Collective.
+/// nothing where no section is that stiff or equilibrium alone determines the forces. Where the linear solver fails nothing is said. Collective.
 std::optional<UncertainForce> uncertain_force(BeamProblem& problem, const State& state, double load_factor);
 
 /// Of the largest force at work: half of the digits of a report.

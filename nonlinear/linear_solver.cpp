@@ -124,7 +124,7 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
   const auto local = matrix.getLocalMatrixHost();
   const KernelView<const double*> xs(xv.data(), xv.extent(0)), bs(bv.data(), bv.extent(0));
   const Teuchos::Comm<int>& comm = *matrix.getRowMap()->getComm();
-  const double displacement = largest_part(comm, xs, 0), rotation = largest_part(comm, xs, 3);
+  const LargestParts sizes = largest_parts(comm, xs);
   double largest = 0.0;
   Kokkos::parallel_reduce(
       "mixbeam::backward_error", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()),
@@ -134,7 +134,7 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
           const int j = local.graph.entries(k);
           const double a = local.values(k);
           residual -= a * xs(j);
-          size += (a < 0.0 ? -a : a) * (j % kVertexDofs < 3 ? displacement : rotation);
+          size += (a < 0.0 ? -a : a) * (j % kVertexDofs < 3 ? sizes.moved : sizes.turned);
         }
         if (residual < 0.0) residual = -residual;
         const double error = residual == 0.0 ? 0.0 : residual / size;

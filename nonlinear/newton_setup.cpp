@@ -50,6 +50,12 @@ class IterationRecorder : public NOX::Observer {
   SolveRecord& record_;
 };
 
+/// By the norm that the other tests ask for too; not-a-number counts as infinity there.
+Teuchos::RCP<NOX::StatusTest::Generic> finite_residual() {
+  using NOX::StatusTest::FiniteValue;
+  return Teuchos::rcp(new FiniteValue(FiniteValue::FVector, NOX::Abstract::Vector::MaxNorm));
+}
+
 Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParameters& newton) {
   namespace Test = NOX::StatusTest;
   const auto converged = Teuchos::rcp(new Test::Combo(Test::Combo::AND));
@@ -57,7 +63,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParamete
       Teuchos::rcp(new Test::NormF(newton.residual_tolerance, NOX::Abstract::Vector::MaxNorm, Test::NormF::Unscaled)));
   converged->addStatusTest(Teuchos::rcp(new SofteningStatusTest()));
   const auto tests = Teuchos::rcp(new Test::Combo(Test::Combo::OR, converged));
-  tests->addStatusTest(Teuchos::rcp(new Test::FiniteValue()));
+  tests->addStatusTest(finite_residual());
   tests->addStatusTest(Teuchos::rcp(new Test::MaxIters(newton.maximum_iterations)));
   return tests;
 }
@@ -78,7 +84,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
   constexpr int kIterationsWithoutEnd = 1000;
   const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
   guarded->addStatusTest(tests);
-  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::FiniteValue()));
+  guarded->addStatusTest(finite_residual());
   guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
   return guarded;
 }

@@ -119,7 +119,8 @@ struct BothPaths {
       Difference d;
       for (int i = 0; i < 6; ++i)
         for (int j = 0; j < 6; ++j)
-          d.add((i % 3 == 2 ? 1 : 0) + (j % 3 == 2 ? 1 : 0), tangents(planar.element_row(e), 6 * i + j),
+          d.add((i % 3 == 2 ? 1 : 0) + (j % 3 == 2 ? 1 : 0),
+                symmetric_tangent_entry<kPlanarDofs>(&tangents(planar.element_row(e), 0), i, j),
                 in_plane(&spatial.equations.condensed_tangent(spatial.element_row(e), 0), i, j));
       for (int i = 0; i < kVertexIncrements; ++i)
         d.add(3 + i / 3 % 2, planar.equations.condensed_residual(planar.element_row(e), i),

@@ -33,7 +33,8 @@ double difference_of_layouts(const SampleBlock& full, const SampleBlock& symmetr
     for (int i = 0; i < 12; ++i)
       for (int j = 0; j < 12; ++j) {
         largest = std::max(largest, std::abs(expected[12 * i + j]));
-        difference = std::max(difference, std::abs(expected[12 * i + j] - symmetric_tangent_entry(numbers, i, j)));
+        difference =
+            std::max(difference, std::abs(expected[12 * i + j] - symmetric_tangent_entry<kSpatialDofs>(numbers, i, j)));
       }
     worst = std::max(worst, difference / largest);
   }
@@ -60,11 +61,11 @@ INSTANTIATE_TEST_SUITE_P(Orders, TangentLayout, testing::Range(1, 9));
 TEST(TangentLayoutNumbers, AreThoseOfTheFullMatrix) {
   double numbers[kSymmetricTangent], matrix[kFullTangent];
   for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = i + 1.0;
-  expand_symmetric_tangent(numbers, matrix);
+  expand_symmetric_tangent<kSpatialDofs>(numbers, matrix);
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) {
       EXPECT_EQ(matrix[12 * i + j], matrix[12 * j + i]);
-      EXPECT_EQ(matrix[12 * i + j], symmetric_tangent_entry(numbers, i, j));
+      EXPECT_EQ(matrix[12 * i + j], symmetric_tangent_entry<kSpatialDofs>(numbers, i, j));
     }
   // A rigid displacement does no work.
   for (int i = 0; i < 12; ++i)
