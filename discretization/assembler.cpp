@@ -55,7 +55,29 @@ void Assembler::gather_rows(const KernelView<double* [12]>& element_rows, const 
       });
 }
 
-/// Unscaled element residuals, interior rows straight into `out`.
+/// The same in a plane: two elements of a chain hold each other by the force that acts on the end of the one and,
+/// turned round, on the start of the other.
+void Assembler::gather_planar_rows(const KernelView<double*>& rows) const {
+  const Adjacency adjacency = adjacency_;
+  const KernelView<const double* [4]> element_rows = equations_.planar_rows;
+  const PlaneAxes axes = *plane_;
+  Kokkos::parallel_for(
+      "mixbeam::gather::planar_residual", Range(0, structure_.owned_vertices), KOKKOS_LAMBDA(int v) {
+        double p = 0.0, q = 0.0, moment = 0.0;
+        for (int a = adjacency.start(v); a < adjacency.start(v + 1); ++a) {
+          const double* row = &element_rows(adjacency.element(a, 0), 0);
+          const int end = adjacency.element(a, 1);
+          p += end == 0 ? -row[0] : row[0];
+          q += end == 0 ? -row[1] : row[1];
+          moment += row[2 + end];
+        }
+        double* out = &rows(static_cast<size_t>(kVertexDofs) * v);
+        store_vector(p * axes.p + q * axes.q, out);
+        store_vector(moment * axes.n, out + 3);
+      });
+}
+
+/// Unscaled element residuals (but for the interior where equations_ says so), interior rows straight into `out`.
 void Assembler::evaluate_elements(const State& state, MixedVector& out) {
   equations_.interior_residual = out.writable_interior(false);
   for (size_t b = 0; b < structure_.blocks.size(); ++b)
@@ -64,20 +86,25 @@ void Assembler::evaluate_elements(const State& state, MixedVector& out) {
     else
       evaluate_residual(structure_.blocks[b], structure_.views, state.views, equations_);
   equations_.interior_residual = KernelView<double*>();
-  gather_rows(equations_.residual, out.vertex());
+  if (state.in_plane)
+    gather_planar_rows(out.vertex());
+  else
+    gather_rows(equations_.residual, out.vertex());
 }
 
 void Assembler::residual(const State& state, double load_factor, MixedVector& out) {
   PhaseTimer timer(times_, "residual");
-  set_load_factor(load_factor);
+  scales_ = scales_of(state, load_factor);
+  equations_.interior_scales = scales_;
+  equations_.scales_interior = true;
   evaluate_elements(state, out);
+  equations_.scales_interior = false;
   const KernelView<double*> rows = out.vertex();
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.remember(state, load_factor, rows);
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
-  scales_ = scales_of(state, load_factor);
-  scale_rows(out, false);
+  scale_vertex_rows(rows, false);
 }
 
 ResidualScales Assembler::scales_of(const State& state, double load_factor) {
@@ -201,7 +228,10 @@ void Assembler::newton_tangent(const State& state, double load_factor, bool in_s
 void Assembler::finish_tangent(const State& state, double load_factor, bool planar) {
   PhaseTimer timer(times_, "assemble");
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
-  gather_rows(equations_.condensed_residual, rows);
+  if (planar)
+    gather_planar_rows(rows);
+  else
+    gather_rows(equations_.condensed_residual, rows);
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
@@ -222,7 +252,10 @@ void Assembler::condense(const State& state, double load_factor, const MixedVect
     else
       condense_right_hand_side(structure_.blocks[b], structure_.views, state.views, rhs.interior(), equations_);
   const KernelView<double*> rows = MixedVector::view_of(*condensed_residual_);
-  gather_rows(equations_.condensed_residual, rows);
+  if (tangent_.planar)
+    gather_planar_rows(rows);
+  else
+    gather_rows(equations_.condensed_residual, rows);
   constraints_.turn(state, rows);
   const KernelView<double*> given = rhs.vertex();
   const auto fixed = fixed_;

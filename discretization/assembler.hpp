@@ -147,6 +147,8 @@ class Assembler {
   void evaluate_elements(const State& state, MixedVector& out);
   StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
+  void gather_planar_rows(const KernelView<double*>& rows) const;
+  void scale_vertex_rows(const KernelView<double*>& rows, bool inverse) const;
   void scale_rows(MixedVector& v, bool inverse) const;
   void add_load_tangents(const MatrixRows& rows) const;
   void build_plane();

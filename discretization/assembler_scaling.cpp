@@ -15,20 +15,47 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 double largest_component(const Vec& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Largest magnitude among entries [first, first + count) of every element of a block.
-double largest_interior(const ElementBlock& block, const KernelView<const double*>& interior, int first, int count) {
-  const size_t offset = block.interior_offset + first, stride = block.interior.unknowns();
-  double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude", Range(0, block.count),
-      KOKKOS_LAMBDA(int e, double& m) {
-        for (int i = 0; i < count; ++i) {
-          const double x = interior(offset + e * stride + i), a = x < 0.0 ? -x : x;
-          if (a > m) m = a;
-        }
-      },
-      Kokkos::Max<double>(largest));
-  return largest;
+/// Largest magnitudes of two kinds, each of several components.
+struct LargestPair {
+  double first, second;
+};
+
+/// Largest of each kind among the values that Values(index, pair) raises.
+template <class Values>
+struct PairLoop {
+  using value_type = LargestPair;
+  Values values;
+  KOKKOS_INLINE_FUNCTION void init(LargestPair& pair) const { pair = {0.0, 0.0}; }
+  KOKKOS_INLINE_FUNCTION void join(volatile LargestPair& pair, const volatile LargestPair& other) const {
+    if (other.first > pair.first) pair.first = other.first;
+    if (other.second > pair.second) pair.second = other.second;
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int i, LargestPair& pair) const { values(i, pair); }
+};
+template <class Values>
+LargestPair largest_of(const char* label, int count, const Values& values) {
+  LargestPair pair{0.0, 0.0};
+  Kokkos::parallel_reduce(label, Range(0, count), PairLoop<Values>{values}, pair);
+  return pair;
+}
+
+KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
+  for (int i = 0; i < count; ++i) {
+    const double a = x[i] < 0.0 ? -x[i] : x[i];
+    if (a > largest) largest = a;
+  }
+}
+
+/// Forces and moments of all elements of a block.
+LargestPair largest_stresses(const ElementBlock& block, const KernelView<const double*>& interior) {
+  const InteriorLayout layout = block.interior;
+  const size_t offset = block.interior_offset;
+  return largest_of(
+      "mixbeam::magnitude::stresses", block.count, KOKKOS_LAMBDA(int e, LargestPair& pair) {
+        const double* x = interior.data() + offset + static_cast<size_t>(e) * layout.unknowns();
+        raise(pair.first, x, layout.moment(0));
+        raise(pair.second, x + layout.moment(0), 3 * (layout.order + 1));
+      });
 }
 
 }  // namespace
@@ -36,30 +63,20 @@ double largest_interior(const ElementBlock& block, const KernelView<const double
 StateMagnitude Assembler::magnitude(const State& state) const {
   StateMagnitude m;
   for (const ElementBlock& block : structure_.blocks) {
-    const int forces = 3 * block.interior.force_points, moments = 3 * (block.order + 1);
-    m.force = std::max(m.force, largest_interior(block, state.views.interior, 0, forces));
-    m.moment = std::max(m.moment, largest_interior(block, state.views.interior, forces, moments));
+    const LargestPair stresses = largest_stresses(block, state.views.interior);
+    m.force = std::max(m.force, stresses.first);
+    m.moment = std::max(m.moment, stresses.second);
   }
-  const auto u = state.views.vertex_displacement;
-  const auto q = state.views.vertex_rotation;
-  double half_sine = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude::displacement", Range(0, structure_.owned_vertices),
-      KOKKOS_LAMBDA(int v, double& largest) {
-        for (int i = 0; i < 3; ++i) {
-          const double a = u(v, i) < 0.0 ? -u(v, i) : u(v, i);
-          if (a > largest) largest = a;
-        }
-      },
-      Kokkos::Max<double>(m.displacement));
-  Kokkos::parallel_reduce(
-      "mixbeam::magnitude::rotation", Range(0, structure_.owned_vertices),
-      KOKKOS_LAMBDA(int v, double& largest) {
+  const KernelView<const double* [3]> u = state.views.vertex_displacement;
+  const KernelView<const double* [4]> q = state.views.vertex_rotation;
+  const LargestPair motions = largest_of(
+      "mixbeam::magnitude::motions", structure_.owned_vertices, KOKKOS_LAMBDA(int v, LargestPair& pair) {
+        raise(pair.first, &u(v, 0), 3);
         const double square = q(v, 1) * q(v, 1) + q(v, 2) * q(v, 2) + q(v, 3) * q(v, 3);
-        if (square > largest) largest = square;
-      },
-      Kokkos::Max<double>(half_sine));
-  m.rotation = 2.0 * std::sqrt(half_sine);
+        if (square > pair.second) pair.second = square;
+      });
+  m.displacement = motions.first;
+  m.rotation = 2.0 * std::sqrt(motions.second);
   for (const VertexLoad& load : conditions_.loads) {
     const double amplitude = std::abs(load.amplitude(load_factor_));
     m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));
@@ -80,17 +97,23 @@ StateMagnitude Assembler::magnitude(const State& state) const {
   return m;
 }
 
-void Assembler::scale_rows(MixedVector& v, bool inverse) const {
+void Assembler::scale_vertex_rows(const KernelView<double*>& rows, bool inverse) const {
   const auto factor = [inverse](double scale) { return inverse ? scale : 1.0 / scale; };
   const double force = factor(scales_.force), moment = factor(scales_.moment), length = factor(scales_.length);
-  const auto rows = v.vertex();
   const auto fixed = fixed_;
   Kokkos::parallel_for(
-      "mixbeam::scale::vertex", Range(0, rows.extent(0)), KOKKOS_LAMBDA(size_t i) {
-        const bool is_force = i % kVertexDofs < 3;
-        rows(i) *= fixed(i) ? (is_force ? length : 1.0) : (is_force ? force : moment);
+      "mixbeam::scale::vertex", Range(0, structure_.owned_vertices), KOKKOS_LAMBDA(int v) {
+        double* row = &rows(static_cast<size_t>(kVertexDofs) * v);
+        const unsigned char* held = &fixed(static_cast<size_t>(kVertexDofs) * v);
+        for (int c = 0; c < 3; ++c) {
+          row[c] *= held[c] != 0 ? length : force;
+          row[3 + c] *= held[3 + c] != 0 ? 1.0 : moment;
+        }
       });
-  const double rotation = factor(scales_.rotation);
+}
+
+void Assembler::scale_rows(MixedVector& v, bool inverse) const {
+  scale_vertex_rows(v.vertex(), inverse);
   const ResidualScales scales = scales_;
   const KernelView<double*> interior = v.writable_interior(true);
   for (const ElementBlock& block : structure_.blocks) {
@@ -99,15 +122,8 @@ void Assembler::scale_rows(MixedVector& v, bool inverse) const {
     const KernelView<const double**> reference = block.reference;
     Kokkos::parallel_for(
         "mixbeam::scale::interior", Range(0, block.count), KOKKOS_LAMBDA(int e) {
-          const double h = reference(e, 0);
-          const double strain = factor(scales.element_strain(h)), spin = factor(scales.element_moment(h)),
-                       bubble = factor(scales.element_bubble(h));
           double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
-          for (int i = 0; i < layout.moment(0); ++i) row[i] *= strain;
-          for (int i = layout.moment(0); i < layout.relative_rotation(1); ++i) row[i] *= rotation;
-          for (int i = layout.relative_rotation(1); i < layout.bubble(1); ++i) row[i] *= spin;
-          for (int i = layout.bubble(1); i < layout.spin(); ++i) row[i] *= bubble;
-          for (int i = layout.spin(); i < layout.increments(); ++i) row[i] *= spin;
+          scale_interior_rows(layout, scales, reference(e, 0), inverse, row);
         });
   }
 }

@@ -77,6 +77,8 @@ void Assembler::build_plane() {
   if (!plane_) return;
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
   using Kokkos::view_alloc;
+  equations_.planar_rows = KernelView<double* [4]>(view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing),
+                                                   structure_.local_elements());
   planar_tangents_ =
       PlanarTangents(view_alloc("mixbeam::planar::tangents", Kokkos::WithoutInitializing), structure_.local_elements());
 }

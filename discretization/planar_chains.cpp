@@ -1,5 +1,7 @@
 #include "discretization/planar_chains.hpp"
 
+#include "kernels/pack.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -117,25 +119,93 @@ void PlanarChains::expand(const KernelView<double*>& x) {
 
 namespace {
 
-/// Forces (2) and moment of one end of an element taken from `left`, and the sum of |entry| times the largest unknown
-/// of its kind added to `size`. `a`, `b`: unknowns of its ends.
-KOKKOS_INLINE_FUNCTION void subtract_element(const double* tangent, int end, const double* a, const double* b,
-                                             const LargestParts& sizes, double* left, double* size) {
+using Real = Pack<kLanes>;
+
+/// Some of the elements at kLanes vertices: the tangent of each, its ends and which of them the vertex is. Lanes
+/// without an element, or with one that is in no condensed chain, are not active.
+struct ElementsAtVertices {
+  const double *tangent[kLanes], *start[kLanes], *end[kLanes];
+  Real::Mask active, ends_here;
+};
+
+/// Forces (2) and moment of elements at vertices taken from `left`, and the sum of |entry| times the largest unknown of
+/// its kind added to `size`.
+KOKKOS_INLINE_FUNCTION void subtract_elements(const ElementsAtVertices& elements, const LargestParts& sizes, Real* left,
+                                              Real* size) {
   using Layout = TangentLayout<kPlanarDofs>;
-  const double change[Layout::kReduced] = {b[0] - a[0], b[1] - a[1], a[2], b[2]};
+  Real k[kPlanarTangent], a[kPlanarDofs], b[kPlanarDofs];
+  gather_lanes(elements.tangent, kPlanarTangent, k);
+  gather_lanes(elements.start, kPlanarDofs, a);
+  gather_lanes(elements.end, kPlanarDofs, b);
+  const Real change[Layout::kReduced] = {b[0] - a[0], b[1] - a[1], a[2], b[2]};
   const double largest[Layout::kReduced] = {2.0 * sizes.moved, 2.0 * sizes.moved, sizes.turned, sizes.turned};
-  const double sign = end == 0 ? -1.0 : 1.0;
-  const int rows[kPlanarDofs] = {0, 1, 2 + end};
   for (int r = 0; r < kPlanarDofs; ++r) {
-    double force = 0.0;
+    Real force = 0.0, bound = 0.0;
     for (int c = 0; c < Layout::kReduced; ++c) {
-      const double k = tangent[Layout::place(rows[r], c)];
-      force += k * change[c];
-      size[r] += (k < 0.0 ? -k : k) * largest[c];
+      Real entry = k[Layout::place(r, c)];
+      if (r == 2) entry = select(elements.ends_here, k[Layout::place(3, c)], entry);
+      force += entry * change[c];
+      bound += fabs(entry) * largest[c];
     }
-    left[r] -= r < Layout::kMoved ? sign * force : force;
+    if (r < Layout::kMoved) force = select(elements.ends_here, force, -force);
+    left[r] -= select(elements.active, force, Real(0.0));
+    size[r] += select(elements.active, bound, Real(0.0));
   }
 }
+
+/// Index: kLanes vertices from that many times it on, the last one in place of those beyond `count`.
+struct PlanarErrorLoop {
+  int count;
+  PlaneAxes axes;
+  LargestParts sizes;
+  PlanarTangents tangents;
+  Assembler::Adjacency adjacency;
+  KernelView<const int* [2]> ends;
+  KernelView<const unsigned char*> eliminated, condensed;
+  KernelView<const double*> rows, run_forces, x;
+  KernelView<double*> residual;  ///< empty: not wanted
+
+  KOKKOS_INLINE_FUNCTION void operator()(int pack, double& worst) const {
+    int vertex[kLanes], most = 0;
+    const int active = count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes;
+    Real left[kPlanarDofs], size[kPlanarDofs];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int v = vertex[lane] = pack * kLanes + (lane < active ? lane : active - 1);
+      const int elements = adjacency.start(v + 1) - adjacency.start(v);
+      most = elements > most ? elements : most;
+      double given[kPlanarDofs];
+      project(axes, eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &run_forces(vertex_row(v, 0)), given);
+      for (int r = 0; r < kPlanarDofs; ++r) left[r].set(lane, given[r]);
+    }
+    for (int r = 0; r < kPlanarDofs; ++r) size[r] = fabs(left[r]);
+    for (int i = 0; i < most; ++i) subtract_elements(elements_at(vertex, i), sizes, left, size);
+    for (int lane = 0; lane < active; ++lane) {
+      double here[kPlanarDofs];
+      for (int r = 0; r < kPlanarDofs; ++r) {
+        const double absolute = left[r][lane] < 0.0 ? -left[r][lane] : left[r][lane];
+        const double error = absolute == 0.0 ? 0.0 : absolute / size[r][lane];
+        if (!(error <= worst)) worst = error == error ? error : HUGE_VAL;
+        here[r] = eliminated(vertex[lane]) == 0 ? 0.0 : left[r][lane];
+      }
+      if (residual.extent(0) > 0) expand_to_space(axes, here, &residual(vertex_row(vertex[lane], 0)));
+    }
+  }
+  /// The i-th element at each vertex.
+  KOKKOS_INLINE_FUNCTION ElementsAtVertices elements_at(const int* vertex, int i) const {
+    ElementsAtVertices found;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int entry = adjacency.start(vertex[lane]) + i;
+      const bool exists = entry < adjacency.start(vertex[lane] + 1);
+      const int e = exists ? adjacency.element(entry, 0) : 0;
+      found.tangent[lane] = &tangents(e, 0);
+      found.start[lane] = &x(planar_row(ends(e, 0), 0));
+      found.end[lane] = &x(planar_row(ends(e, 1), 0));
+      found.active[lane] = exists && condensed(e) != 0 ? -1 : 0;
+      found.ends_here[lane] = exists && adjacency.element(entry, 1) == 1 ? -1 : 0;
+    }
+    return found;
+  }
+};
 
 }  // namespace
 
@@ -143,37 +213,26 @@ double PlanarChains::error(const KernelView<const double*>& rows, const KernelVi
                            const LargestParts& sizes, const KernelView<const double*>& run_forces,
                            const KernelView<double*>& residual) const {
   const PlaneAxes axes = *assembler_.plane();
-  const PlanarTangents tangents = assembler_.planar_tangents();
-  const auto adjacency = assembler_.adjacency();
-  const KernelView<const int* [2]> ends = ends_;
-  const KernelView<const unsigned char*> eliminated = is_eliminated_, condensed = is_condensed_;
   const KernelView<double*> planar = x_;
-  const Range owned(0, assembler_.structure().owned_vertices);
+  const int vertices = assembler_.structure().owned_vertices;
   Kokkos::parallel_for(
-      "mixbeam::planar::x", owned,
+      "mixbeam::planar::x", Range(0, vertices),
       KOKKOS_LAMBDA(int v) { project(axes, &x(vertex_row(v, 0)), &planar(planar_row(v, 0))); });
+  const PlanarErrorLoop loop{vertices,
+                             axes,
+                             sizes,
+                             assembler_.planar_tangents(),
+                             assembler_.adjacency(),
+                             ends_,
+                             is_eliminated_,
+                             is_condensed_,
+                             rows,
+                             run_forces,
+                             planar,
+                             residual};
   double largest = 0.0;
-  Kokkos::parallel_reduce(
-      "mixbeam::planar::error", owned,
-      KOKKOS_LAMBDA(int v, double& m) {
-        double left[kPlanarDofs], size[kPlanarDofs];
-        project(axes, eliminated(v) != 0 ? &rows(vertex_row(v, 0)) : &run_forces(vertex_row(v, 0)), left);
-        for (int r = 0; r < kPlanarDofs; ++r) size[r] = left[r] < 0.0 ? -left[r] : left[r];
-        for (int i = adjacency.start(v); i < adjacency.start(v + 1); ++i) {
-          const int e = adjacency.element(i, 0);
-          if (condensed(e) == 0) continue;
-          const double *a = &planar(planar_row(ends(e, 0), 0)), *b = &planar(planar_row(ends(e, 1), 0));
-          subtract_element(&tangents(e, 0), adjacency.element(i, 1), a, b, sizes, left, size);
-        }
-        for (int r = 0; r < kPlanarDofs; ++r) {
-          const double absolute = left[r] < 0.0 ? -left[r] : left[r];
-          const double error = absolute == 0.0 ? 0.0 : absolute / size[r];
-          if (!(error <= m)) m = error == error ? error : HUGE_VAL;
-          if (eliminated(v) == 0) left[r] = 0.0;
-        }
-        if (residual.extent(0) > 0) expand_to_space(axes, left, &residual(vertex_row(v, 0)));
-      },
-      Kokkos::Max<double>(largest));
+  Kokkos::parallel_reduce("mixbeam::planar::error", Range(0, (vertices + kLanes - 1) / kLanes), loop,
+                          Kokkos::Max<double>(largest));
   return largest;
 }
 

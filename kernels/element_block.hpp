@@ -4,6 +4,7 @@
 
 #include "kernels/element_layout.hpp"
 #include "kernels/execution_space.hpp"
+#include "kernels/row_scales.hpp"
 #include "kernels/tangent_layout.hpp"
 
 #include <Kokkos_Core.hpp>
@@ -42,8 +43,13 @@ struct StateViews {
 
 /// What the kernels write and the assembler gathers.
 struct ElementEquations {
-  KernelView<double* [12]> residual;            ///< (element, u_a theta_a u_b theta_b): gradient, spatial
+  KernelView<double* [12]> residual;  ///< (element, u_a theta_a u_b theta_b): gradient, spatial
+  /// (element, force in the plane on its end, minus that on its start; moments of start and end): gradient of elements
+  /// that move in a plane, before or after elimination of the interior
+  KernelView<double* [4]> planar_rows;
   KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
+  ResidualScales interior_scales;               ///< what interior_residual is divided by ...
+  bool scales_interior = false;                 ///< ... if it is
   KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
   KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block

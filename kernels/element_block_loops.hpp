@@ -172,6 +172,8 @@ struct ResidualLoop {
   ElementGather<K, General> gather;
   KernelView<double* [12]> residual;
   KernelView<double*> interior_residual, largest_end_angle;
+  ResidualScales scales;
+  bool scales_interior;
   size_t increment_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e) const {
@@ -182,6 +184,7 @@ struct ResidualLoop {
                      gradient);
     if (gather.has_fields()) add_field_gradient(gather.fields(e), kinematics, gather.tables, gradient);
     store_residual(gradient, kinematics, gather.layout, interior_row(e), &residual(gather.first_element + e, 0));
+    if (scales_interior) scale_interior_rows(gather.layout, scales, kinematics.length, false, interior_row(e));
     largest_end_angle(gather.first_element + e) = gradient.largest_end_angle;
   }
   KOKKOS_INLINE_FUNCTION double* interior_row(int e) const {
@@ -206,6 +209,7 @@ struct ResidualLaneLoop {
                      gradient);
     Real interior_row[InteriorLayout{K, LaneInput<K>::kForcePoints}.increments()], vertex_row[12];
     store_residual(gradient, kinematics, gather.layout, interior_row, vertex_row);
+    if (loop.scales_interior) scale_interior_rows(gather.layout, loop.scales, kinematics.length, false, interior_row);
     const auto row_of = [&](int e) { return loop.interior_row(e); };
     ElementRows<Real>(lanes, row_of).store(0, gather.layout.increments(), interior_row);
     const auto vertex_row_of = [&](int e) { return &loop.residual(gather.first_element + e, 0); };
@@ -499,8 +503,13 @@ bool runs_in_lanes(const ElementGather<K, General>& gather) {
 template <int K, bool General>
 void residual_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                    const ElementEquations& equations) {
-  const ResidualLoop<K, General> loop{ElementGather<K, General>(block, structure, state), equations.residual,
-                                      equations.interior_residual, equations.largest_end_angle, block.increment_offset};
+  const ResidualLoop<K, General> loop{ElementGather<K, General>(block, structure, state),
+                                      equations.residual,
+                                      equations.interior_residual,
+                                      equations.largest_end_angle,
+                                      equations.interior_scales,
+                                      equations.scales_interior,
+                                      block.increment_offset};
   using Range = Kokkos::RangePolicy<ExecutionSpace>;
   if constexpr (!General)
     if (runs_in_lanes(loop.gather)) {

@@ -1,5 +1,6 @@
-/// The parallel loops over the elements of a block that move in a plane, several side by side. States, residuals and
-/// increments have the layout of element_block.hpp and are spatial; what leaves the plane is zero.
+/// The parallel loops over the elements of a block that move in a plane, several side by side. States, interior
+/// residuals and increments have the layout of element_block.hpp and are spatial; what leaves the plane is zero. Rows
+/// of vertices (ElementEquations::planar_rows) and tangents are in the plane.
 #pragma once
 
 #include "kernels/element_block.hpp"
@@ -38,11 +39,11 @@ PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes);
 
 using PlanarTangents = KernelView<double* [kPlanarTangent]>;  ///< (element, TangentLayout in a plane)
 
-/// As evaluate_residual, for states in the plane.
+/// As evaluate_residual, for states in the plane; vertex rows to planar_rows.
 void evaluate_planar_residual(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
                               const StateViews& state, const ElementEquations& equations);
 
-/// Condensed tangent in the plane, condensed residual (spatial) and the response of the interior unknowns.
+/// Condensed tangent and residual in the plane and the response of the interior unknowns.
 void evaluate_planar_tangent(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
                              const StateViews& state, const PlanarTangents& tangents,
                              const ElementEquations& equations);

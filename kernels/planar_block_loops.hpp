@@ -198,24 +198,20 @@ struct PlanarGather {
   }
 };
 
-/// Force and moment rows of both ends, spatial, from those in the plane (u_p, u_q, theta)_a (..)_b.
-KOKKOS_INLINE_FUNCTION void scatter_vertex_rows(const PlaneAxes& axes, const Real* planar, const PackElements& pack,
-                                                const KernelView<double* [12]>& out, int first_element) {
-  Real row[12];
+KOKKOS_INLINE_FUNCTION void scatter_vertex_rows(const Real* row, const PackElements& pack,
+                                                const KernelView<double* [4]>& out, int first_element) {
   double* rows[kLanes];
-  for (int end = 0; end < 2; ++end) {
-    expand(axes, {planar[3 * end], planar[3 * end + 1]}, row + 6 * end);
-    for (int i = 0; i < 3; ++i) row[6 * end + 3 + i] = planar[3 * end + 2] * axes.n[i];
-  }
   for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &out(first_element + pack.element[lane], 0);
-  scatter_lanes(row, 12, 0, pack.active, rows);
+  scatter_lanes(row, 4, 0, pack.active, rows);
 }
 
 template <int K>
 struct PlanarResidualLoop {
   PlanarGather<K> gather;
-  KernelView<double* [12]> residual;
+  KernelView<double* [4]> vertex_rows;
   KernelView<double*> interior_residual, largest_end_angle;
+  ResidualScales scales;
+  bool scales_interior;
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
     const PackElements pack(number, gather.count);
@@ -225,8 +221,8 @@ struct PlanarResidualLoop {
     PlanarGradient<K, Real> g;
     planar_gradient(state, gather.tables, g);
     const Vec2<Real> force = (1.0 / state.length) * (state.triad * g.slope[0]);
-    const Real vertex[6] = {-force.x, -force.y, g.end_moment[0], force.x, force.y, g.end_moment[1]};
-    scatter_vertex_rows(gather.axes, vertex, pack, residual, gather.first_element);
+    const Real vertex[4] = {force.x, force.y, g.end_moment[0], g.end_moment[1]};
+    scatter_vertex_rows(vertex, pack, vertex_rows, gather.first_element);
     store_interior(pack, material, state, g);
     for (int lane = 0; lane < pack.active; ++lane)
       largest_end_angle(gather.first_element + pack.element[lane]) = g.largest_end_angle[lane];
@@ -245,6 +241,7 @@ struct PlanarResidualLoop {
       expand(gather.axes, state.triad * g.slope[j], x + layout.bubble(j));
     }
     material.put_normal(g.angle[0], x + layout.spin());
+    if (scales_interior) scale_interior_rows(layout, scales, state.length, false, x);
     double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane)
       rows[lane] =
@@ -280,7 +277,7 @@ struct PlanarTangentLoop {
   PlanarGather<K> gather;
   KernelView<double**> response;
   PlanarTangents tangents;
-  KernelView<double* [12]> condensed_residual;
+  KernelView<double* [4]> vertex_rows;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
@@ -307,13 +304,13 @@ struct PlanarTangentLoop {
  private:
   KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const PackElements& pack, const PlanarState<K, Real>& state,
                                                    const PlanarSolution<K, Real>& solution, bool own) const {
-    Real tangent[kPlanarTangent], gradient[6], end_moment[2], unused[K];
+    Real tangent[kPlanarTangent], gradient[4], end_moment[2], unused[K];
     planar_moment_gradient<K>(state.moment, unused, end_moment);
     planar_condensed(state, solution, own ? end_moment : nullptr, tangent, gradient);
     double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &tangents(gather.first_element + pack.element[lane], 0);
     scatter_lanes(tangent, kPlanarTangent, 0, pack.active, rows);
-    scatter_vertex_rows(gather.axes, gradient, pack, condensed_residual, gather.first_element);
+    scatter_vertex_rows(gradient, pack, vertex_rows, gather.first_element);
   }
   KOKKOS_FORCEINLINE_FUNCTION void load_right_hand_side(const PackElements& pack, const PackOrientation& material,
                                                         const PlanarState<K, Real>& state,
@@ -448,8 +445,11 @@ template <int K>
 void planar_residual_loop(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
                           const StateViews& state, const ElementEquations& equations) {
   const planar_loops::PlanarResidualLoop<K> loop{planar_loops::PlanarGather<K>(block, planar, structure, state),
-                                                 equations.residual, equations.interior_residual,
-                                                 equations.largest_end_angle};
+                                                 equations.planar_rows,
+                                                 equations.interior_residual,
+                                                 equations.largest_end_angle,
+                                                 equations.interior_scales,
+                                                 equations.scales_interior};
   Kokkos::parallel_for("mixbeam::planar::residual", planar_loops::Range(0, planar.packs()), loop);
 }
 
@@ -458,7 +458,7 @@ void planar_tangent_loop(const ElementBlock& block, const PlanarBlock& planar, c
                          const StateViews& state, const KernelView<const double*>& given_rhs,
                          const PlanarTangents& tangents, const ElementEquations& equations) {
   const planar_loops::PlanarTangentLoop<K> loop{planar_loops::PlanarGather<K>(block, planar, structure, state),
-                                                planar.response, tangents, equations.condensed_residual, given_rhs};
+                                                planar.response, tangents, equations.planar_rows, given_rhs};
   Kokkos::parallel_for("mixbeam::planar::tangent", planar_loops::Range(0, planar.packs()), loop);
 }
 

@@ -621,8 +621,8 @@ KOKKOS_FORCEINLINE_FUNCTION void columns_to_plane(const PlanarState<K, Real>& st
   for (int r = 0; r < 2; ++r) turn_columns(solution.force[r]);
 }
 
-/// Condensed tangent over (u, theta)_a, (u, theta)_b, row-major, and the condensed gradient, in the plane, after
-/// columns_to_plane() and planar_response(); `own_end_moment`: that of the state, null for a given right-hand side.
+/// Condensed tangent (TangentLayout) and condensed gradient (ElementEquations::planar_rows), after columns_to_plane()
+/// and planar_response(); `own_end_moment`: that of the state, null for a given right-hand side.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_condensed(const PlanarState<K, Real>& state,
                                                   const PlanarSolution<K, Real>& solution, const Real* own_end_moment,
@@ -640,15 +640,12 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_condensed(const PlanarState<K, Real>& st
     tangent[Layout::place(theta, 0)] = force[theta].x;
     tangent[Layout::place(theta, 1)] = force[theta].y;
     tangent[Layout::place(theta, theta)] = solution.end_moment[end][theta];
-    Real& moment = gradient[kPlanarDofs * end + 2];
-    moment = solution.end_moment[end][4];
-    if (own_end_moment != nullptr) moment += own_end_moment[end];
+    gradient[theta] = solution.end_moment[end][4];
+    if (own_end_moment != nullptr) gradient[theta] += own_end_moment[end];
   }
   tangent[Layout::place(3, 2)] = 0.5 * (solution.end_moment[0][3] + solution.end_moment[1][2]);
-  gradient[0] = -force[4].x;
-  gradient[1] = -force[4].y;
-  gradient[3] = force[4].x;
-  gradient[4] = force[4].y;
+  gradient[0] = force[4].x;
+  gradient[1] = force[4].y;
 }
 
 }  // namespace mixbeam

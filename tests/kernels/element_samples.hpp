@@ -251,6 +251,7 @@ class SampleBlock {
     state.element_triad = KernelView<double* [4]>("triad", elements);
     state.interior = KernelView<double*>("interior", block.interior_offset + count * block.interior.unknowns());
     equations.residual = KernelView<double* [12]>("residual", elements);
+    equations.planar_rows = KernelView<double* [4]>("planar_rows", elements);
     equations.interior_residual = KernelView<double*>("interior_residual", rows);
     equations.condensed_residual = KernelView<double* [12]>("condensed_residual", elements);
     equations.condensed_tangent = KernelView<double**>("condensed_tangent", elements, kFullTangent);

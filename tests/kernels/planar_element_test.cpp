@@ -74,6 +74,22 @@ std::vector<ElementSample> planar_samples(int order, const Quaternion<double>& p
   return samples;
 }
 
+/// Rows of both vertices of every element in space, from those in the plane.
+void expand_rows(const SampleBlock& samples, const PlaneAxes& axes, const KernelView<double* [12]>& out) {
+  for (int e = 0; e < samples.block.count; ++e) {
+    const double* row = &samples.equations.planar_rows(samples.element_row(e), 0);
+    for (int end = 0; end < 2; ++end) {
+      const Vec force = (end == 0 ? -1.0 : 1.0) * (row[0] * axes.p + row[1] * axes.q);
+      store_vector(force, &out(samples.element_row(e), 6 * end));
+      store_vector(row[2 + end] * axes.n, &out(samples.element_row(e), 6 * end + 3));
+    }
+  }
+}
+void residual_in_plane(const SampleBlock& samples, const PlanarBlock& block) {
+  evaluate_planar_residual(samples.block, block, samples.structure, samples.state, samples.equations);
+  expand_rows(samples, block.axes, samples.equations.residual);
+}
+
 /// Results of the same block by both paths.
 struct BothPaths {
   SampleBlock spatial, planar;
@@ -90,9 +106,10 @@ struct BothPaths {
 
   void evaluate() {
     evaluate_residual(spatial.block, spatial.structure, spatial.state, spatial.equations);
-    evaluate_planar_residual(planar.block, block, planar.structure, planar.state, planar.equations);
+    residual_in_plane(planar, block);
     evaluate_tangent(spatial.block, spatial.structure, spatial.state, spatial.equations);
     evaluate_planar_tangent(planar.block, block, planar.structure, planar.state, tangents, planar.equations);
+    expand_rows(planar, axes, planar.equations.condensed_residual);
   }
 
   double residual_difference() const {
@@ -204,7 +221,7 @@ TEST_P(PlanarElement, GradientOfTheEnergy) {
     const ElementSample sample = planar_sample({GetParam(), 41, quarter_turns, kPlanes[1]});
     const SampleBlock samples({sample});
     const PlanarBlock block = make_planar_block(samples.block, plane_of(kPlanes[1]));
-    evaluate_planar_residual(samples.block, block, samples.structure, samples.state, samples.equations);
+    residual_in_plane(samples, block);
     EXPECT_LE(difference(weighted_rows(samples, 0, sample.element), energy_gradient(sample.element, sample.state),
                          kinds_of(sample.state)),
               kGradientTolerance)
@@ -222,6 +239,7 @@ TEST_P(PlanarElement, GivenRightHandSide) {
                            paths.spatial.equations);
   condense_planar_right_hand_side(paths.planar.block, paths.block, paths.planar.structure, paths.planar.state, rhs,
                                   paths.tangents, paths.planar.equations);
+  expand_rows(paths.planar, paths.axes, paths.planar.equations.condensed_residual);
   EXPECT_LE(paths.tangent_difference(), kPlanarTolerance);
   EXPECT_LE(paths.recovery_difference(), kPlanarTolerance);
 }
