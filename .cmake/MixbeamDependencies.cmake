@@ -9,6 +9,7 @@
 # refers to sixteen packages that mixbeam does not use, and puts 38 libraries on the link line, all of which an
 # executable would load at each start. Set CMAKE_PREFIX_PATH to use another installation.
 
+set(MPI_CXX_SKIP_MPICXX ON) # the C++ bindings that left MPI in 2012: each file would compile their virtual tables
 find_package(MPI REQUIRED COMPONENTS CXX)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(LibXml2 REQUIRED)

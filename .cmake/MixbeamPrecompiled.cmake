@@ -2,7 +2,8 @@
 # mixbeam_precompile(<target> REUSE <other>)      takes what another target has read; the compiler flags must agree
 #
 # Most of a file's compile time is reading Trilinos' headers. Only headers of other projects are precompiled: with one
-# of our own, every edit of it would compile everything. Off with MIXBEAM_JOIN_SOURCES, so that a build without it shows
+# of our own, every edit of it would compile everything. (tpetra_types.hpp names the types of Tpetra that are used, so
+# that their templates are instantiated once too; nearly everything includes it anyway.) Off with MIXBEAM_JOIN_SOURCES, so that a build without it shows
 # the includes that a file forgot.
 
 set(mixbeam_kokkos_headers <Kokkos_Core.hpp> <array> <cmath> <functional> <memory> <optional> <string> <vector>)
@@ -10,7 +11,8 @@ set(mixbeam_trilinos_headers
     ${mixbeam_kokkos_headers} <algorithm> <filesystem> <iostream> <map> <sstream> <stdexcept>
     <Teuchos_ParameterList.hpp> <Teuchos_XMLParameterListHelpers.hpp> <Teuchos_CommHelpers.hpp>
     <Tpetra_Core.hpp> <Tpetra_CrsMatrix.hpp> <Tpetra_Import.hpp> <Tpetra_Map.hpp> <Tpetra_Vector.hpp>
-    <LOCA.H> <LOCA_Abstract_Group.H> <LOCA_Stepper.H> <NOX_Solver_Generic.H>)
+    <LOCA.H> <LOCA_Abstract_Group.H> <LOCA_Stepper.H> <NOX_Solver_Generic.H>
+    "${CMAKE_SOURCE_DIR}/discretization/tpetra_types.hpp")
 
 function(mixbeam_precompile target)
   if(NOT MIXBEAM_JOIN_SOURCES)

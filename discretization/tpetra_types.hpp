@@ -17,6 +17,8 @@ using DofGraph = Tpetra::CrsGraph<LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofMatrix = Tpetra::CrsMatrix<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofVector = Tpetra::Vector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using DofImport = Tpetra::Import<LocalOrdinal, GlobalOrdinal, TpetraNode>;
+// Asking for their size instantiates the classes here, which a precompiled header keeps.
+static_assert(sizeof(DofMap) * sizeof(DofGraph) * sizeof(DofMatrix) * sizeof(DofVector) * sizeof(DofImport) > 0);
 using Communicator = Teuchos::RCP<const Teuchos::Comm<int>>;
 
 }  // namespace mixbeam
