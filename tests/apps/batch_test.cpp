@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::batch_test {
 namespace {
 
 constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3;
@@ -194,4 +194,4 @@ TEST_F(Batch, WhatIsWrongIsNamed) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::batch_test

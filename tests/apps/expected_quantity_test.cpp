@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::expected_quantity_test {
 namespace {
 
 constexpr double kLength = 4.0, kAxial = 1000.0, kBending = 20.0;
@@ -119,4 +119,4 @@ TEST(ExpectedQuantity, LeavesOthersToTheApplication) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::expected_quantity_test

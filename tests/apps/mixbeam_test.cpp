@@ -8,7 +8,7 @@
 #include <random>
 #include <thread>
 
-namespace mixbeam {
+namespace mixbeam::mixbeam_test {
 namespace {
 
 constexpr int kOk = 0, kCheckFailed = 1, kBadInput = 2, kNoConvergence = 3, kInterrupted = 130;
@@ -459,4 +459,4 @@ TEST_F(Mixbeam, RefusesToResumeWhatRemembersMore) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::mixbeam_test

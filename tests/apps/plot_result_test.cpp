@@ -2,7 +2,7 @@
 #include "discretization/result_file.hpp"
 #include "process.hpp"
 
-namespace mixbeam {
+namespace mixbeam::plot_result_test {
 namespace {
 
 const fs::path kPython = "/usr/bin/python3";
@@ -133,4 +133,4 @@ TEST_F(PlotResult, RefusesWhatItCannotDraw) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::plot_result_test

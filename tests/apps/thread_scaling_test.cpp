@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::thread_scaling_test {
 namespace {
 
 /// Runs the study with these parameters in place of the defaults and returns the exit code.
@@ -96,4 +96,4 @@ TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::thread_scaling_test

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace mixbeam {
+namespace mixbeam::verification_scenes_test {
 namespace {
 
 constexpr int kAllChecksPassed = 0, kCheckFailed = 1;
@@ -54,4 +54,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, VerificationScene, ::testing::ValuesIn(scenes()
 });
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::verification_scenes_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::verification_table_test {
 namespace {
 
 const fs::path kPython = "/usr/bin/python3";
@@ -115,4 +115,4 @@ TEST_F(VerificationTable, SaysWhatItCannotRead) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::verification_table_test

@@ -10,7 +10,7 @@
 
 #include <cstdio>
 
-namespace mixbeam {
+namespace mixbeam::vtk_test {
 namespace {
 
 constexpr int kNoReader = 77;  // as read_with_vtk.py says
@@ -93,4 +93,4 @@ TEST_F(Vtk, ReadsTheTimeSeriesAsTheSolverHasIt) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::vtk_test

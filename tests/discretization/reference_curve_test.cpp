@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::reference_curve_test {
 namespace {
 
 using test::kRounding;
@@ -459,4 +459,4 @@ TEST(ReferenceCurve, RefusesSecondAxisAlongATiltedTangent) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::reference_curve_test

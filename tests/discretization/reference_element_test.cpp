@@ -11,7 +11,7 @@
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <random>
 
-namespace mixbeam::test {
+namespace mixbeam::test::reference_element_test {
 namespace {
 
 constexpr unsigned kSeed = 20240611;
@@ -183,4 +183,4 @@ TEST(ReferenceElement, NamesTheElementThatTurnsTooFar) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::reference_element_test

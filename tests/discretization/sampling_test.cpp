@@ -11,7 +11,7 @@
 
 #include <Teuchos_DefaultMpiComm.hpp>
 
-namespace mixbeam::test {
+namespace mixbeam::test::sampling_test {
 namespace {
 
 // Sums of a dozen products of numbers of size one to ten.
@@ -194,4 +194,4 @@ TEST(Sampling, MotionOfAVertex) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::sampling_test

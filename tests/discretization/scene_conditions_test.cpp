@@ -6,7 +6,7 @@
 
 #include <sstream>
 
-namespace mixbeam {
+namespace mixbeam::scene_conditions_test {
 namespace {
 
 std::string word(const std::string& name, const std::string& value) {
@@ -321,4 +321,4 @@ TEST(SceneConditions, ManualNamesEveryParameter) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::scene_conditions_test

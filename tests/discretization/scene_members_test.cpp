@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::scene_members_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -193,4 +193,4 @@ TEST(SceneMembers, TwistAndTaper) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::scene_members_test

@@ -3,7 +3,7 @@
 
 #include "discretization/result_names.hpp"
 
-namespace mixbeam {
+namespace mixbeam::scene_names_test {
 namespace {
 
 const std::string kPoints = numbers("A", "{0, 0, 0}") + numbers("B", "{1, 0, 0}");
@@ -41,4 +41,4 @@ TEST(SceneNames, OfLoadCasesMustSuitAFileName) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::scene_names_test

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <set>
 
-namespace mixbeam {
+namespace mixbeam::scene_patterns_test {
 namespace {
 
 using namespace vector_algebra;
@@ -288,4 +288,4 @@ TEST(ScenePatterns, NamesOfCopiesMustBeFree) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::scene_patterns_test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::section_shape_test {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -282,4 +282,4 @@ TEST(SectionShape, RefusesImpossibleShapes) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::section_shape_test

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace mixbeam::element_test {
+namespace mixbeam::element_test::element_objectivity_test {
 namespace {
 
 /// Slopes and triads of order 1 lose some last digits when they are turned (at most 3e-15 for strains and
@@ -221,4 +221,4 @@ TEST_P(ElementObjectivity, RotationOfOneVertexIsNotFree) {
 INSTANTIATE_TEST_SUITE_P(Orders, ElementObjectivity, testing::Range(1, kMaximumOrder + 1));
 
 }  // namespace
-}  // namespace mixbeam::element_test
+}  // namespace mixbeam::element_test::element_objectivity_test

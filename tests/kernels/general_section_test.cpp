@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mixbeam::element_test {
+namespace mixbeam::element_test::general_section_test {
 namespace {
 
 /// Far above every stiffness of random_sample: the tangent is that of the energy.
@@ -133,4 +133,4 @@ TEST_P(GeneralSectionAd, DiagonalConstantSectionIsThePlainOne) {
 INSTANTIATE_TEST_SUITE_P(Orders, GeneralSectionAd, testing::Range(1, kMaximumOrder + 1));
 
 }  // namespace
-}  // namespace mixbeam::element_test
+}  // namespace mixbeam::element_test::general_section_test

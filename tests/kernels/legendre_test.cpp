@@ -11,7 +11,7 @@
 #include <cmath>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::legendre_test {
 namespace {
 
 using test::kRounding;
@@ -228,4 +228,4 @@ TEST(Legendre, SetsItsOwnEntriesOnly) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::legendre_test

@@ -12,7 +12,7 @@
 #include <limits>
 #include <vector>
 
-namespace mixbeam {
+namespace mixbeam::rotation_test {
 namespace {
 
 using oracle::distance;
@@ -426,4 +426,4 @@ TEST(InverseTangentMap, IsTheInverse) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::rotation_test

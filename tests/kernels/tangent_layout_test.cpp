@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace mixbeam {
+namespace mixbeam::tangent_layout_test {
 namespace {
 
 using namespace element_test;
@@ -75,4 +75,4 @@ TEST(TangentLayoutNumbers, AreThoseOfTheFullMatrix) {
 }
 
 }  // namespace
-}  // namespace mixbeam
+}  // namespace mixbeam::tangent_layout_test

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::cheaper_tangent_test {
 namespace {
 
 /// Both solutions have residuals below 1e-11; the softest motion of these structures answers to 1e-11 with 1e-9.
@@ -184,4 +184,4 @@ TEST(SymmetricTangent, LeavesTheTangentForStabilityAlone) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::cheaper_tangent_test

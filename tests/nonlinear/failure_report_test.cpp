@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::failure_report_test {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -277,4 +277,4 @@ TEST(EquationPlace, OfTheLargestRow) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::failure_report_test

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::load_path_test {
 namespace {
 
 SolverParameters fixed_steps(int steps) {
@@ -289,4 +289,4 @@ TEST(LoadPath, NothingToDo) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::load_path_test

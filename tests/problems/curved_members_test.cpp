@@ -7,7 +7,7 @@
 #include <functional>
 #include <limits>
 
-namespace mixbeam::test {
+namespace mixbeam::test::curved_members_test {
 namespace {
 
 constexpr double kRelative = 1e-8;
@@ -260,4 +260,4 @@ TEST(CurvedMembers, ClosedSplineIsARing) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::curved_members_test

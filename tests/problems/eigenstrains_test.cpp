@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::eigenstrains_test {
 namespace {
 
 constexpr double kLength = 2.0, kBending = 3.0, kTorsion = 5.0, kShear = 700.0, kAxial = 1100.0;
@@ -164,4 +164,4 @@ TEST(Eigenstrains, VaryingCurvatureGivesAClothoid) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::eigenstrains_test

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::follower_line_loads_test {
 namespace {
 
 // Solved to a scaled residual of 1e-11 at most.
@@ -133,4 +133,4 @@ TEST(LineLoads, CableHangsInACatenary) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::follower_line_loads_test

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::general_sections_test {
 namespace {
 
 /// A section by its matrix.
@@ -297,4 +297,4 @@ TEST(TaperedSection, CoupledBarUnderAxialForce) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::general_sections_test

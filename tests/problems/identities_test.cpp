@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::identities_test {
 namespace {
 
 // Both sides are solved to a scaled residual of 1e-11 at most; flexible members multiply it by a few.
@@ -114,4 +114,4 @@ TEST(Identities, ReversedPathOfTheFork) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::identities_test

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-namespace mixbeam::test {
+namespace mixbeam::test::joints_test {
 namespace {
 
 constexpr double kBalanced = 1e-10;
@@ -384,4 +384,4 @@ TEST(MpiJoints, SameAnswerOnAllRanks) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::joints_test

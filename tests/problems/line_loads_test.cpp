@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::line_loads_test {
 namespace {
 
 constexpr double kLength = 2.0, kBending = 3.0, kTorsion = 5.0, kShear = 7.0, kAxial = 11.0;
@@ -143,4 +143,4 @@ TEST(LineLoads, AmplitudeScalesTheLoad) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::line_loads_test

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::paths_test {
 namespace {
 
 /// Load factors of critical points: what the program promises.
@@ -313,4 +313,4 @@ TEST(MpiPaths, CriticalPointsAndBranchesAreTheSameOnAllRanks) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::paths_test

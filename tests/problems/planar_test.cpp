@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace mixbeam::test {
+namespace mixbeam::test::planar_test {
 namespace {
 
 /// Converged solutions of the same equations differ by what Newton's method leaves (1e-11 scaled), more where a
@@ -147,4 +147,4 @@ TEST(Planar, StatesKnowWhetherTheyLieInThePlane) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::planar_test

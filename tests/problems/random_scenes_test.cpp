@@ -16,7 +16,7 @@
 #include <memory>
 #include <optional>
 
-namespace mixbeam::test {
+namespace mixbeam::test::random_scenes_test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20240517;
@@ -188,4 +188,4 @@ TEST(RandomScenesTwin, TheGeneratorIsSplitmix) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::random_scenes_test

@@ -1,7 +1,7 @@
 // Reactions against statics in closed form, and the balance of everything that acts from outside.
 #include "tests/problems/solve.hpp"
 
-namespace mixbeam::test {
+namespace mixbeam::test::reactions_test {
 namespace {
 
 /// What issue 3 asks of every converged run.
@@ -145,4 +145,4 @@ TEST(MpiReactions, AreTheSameOnEveryRank) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::reactions_test

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::reference_values_test {
 namespace {
 
 constexpr double kRelative = 1e-8;  // a hundred times the stated accuracy of the references
@@ -83,4 +83,4 @@ TEST(ReferenceValues, ArcOfOtherSlenderness) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::reference_values_test

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::rigid_limits_test {
 namespace {
 
 // Two answers to a scaled residual of 1e-11, relative to the size of the structure.
@@ -167,4 +167,4 @@ TEST(RigidLimitsOfTheCableNet, DoNotExist) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::rigid_limits_test

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-namespace mixbeam::test {
+namespace mixbeam::test::rollup_test {
 namespace {
 
 constexpr double kExact = 1e-12;
@@ -101,4 +101,4 @@ TEST(Rollup, LockingFollowsThePattern) {
 }
 
 }  // namespace
-}  // namespace mixbeam::test
+}  // namespace mixbeam::test::rollup_test
