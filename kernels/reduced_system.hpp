@@ -217,7 +217,7 @@ class InteriorFactor {
   typename Real::Mask suspicious;  ///< lanes with a pivot that is not above kSmallestPivot; also those with NaN
 
   /// Factors the interior and leaves the condensed system.
-  inline __attribute__((always_inline)) InteriorFactor(ReducedSystem<K, Real>& system, CondensedSystem<Real>& condensed)
+  KOKKOS_FORCEINLINE_FUNCTION InteriorFactor(ReducedSystem<K, Real>& system, CondensedSystem<Real>& condensed)
       : suspicious(Real(0.0) > Real(0.0)), factor_(system) {
     Mat3<Real> unscaled[kInterior];  // row I of L D
     for (int I = 0; I < kCount; ++I) {
@@ -239,7 +239,7 @@ class InteriorFactor {
   }
 
   /// Response -H_ii^-1 [H_ir | R_i].
-  inline __attribute__((always_inline)) void solve(InteriorResponse<K, Real>& response) const {
+  KOKKOS_FORCEINLINE_FUNCTION void solve(InteriorResponse<K, Real>& response) const {
     for (int J = kInterior - 1; J >= 0; --J) {
       for (int c = 0; c < 3; ++c) {
         Mat3<Real> x = -1.0 * transpose(factor_(kInterior + c, J));
@@ -266,24 +266,24 @@ class InteriorFactor {
   Vec3<Real> gradient_[kInterior];  ///< L^-1 R_i
 
   /// H_IJ - sum over the blocks before `end` of (L D)_I L_J^T
-  inline __attribute__((always_inline)) Mat3<Real> remainder(const Mat3<Real>* unscaled, int I, int J, int end) const {
+  KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> remainder(const Mat3<Real>* unscaled, int I, int J, int end) const {
     Mat3<Real> rest = factor_(I, J);
     for (int k = 0; k < end; ++k) subtract_product_transposed(unscaled[k], factor_(J, k), rest);
     return rest;
   }
   /// rest L_JJ^-T
-  inline __attribute__((always_inline)) static void solve_right(const Mat3<Real>& l, Mat3<Real>& rest) {
+  KOKKOS_FORCEINLINE_FUNCTION static void solve_right(const Mat3<Real>& l, Mat3<Real>& rest) {
     for (int i = 0; i < 3; ++i) {
       rest(i, 1) -= rest(i, 0) * l(1, 0);
       rest(i, 2) -= rest(i, 0) * l(2, 0) + rest(i, 1) * l(2, 1);
     }
   }
-  inline __attribute__((always_inline)) static void scale_columns(const Mat3<Real>& l, Mat3<Real>& rest) {
+  KOKKOS_FORCEINLINE_FUNCTION static void scale_columns(const Mat3<Real>& l, Mat3<Real>& rest) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) rest(i, j) *= l(j, j);
   }
   /// `diagonal` holds the block of the matrix on entry.
-  inline __attribute__((always_inline)) void factor_diagonal(const Mat3<Real>& rest, Mat3<Real>& diagonal) {
+  KOKKOS_FORCEINLINE_FUNCTION void factor_diagonal(const Mat3<Real>& rest, Mat3<Real>& diagonal) {
     const Real d0 = rest(0, 0), inverse0 = 1.0 / d0, l10 = rest(1, 0) * inverse0, l20 = rest(2, 0) * inverse0;
     const Real d1 = rest(1, 1) - l10 * rest(1, 0), inverse1 = 1.0 / d1, u21 = rest(2, 1) - l20 * rest(1, 0);
     const Real l21 = u21 * inverse1, d2 = rest(2, 2) - l20 * rest(2, 0) - l21 * u21;
@@ -297,7 +297,7 @@ class InteriorFactor {
     diagonal(2, 1) = l21;
     diagonal(2, 2) = 1.0 / d2;
   }
-  inline __attribute__((always_inline)) void solve_gradient(CondensedSystem<Real>& condensed) {
+  KOKKOS_FORCEINLINE_FUNCTION void solve_gradient(CondensedSystem<Real>& condensed) {
     for (int I = 0; I < kCount; ++I) {
       Vec3<Real> rest = factor_.rhs[I];
       for (int k = 0; k < (I < kInterior ? I : kInterior); ++k) subtract_product(factor_(I, k), gradient_[k], rest);
@@ -335,9 +335,9 @@ __attribute__((noinline)) void redo_lane(const ReducedSystem<K, Pack<W>>& system
 
 /// As solve_with_row_pivoting for symmetric systems side by side: without pivoting, but for the lanes that need it.
 template <int K, int W>
-inline __attribute__((always_inline)) void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
-                                                          InteriorResponse<K, Pack<W>>& response,
-                                                          CondensedSystem<Pack<W>>& condensed) {
+KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
+                                                InteriorResponse<K, Pack<W>>& response,
+                                                CondensedSystem<Pack<W>>& condensed) {
   ReducedSystem<K, Pack<W>> factored = system;
   const InteriorFactor<K, W> factor(factored, condensed);
   factor.solve(response);
