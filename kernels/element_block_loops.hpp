@@ -28,7 +28,9 @@ struct ElementGather {
   int first_element;
   size_t interior_offset;
 
-  ElementGather(const ElementBlock& block, const StructureViews& structure, const StateViews& state)
+  // always inlined, as eliminate_rows()
+  KOKKOS_FORCEINLINE_FUNCTION ElementGather(const ElementBlock& block, const StructureViews& structure,
+                                            const StateViews& state)
       : reference(block.reference),
         vertices(block.vertices),
         member(block.member),

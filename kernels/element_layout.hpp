@@ -105,6 +105,16 @@ struct ElementTables {
   }
 };
 
+// Compiled once, in element_layout.cpp: a copy in a file that is not optimised might be the one that the linker takes.
+extern template struct ElementTables<1>;
+extern template struct ElementTables<2>;
+extern template struct ElementTables<3>;
+extern template struct ElementTables<4>;
+extern template struct ElementTables<5>;
+extern template struct ElementTables<6>;
+extern template struct ElementTables<7>;
+extern template struct ElementTables<8>;
+
 /// Constants of a section as the element uses them. A rigid component has compliance zero.
 template <class Real>
 struct SectionNumbers {

@@ -100,9 +100,10 @@ struct FullSystem {
 };
 
 /// Gaussian elimination with row pivoting of N rows and M columns: the first N columns become upper triangular. A zero
-/// pivot leaves non-finite numbers, which the residual test of the same iteration reports.
+/// pivot leaves non-finite numbers, which the residual test of the same iteration reports. Always inlined: a copy of a
+/// file that is not optimised might be the one that the linker takes for all.
 template <int N, int M>
-KOKKOS_INLINE_FUNCTION void eliminate_rows(double (*a)[M]) {
+KOKKOS_FORCEINLINE_FUNCTION void eliminate_rows(double (*a)[M]) {
   for (int k = 0; k < N; ++k) {
     int pivot = k;
     double largest = a[k][k] < 0 ? -a[k][k] : a[k][k];
@@ -122,15 +123,17 @@ KOKKOS_INLINE_FUNCTION void eliminate_rows(double (*a)[M]) {
     const double inverse = 1.0 / a[k][k];
     for (int i = k + 1; i < N; ++i) {
       const double factor = a[i][k] * inverse;
+#pragma omp simd
       for (int j = k + 1; j < M; ++j) a[i][j] -= factor * a[k][j];
     }
   }
 }
 
-/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the system condensed with it.
+/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the system condensed with it. Always inlined, as
+/// eliminate_rows().
 template <int K>
-KOKKOS_INLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system, InteriorResponse<K>& response,
-                                                    CondensedSystem<>& condensed) {
+KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system, InteriorResponse<K>& response,
+                                                         CondensedSystem<>& condensed) {
   constexpr int n = FullSystem<K>::kInteriorSize, m = n + kResponseColumns;
   double a[n][m], x[n][kResponseColumns];
   for (int i = 0; i < n; ++i) {
@@ -140,11 +143,12 @@ KOKKOS_INLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system,
   eliminate_rows<n, m>(a);
   for (int i = n - 1; i >= 0; --i) {
     const double inverse = 1.0 / a[i][i];
-    for (int c = 0; c < kResponseColumns; ++c) {
-      double sum = -a[i][n + c];
-      for (int j = i + 1; j < n; ++j) sum -= a[i][j] * x[j][c];
-      x[i][c] = sum * inverse;
-    }
+    double sum[kResponseColumns];
+    for (int c = 0; c < kResponseColumns; ++c) sum[c] = -a[i][n + c];
+    for (int j = i + 1; j < n; ++j)
+#pragma omp simd
+      for (int c = 0; c < kResponseColumns; ++c) sum[c] -= a[i][j] * x[j][c];
+    for (int c = 0; c < kResponseColumns; ++c) x[i][c] = sum[c] * inverse;
   }
   for (int i = 0; i < n; ++i) {
     for (int c = 0; c < 9; ++c) response.by[i / 3][c / 3](i % 3, c % 3) = x[i][c];
