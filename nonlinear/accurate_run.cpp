@@ -66,7 +66,8 @@ class AccurateSolver {
   std::unique_ptr<Simulation> simulation_;  ///< of `choice_`, or the mesh before
   StepReport report_{};                     ///< its last step
   ErrorEstimate estimate_{};
-  bool turned_ = false;  ///< the path was left because elements turn too far
+  double largest_load_factor_ = 0.0;  ///< on the path of the start mesh
+  bool turned_ = false;               ///< the path was left because elements turn too far
   std::vector<MeshRound> rounds_{};
   std::chrono::steady_clock::time_point start_{};
 };
@@ -89,15 +90,19 @@ void AccurateSolver::finish_round(const std::string& remark) {
 }
 
 /// Whether the elements will have turned too far at the end of the path, if they go on as they did up to here; then
-/// takes a mesh for that.
+/// takes a mesh for that. Where the load has turned back, what is left of it tells nothing about that: no element is
+/// expected to turn further.
 bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_factor) {
   if (load_factor <= 0.0) return false;
+  const bool goes_on = load_factor >= largest_load_factor_;
+  largest_load_factor_ = std::max(largest_load_factor_, load_factor);
   const StateSnapshot snapshot = snapshot_of(simulation.assembler(), simulation.state());
   std::vector<double> turning(scene_.members.size());
   if (comm_->getRank() == 0)
     turning = element_turning(simulation.scene(), simulation.assembler().mesh(), snapshot.vertex_rotation);
   Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
-  for (double& angle : turning) angle *= scene_.stages / load_factor;
+  if (goes_on)
+    for (double& angle : turning) angle *= scene_.stages / load_factor;
   std::vector<double> tolerated = turning;
   for (double& angle : tolerated) angle /= kTurningMargin;
   if (mesh_for_turning(scene_, choice_, tolerated, accuracy_) == choice_) return false;
