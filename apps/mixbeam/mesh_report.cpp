@@ -31,19 +31,6 @@ void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& round
 
 }  // namespace
 
-bool asks_for_path(const Application& app, const Scene& scene) {
-  const AnalysisParameters& analysis = app.solver.analysis;
-  const LoadPathParameters& path = app.solver.load_path;
-  const bool by_analysis =
-      analysis.trace || analysis.control || analysis.branch != Branch::primary || analysis.buckling_modes > 0;
-  const bool by_steps = path.method == LoadPathMethod::fixed && path.steps > 1;
-  const bool by_values = std::any_of(app.expected.begin(), app.expected.end(), [&](const ExpectedValue& value) {
-    return value.load_case == app.load_case &&
-           (value.critical_point || value.load_factor.value_or(scene.stages) != scene.stages);
-  });
-  return by_analysis || by_steps || by_values || scene.stages > 1;
-}
-
 std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice) {
   std::map<std::pair<int, int>, ChosenMesh::Members> groups;
   for (std::size_t m = 0; m < choice.size(); ++m) {

@@ -5,10 +5,6 @@
 
 namespace mixbeam {
 
-/// Whether the steps on the way to the end of the path are wanted, and not only that end: some analyses and expected
-/// values ask for them, and ends of stages.
-bool asks_for_path(const Application& app, const Scene& scene);
-
 /// Members with the same mesh together, the largest groups first.
 std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice);
 /// "  members of order 6 with 4 elements each: rod"

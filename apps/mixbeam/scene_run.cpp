@@ -1,5 +1,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 
+#include "apps/common/asked_path.hpp"
 #include "apps/common/guarded_run.hpp"
 #include "apps/common/interrupt.hpp"
 #include "apps/mixbeam/commands.hpp"
@@ -77,7 +78,9 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
     app.summary.keep_checks(checks);
   };
   std::optional<AccurateRun> accurate;
-  if (scene.accuracy) accurate = app.record_accurately(scene, app.solver, recording, asks_for_path(app, scene));
+  if (scene.accuracy)
+    accurate = app.record_accurately(scene, app.solver, recording,
+                                     asks_for_path(app.solver, app.expected, load_case, scene));
   Simulation simulation = accurate ? accurate->simulation : app.record(scene, app.solver, recording);
   app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << ", " << file.string() << "\n";

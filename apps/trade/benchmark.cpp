@@ -1,5 +1,6 @@
 #include "apps/trade/benchmark.hpp"
 
+#include "apps/common/asked_path.hpp"
 #include "apps/common/scene_file.hpp"
 #include "apps/common/variants.hpp"
 #include "discretization/load_cases.hpp"
@@ -45,13 +46,45 @@ std::vector<Benchmark> list_benchmarks() {
   add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip").limit = {
       tip_of_the_helical_rod("x", 4.803e-3, 5.1e-7), tip_of_the_helical_rod("y", 7.250e-5, 5.1e-9),
       tip_of_the_helical_rod("z", -7.644e-2, 5.1e-6)};
-  add("composite_cantilever", "composite_cantilever.xml", "space, smooth, coupled section", "tip");
+  add("composite_cantilever", "gallery/composite_cantilever.xml", "space, smooth, coupled section", "tip");
   add("slope_discontinuity", "slope_discontinuity.xml", "space, kinked", "tip");
   add("fork", "fork.xml", "space, branched, two stages", "P1");
   add("lateral_buckling", "lateral_buckling_positive.xml", "space, kinked strip, behind a bifurcation", "tip").branch =
       Branch::positive;
   add("narrow_cantilever", "narrow_cantilever.xml", "space, strip, behind a bifurcation", "tip").branch =
       Branch::positive;
+  return list;
+}
+
+/// Elements of order 8 for each one of the file: what bends everywhere needs few, thin layers of bending many.
+constexpr int kSmooth = 4, kLayers = 64;
+
+std::vector<Benchmark> list_scenes() {
+  std::vector<Benchmark> list;
+  const auto add = [&list](const std::string& name, const char* kind, int refinement = kSmooth) {
+    Benchmark scene{name, "gallery/" + name + ".xml", kind, "", ""};
+    scene.in_gallery = true;
+    scene.refinement = refinement;
+    list.push_back(scene);
+  };
+  add("elastica", "plane, smooth, rigid in force strains");
+  add("follower_cantilever", "plane, a force that turns with the section");
+  add("composite_cantilever", "space, coupled section");
+  add("deployable_ring", "space, closed loop, turned by its support");
+  add("coil_spring", "space, helix of six turns, guided");
+  add("shallow_arch", "plane, two arcs, hinged");
+  add("bistable_strip", "plane, two arcs, through a snap");
+  add("lees_frame", "plane, kinked, close to its limit load");
+  add("snap_back", "plane, kinked, two limit points");
+  add("lateral_buckling", "space, kinked strip, behind a bifurcation");
+  add("catenary", "plane, cable, layers at the hooks", kLayers);
+  add("gripper", "space, branched, eigencurvature");
+  add("parallel_linkage", "plane, hinges, free of stress");
+  add("star_dome", "space frame of 24 members");
+  add("cable_net", "space, 70 ropes, prestressed, two stages", kLayers);
+  add("tree", "space, branched, two stages");
+  add("twisted_blade", "space, pre-twist, coupled section, two stages");
+  add("honeycomb", "plane, lattice");
   return list;
 }
 
@@ -68,6 +101,14 @@ Application read_scene_of(const Application& app, const std::string& file) {
   read.communicator = app.communicator;
   read_scene_file(read, read_xml((scene_folder() / file).string()), definition);
   return read;
+}
+
+/// Values at critical points and at load factors short of the end.
+std::vector<ExpectedValue> values_on_the_path(const std::vector<ExpectedValue>& expected, const Scene& scene) {
+  std::vector<ExpectedValue> kept;
+  for (const ExpectedValue& value : expected)
+    if (value.critical_point || value.load_factor.value_or(scene.stages) != scene.stages) kept.push_back(value);
+  return kept;
 }
 
 /// Values at the end of the whole path that any run can be compared with.
@@ -96,16 +137,37 @@ const std::vector<Benchmark>& all_benchmarks() {
   return list;
 }
 
-std::vector<std::string> benchmark_names() {
+const std::vector<Benchmark>& all_scenes() {
+  static const std::vector<Benchmark> list = list_scenes();
+  return list;
+}
+
+std::vector<std::string> names_of(const std::vector<Benchmark>& list) {
   std::vector<std::string> names;
-  for (const Benchmark& benchmark : all_benchmarks()) names.push_back(benchmark.name);
+  for (const Benchmark& benchmark : list) names.push_back(benchmark.name);
   return names;
 }
 
 Scene BenchmarkProblem::with(int order, int elements, ForceIntegration integration) const {
   Scene changed = with_mesh(scene, order, elements);
-  for (Member& member : changed.members) member.force_integration = integration;
+  const int own = own_elements();
+  for (size_t m = 0; m < changed.members.size(); ++m) {
+    changed.members[m].force_integration = integration;
+    if (about.in_gallery) changed.members[m].elements = (scene.members[m].elements * elements + own - 1) / own;
+  }
   return changed;
+}
+
+int BenchmarkProblem::own_elements() const {
+  int most = 1;
+  for (const Member& member : scene.members) most = std::max(most, member.elements);
+  return most;
+}
+
+bool BenchmarkProblem::keeps_path() const {
+  std::vector<ExpectedValue> values = expected;
+  values.insert(values.end(), expected_on_path.begin(), expected_on_path.end());
+  return asks_for_path(solver, values, about.load_case, scene);
 }
 
 BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchmark) {
@@ -116,10 +178,14 @@ BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchma
       load.force[i] *= benchmark.load_share;
       load.moment[i] *= benchmark.load_share;
     }
+  problem.expected = values_at_the_end(file.expected, benchmark, problem.scene);
+  if (benchmark.in_gallery) {
+    problem.expected_on_path = values_on_the_path(file.expected, problem.scene);
+    return problem;
+  }
   if (benchmark.point.empty()) problem.about.point = loaded_point(problem.scene);
   if (benchmark.branch != Branch::primary) problem.solver.analysis.branch = benchmark.branch;
   problem.solver.analysis.stability = problem.solver.analysis.branch != Branch::primary;
-  problem.expected = values_at_the_end(file.expected, benchmark, problem.scene);
   return problem;
 }
 

@@ -64,6 +64,12 @@ void count_unknowns(const Simulation& simulation, CellResult& result) {
 
 }  // namespace
 
+CellTimes time_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
+                    const Communicator& communicator) {
+  return run_once(problem, problem.with(cell.order, cell.elements, cell.integration), threads, plan, communicator)
+      .times;
+}
+
 const char* name_of(CellStatus status) {
   switch (status) {
     case CellStatus::converged:
@@ -127,9 +133,11 @@ CellResult measure_cell(const BenchmarkProblem& problem, const Reference& refere
     if (!path.finished) return result;
     result.status = CellStatus::converged;
     result.errors = reference.errors_of(first.simulation);
-    const RunWatch watch;
-    result.estimated = estimated_errors(first.simulation, problem.about.point);
-    result.estimate_seconds = watch.processor_seconds();
+    if (!problem.about.in_gallery) {
+      const RunWatch watch;
+      result.estimated = estimated_errors(first.simulation, problem.about.point);
+      result.estimate_seconds = watch.processor_seconds();
+    }
     result.times = time_cell(problem, scene, first.times, plan, communicator);
   } catch (const InputError&) {  // a mesh that is too coarse for its curve
     result.status = CellStatus::failed;

@@ -32,7 +32,7 @@ struct CellResult {
   Cell cell;
   CellStatus status = CellStatus::failed;
   Errors errors = kNoErrors;
-  Errors estimated = kNoErrors;   ///< by the run itself, see estimated_errors()
+  Errors estimated = kNoErrors;   ///< by the run itself, see estimated_errors(); none in the gallery
   double estimate_seconds = 0.0;  ///< processor time for that
   int global_unknowns = 0, interior_unknowns = 0;
   int load_steps = 0, failed_steps = 0, iterations = 0;
@@ -55,6 +55,10 @@ struct TimingPlan {
 /// Floating-point operations of one Newton iteration on all elements, counted by running the kernels of a plain section
 /// on counting numbers: element work, condensation of chains, solve, check.
 double iteration_flops(int order, int elements);
+
+/// One run, reading left out.
+CellTimes time_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
+                    const Communicator& communicator);
 
 /// The first run with each number of threads warms up; it counts only where it is the only one that the budget allows.
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,

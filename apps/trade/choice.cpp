@@ -39,7 +39,9 @@ std::set<int> orders_of(const std::vector<BenchmarkResult>& results) {
 
 }  // namespace
 
-double BenchmarkResult::floor() const { return kAboveReference * difference.largest(); }
+double BenchmarkResult::floor() const {
+  return kAboveReference * (problem.about.in_gallery ? motion_error(difference) : difference.largest());
+}
 
 double largest_error(const Errors& errors) { return errors.largest(); }
 double displacement_error(const Errors& errors) { return errors.displacement; }

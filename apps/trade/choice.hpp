@@ -16,7 +16,8 @@ struct BenchmarkResult {
   Errors difference;  ///< of the two references
   std::vector<CellResult> cells;
   std::vector<AccurateCell> accurate{};  ///< what the program makes of a wanted accuracy
-  /// Smallest accuracy that is judged: errors below are those of reference and rounding.
+  /// Smallest accuracy that is judged: errors below are those of reference and rounding. Scenes of the gallery are
+  /// judged by their displacements only.
   double floor() const;
 };
 

@@ -46,7 +46,42 @@ void measure_row(const BenchmarkProblem& problem, const Reference& reference, co
   }
 }
 
+/// Times scatter: a cell that costs more than this many times a better one is no candidate.
+constexpr double kClearlyDearer = 1.3;
+/// Elements of a member of the file are halved at most so often.
+constexpr int kMostHalvings = 4;
+
+std::vector<int> meshes_of(const BenchmarkProblem& problem) {
+  std::vector<int> meshes;
+  const int own = problem.own_elements();
+  for (int part = 1 << kMostHalvings; part >= 1; part /= 2)
+    if (own >= part) meshes.push_back((own + part - 1) / part);
+  for (int factor = 2; factor <= problem.about.refinement; factor *= 2) meshes.push_back(own * factor);
+  return meshes;
+}
+
 }  // namespace
+
+BenchmarkResult measure_front(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
+                              const Communicator& communicator) {
+  BenchmarkResult result{problem, reference.difference(), {}, {}};
+  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
+  const Criterion by{motion_error, processor_time(plan.timing.threads.front())};
+  const std::vector<int> meshes = meshes_of(problem);
+  TimingPlan timing = plan.timing;
+  timing.threads.resize(1);  // more of them are left to the accuracies
+  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
+    for (const int elements : meshes) {
+      const Cell cell{ForceIntegration::both_reduced, *order, elements};
+      result.cells.push_back(measure_cell(problem, reference, cell, timing, communicator));
+      const CellResult& last = result.cells.back();
+      if (last.status == CellStatus::too_long || motion_error(last.errors) <= smallest) break;
+      const CellResult* best = cheapest(result, by, smallest);
+      const bool is_solution = motion_error(last.errors) < kNoSolution;
+      if (is_solution && best != nullptr && by.cost(last) > kClearlyDearer * by.cost(*best)) break;
+    }
+  return result;
+}
 
 BenchmarkResult measure_matrix(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
                                const Communicator& communicator) {

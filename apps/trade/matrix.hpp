@@ -17,4 +17,9 @@ struct MatrixPlan {
 BenchmarkResult measure_matrix(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
                                const Communicator& communicator);
 
+/// A scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest order down.
+/// Elements are those of the file, halved and doubled.
+BenchmarkResult measure_front(const BenchmarkProblem& problem, const Reference& reference, const MatrixPlan& plan,
+                              const Communicator& communicator);
+
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "apps/trade/reference.hpp"
 
 #include "discretization/errors.hpp"
+#include "discretization/sampling.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +23,31 @@ double energy_of(const Simulation& simulation) {
 
 int gauss_points(const Simulation& simulation) { return simulation.scene().members.front().order + kMoreGaussPoints; }
 
-Simulation solved(const BenchmarkProblem& problem, const Communicator& communicator, const Discretization& mesh) {
+Simulation solved(const BenchmarkProblem& problem, const Communicator& communicator, const Discretization& mesh,
+                  PathTrace& trace) {
   Simulation simulation(problem.with(mesh.order, mesh.elements, ForceIntegration::both_reduced), problem.solver,
                         communicator);
-  simulation.run();
+  simulation.run([&](const StepReport& report, const State&) { trace.add(simulation, report); });
   if (!simulation.result().finished)
     throw ConvergenceError("no reference for " + problem.about.name + ", order " + std::to_string(mesh.order) + ", " +
                            std::to_string(mesh.elements) + " elements for each member: " + simulation.result().failure);
   return simulation;
+}
+
+std::vector<std::string> judged_points(const BenchmarkProblem& problem, const Simulation& simulation) {
+  if (!problem.about.in_gallery) return {problem.about.point};
+  std::vector<std::string> points;
+  for (const auto& [name, vertex] : simulation.assembler().mesh().vertex_of_point) points.push_back(name);
+  return points;
+}
+
+double largest_displacement(const Simulation& simulation) {
+  double largest = 0.0;
+  for (int vertex = 0; vertex < simulation.assembler().mesh().vertices(); ++vertex) {
+    const auto motion = vertex_motion(simulation.assembler(), simulation.state(), vertex);
+    largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
+  }
+  return largest;
 }
 
 }  // namespace
@@ -41,13 +59,17 @@ double Errors::largest() const {
 
 Reference::Reference(const BenchmarkProblem& problem, const Communicator& communicator, const Discretization& reference,
                      const Discretization& confirmation)
-    : point_(problem.about.point), simulation_(solved(problem, communicator, reference)) {
+    : trace_(problem),
+      simulation_(solved(problem, communicator, reference, trace_)),
+      points_(judged_points(problem, simulation_)) {
   const int points = gauss_points(simulation_);
-  displacement_ = norm(vec(simulation_.displacement(point_)));
+  displacement_ = problem.about.in_gallery ? largest_displacement(simulation_)
+                                           : norm(vec(simulation_.displacement(problem.about.point)));
   centerline_ = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.displacement; });
   moment_ = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.moment; });
   energy_ = energy_of(simulation_);
-  difference_ = errors_of(solved(problem, communicator, confirmation));
+  PathTrace trace(problem);
+  difference_ = errors_of(solved(problem, communicator, confirmation, trace));
 }
 
 Errors Reference::errors_of(const Simulation& simulation) const {
@@ -58,8 +80,10 @@ Errors Reference::errors_of(const Simulation& simulation) const {
     return sample_member(simulation_.assembler(), simulation_.state(), member, sample.arc_length / length);
   };
   Errors errors;
-  errors.displacement =
-      norm(vec(simulation.displacement(point_)) - vec(simulation_.displacement(point_))) / displacement_;
+  for (const std::string& point : points_)
+    errors.displacement =
+        std::max(errors.displacement,
+                 norm(vec(simulation.displacement(point)) - vec(simulation_.displacement(point))) / displacement_);
   errors.centerline = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
     return sample.displacement - exact(sample, member).displacement;
   }) / centerline_;

@@ -1,7 +1,7 @@
 /// What errors are measured against: a solution far finer than any that is judged, confirmed by another one.
 #pragma once
 
-#include "apps/trade/benchmark.hpp"
+#include "apps/trade/path_trace.hpp"
 
 #include <cmath>
 
@@ -9,7 +9,8 @@ namespace mixbeam {
 
 /// All relative. Fields over the whole structure in the L2 norm.
 struct Errors {
-  double displacement = 0.0;  ///< of the judged point, over its displacement
+  double displacement = 0.0;  ///< of the judged point, over its displacement; in the gallery the largest of all points
+                              ///< of the scene, over the largest displacement
   double centerline = 0.0;    ///< position of the centerline, over the norm of its displacement
   double moment = 0.0;        ///< material moment, over its norm
   double energy = 0.0;        ///< strain energy
@@ -34,10 +35,13 @@ class Reference {
   /// Distance of the two solutions: errors as small as this are those of the reference.
   const Errors& difference() const { return difference_; }
   const Simulation& simulation() const { return simulation_; }
+  /// What it met on its way.
+  const PathTrace& trace() const { return trace_; }
 
  private:
-  std::string point_;
+  PathTrace trace_;
   Simulation simulation_;
+  std::vector<std::string> points_;                                             ///< whose displacements are judged
   double displacement_ = 0.0, centerline_ = 0.0, moment_ = 0.0, energy_ = 0.0;  ///< what errors are divided by
   Errors difference_;
 };

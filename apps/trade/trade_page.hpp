@@ -9,7 +9,9 @@
 namespace mixbeam {
 
 /// Markdown: what was measured with what, the order to take, what each digit costs, the cheapest cell of every
-/// benchmark, references, integration of force strains, what was not reached. It shows the pictures beside it.
-void write_page(std::ostream& page, const std::vector<BenchmarkResult>& results, const MatrixPlan& plan);
+/// benchmark, what the program makes of a wanted accuracy on them and on the scenes of the gallery, references,
+/// integration of force strains, what was not reached. It shows the pictures beside it.
+void write_page(std::ostream& page, const std::vector<BenchmarkResult>& results,
+                const std::vector<BenchmarkResult>& gallery, const MatrixPlan& plan);
 
 }  // namespace mixbeam

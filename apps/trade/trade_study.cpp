@@ -28,6 +28,10 @@ constexpr int kHighestRatedOrder = 4;
 constexpr double kRateTolerance = 0.2;
 constexpr double kRateRoundOff = 1e-10;
 
+// Confirm the references of the scenes of the gallery: another order, one and a half times as many elements.
+constexpr int kConfirmingOrder = 6;
+constexpr std::pair<int, int> kConfirmingElements{3, 2};
+
 constexpr double kShareBeyond = 0.05, kMostBelow = 10.0;
 
 std::vector<int> counts_of(Application& app, const char* name) {
@@ -56,7 +60,9 @@ MatrixPlan plan_of(Application& app) {
 /// The two solutions against each other, and the finer one against closed forms and values from the literature.
 void check_reference(Application& app, const BenchmarkProblem& problem, const Reference& reference) {
   const std::string& name = problem.about.name;
-  app.summary.check_upper_bound(name + ": difference of the references", reference.difference().largest(),
+  const Errors& difference = reference.difference();
+  app.summary.check_upper_bound(name + ": difference of the references",
+                                problem.about.in_gallery ? motion_error(difference) : difference.largest(),
                                 kReferencesAgree, "another order on another mesh");
   if (problem.about.file.empty()) return app.check_expected(reference.simulation());
   for (const ExpectedValue& value : problem.expected) {
@@ -125,12 +131,40 @@ BenchmarkResult compute(Application& app, const Benchmark& benchmark, const Matr
   check_reference(app, problem, reference);
   BenchmarkResult result = measure_matrix(problem, reference, plan, app.communicator);
   for (const double wanted : plan.accuracies)
-    result.accurate.push_back(measure_accurate_cell(problem, reference, wanted, plan.timing, app.communicator));
+    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
   check_rates(app, result, plan);
   check_accuracies(app, result);
   count_work(app, result);
   print_matrix(app.out(), result, plan.timing.threads.front());
   return result;
+}
+
+/// A scene of the gallery.
+BenchmarkResult compute_scene(Application& app, const Benchmark& scene, const MatrixPlan& plan) {
+  const BenchmarkProblem problem = read_benchmark(app, scene);
+  const int finest = problem.own_elements() * scene.refinement;
+  const Discretization confirmation{kConfirmingOrder, finest * kConfirmingElements.first / kConfirmingElements.second};
+  const Reference reference(problem, app.communicator, {kMaximumOrder, finest}, confirmation);
+  check_reference(app, problem, reference);
+  BenchmarkResult result = measure_front(problem, reference, plan, app.communicator);
+  for (const double wanted : plan.accuracies)
+    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
+  check_accuracies(app, result);
+  count_work(app, result);
+  return result;
+}
+
+using Compute = BenchmarkResult (*)(Application&, const Benchmark&, const MatrixPlan&);
+
+/// Those of a list that the parameter `name` of the study names.
+std::vector<BenchmarkResult> compute_chosen(Application& app, const std::vector<Benchmark>& list, const char* name,
+                                            Compute compute_one, const MatrixPlan& plan) {
+  const auto chosen = app.study().get<Teuchos::Array<std::string>>(name);
+  std::vector<BenchmarkResult> results;
+  for (const Benchmark& benchmark : list)
+    if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end())
+      results.push_back(compute_one(app, benchmark, plan));
+  return results;
 }
 
 void write_machine(const Application& app) {
@@ -147,9 +181,12 @@ ListSpec trade_spec() {
     return list.by_default(Teuchos::Array<int>(by_default)).means(meaning);
   };
   ListSpec spec("Which benchmarks and which cells; a single cell can be measured again by naming it alone.");
-  spec.add(subset("Benchmarks", benchmark_names())
-               .by_default(Teuchos::Array<std::string>(benchmark_names()))
+  spec.add(subset("Benchmarks", names_of(all_benchmarks()))
+               .by_default(Teuchos::Array<std::string>(names_of(all_benchmarks())))
                .means("Those that are measured; thick_cantilever is the scene of this file, whatever it is."));
+  spec.add(subset("Gallery", names_of(all_scenes()))
+               .by_default(Teuchos::Array<std::string>(names_of(all_scenes())))
+               .means("Scenes of the gallery on which the program is asked for the accuracies."));
   spec.add(counts("Orders", {1, 2, 3, 4, 5, 6, 7, 8}, kMaximumOrder, "Element orders k."));
   spec.add(counts("Elements", {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, kMostElements,
                   "Numbers of elements of each member."));
@@ -178,21 +215,19 @@ ListSpec trade_spec() {
 
 void run_trade_study(Application& app) {
   const MatrixPlan plan = plan_of(app);
-  const auto chosen = app.study().get<Teuchos::Array<std::string>>("Benchmarks");
-  std::vector<BenchmarkResult> results;
-  for (const Benchmark& benchmark : all_benchmarks())
-    if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end())
-      results.push_back(compute(app, benchmark, plan));
+  const auto results = compute_chosen(app, all_benchmarks(), "Benchmarks", compute, plan);
+  const auto gallery = compute_chosen(app, all_scenes(), "Gallery", compute_scene, plan);
   print_recommendation(app.out(), results, plan.timing.threads.front());
   print_judgements(app.out(), results);
   check_estimates(app, results);
-  print_accuracies(app.out(), results, plan.timing.threads.front());
+  print_accuracies(app.out(), results);
+  print_accuracies(app.out(), gallery);
   if (!app.writes_files()) return;
-  write_tables(app.output, results, plan.timing.threads);
+  write_tables(app.output, results, gallery, plan.timing.threads);
   write_estimates(app.output / "estimates.csv", results);
   write_machine(app);
   std::ofstream page(app.output / "trade.md");
-  write_page(page, results, plan);
+  write_page(page, results, gallery, plan);
 }
 
 }  // namespace mixbeam

@@ -187,58 +187,72 @@ void print_recommendation(std::ostream& out, const std::vector<BenchmarkResult>&
   print_orders(out, results, {largest_error, operations});
 }
 
-std::vector<AccuracyPrice> accuracy_prices(const BenchmarkResult& result, int threads) {
-  std::vector<AccuracyPrice> prices;
-  for (const AccurateCell& cell : result.accurate) {
-    const CellResult* best = cheapest(result, {motion_error, processor_time(threads)}, cell.wanted);
-    prices.push_back(
-        {&cell, best,
-         best == nullptr ? std::nan("") : cell.times.processor_seconds / best->processor_seconds(threads)});
-  }
-  return prices;
-}
-
-void print_accuracies(std::ostream& out, const std::vector<BenchmarkResult>& results, int threads) {
+void print_accuracies(std::ostream& out, const std::vector<BenchmarkResult>& results) {
   out << "\nWanted accuracies of displacements: meshes chosen, error estimated and true, time, the cheapest single "
-         "solve\n";
+         "solve; for each number of threads\n";
   for (const BenchmarkResult& result : results)
-    for (const AccuracyPrice& price : accuracy_prices(result, threads)) {
-      const AccurateCell& cell = *price.cell;
-      out << formatted("  %-20s %6s  %-28s %8.1e %8.1e %9s", result.problem.about.name.c_str(),
+    for (const AccurateCell& cell : result.accurate) {
+      out << formatted("  %-20s %6s  %-28s %8.1e %8.1e", result.problem.about.name.c_str(),
                        accuracy_text(cell.wanted).c_str(), meshes_text(cell).c_str(), cell.estimated,
-                       motion_error(cell.errors), time_text(cell.times.processor_seconds).c_str());
-      if (price.best != nullptr)
-        out << formatted("   %-8s %9s  ratio %5.2f", mesh_text(price.best->cell).c_str(),
-                         time_text(price.best->processor_seconds(threads)).c_str(), price.ratio);
+                       motion_error(cell.errors));
+      for (const auto& [threads, price] : cell.prices) {
+        out << formatted(" %9s", time_text(price.seconds).c_str());
+        if (price.best)
+          out << formatted("   %-8s %9s  ratio %5.2f", mesh_text(*price.best).c_str(),
+                           time_text(price.best_seconds).c_str(), price.ratio());
+      }
       out << (cell.end == AccuracyEnd::reached ? "" : "  " + text_of(cell.end)) << "\n";
     }
+  const AccuracyTotals totals = accuracy_totals(results);
+  out << "  " << totals.kept << " of " << totals.judged << " below the accuracy";
+  for (const auto& [threads, ratios] : totals.ratios)
+    out << formatted("; %d thread: ratio %.2f, at most %.2f", threads, ratios.middle, ratios.largest);
+  out << "\n";
+}
+
+AccuracyTotals accuracy_totals(const std::vector<BenchmarkResult>& results) {
+  AccuracyTotals totals;
+  std::map<int, std::vector<double>> ratios;
+  for (const BenchmarkResult& result : results)
+    for (const AccurateCell& cell : result.accurate) {
+      if (cell.wanted < result.floor()) continue;
+      ++totals.judged;
+      totals.kept += motion_error(cell.errors) <= cell.wanted ? 1 : 0;
+      for (const auto& [threads, price] : cell.prices)
+        if (price.best) ratios[threads].push_back(price.ratio());
+    }
+  for (auto& [threads, list] : ratios) {
+    std::sort(list.begin(), list.end());
+    totals.ratios[threads] = {list[list.size() / 2], list.back()};
+  }
+  return totals;
 }
 
 namespace {
 
-void write_accuracies(const std::filesystem::path& file, const std::vector<BenchmarkResult>& results, int threads) {
+void write_accuracies(const std::filesystem::path& file, const std::vector<BenchmarkResult>& results) {
   CsvTable csv(file, {"benchmark", "wanted", "outcome", "meshes", "rounds", "estimated_error", "displacement_error",
-                      "centerline_error", "seconds", "processor_seconds", "best_order", "best_elements", "best_seconds",
-                      "ratio"});
+                      "centerline_error", "path_error", "threads", "seconds", "best_order", "best_elements",
+                      "best_seconds", "ratio"});
   for (const BenchmarkResult& result : results)
-    for (const AccuracyPrice& price : accuracy_prices(result, threads)) {
-      const AccurateCell& cell = *price.cell;
-      csv.add_row({result.problem.about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.size(),
-                   cell.estimated, cell.errors.displacement, cell.errors.centerline, cell.times.seconds,
-                   cell.times.processor_seconds, price.best == nullptr ? 0 : price.best->cell.order,
-                   price.best == nullptr ? 0 : price.best->cell.elements,
-                   price.best == nullptr ? std::nan("") : price.best->processor_seconds(threads), price.ratio});
-    }
+    for (const AccurateCell& cell : result.accurate)
+      for (const auto& [threads, price] : cell.prices)
+        csv.add_row({result.problem.about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.size(),
+                     cell.estimated, cell.errors.displacement, cell.errors.centerline,
+                     cell.path_error.value_or(std::nan("")), threads, price.seconds, price.best ? price.best->order : 0,
+                     price.best ? price.best->elements : 0, price.best_seconds, price.ratio()});
 }
 
 }  // namespace
 
 void write_tables(const std::filesystem::path& folder, const std::vector<BenchmarkResult>& results,
-                  const std::vector<int>& threads) {
+                  const std::vector<BenchmarkResult>& gallery, const std::vector<int>& threads) {
   write_cells(folder / "trade.csv", results, threads);
   write_benchmarks(folder / "benchmarks.csv", results);
   write_orders(folder / "orders.csv", results, threads.front());
-  write_accuracies(folder / "accuracy.csv", results, threads.front());
+  write_accuracies(folder / "accuracy.csv", results);
+  write_cells(folder / "gallery.csv", gallery, {threads.front()});
+  write_accuracies(folder / "gallery_accuracy.csv", gallery);
 }
 
 }  // namespace mixbeam
