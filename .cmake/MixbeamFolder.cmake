@@ -19,3 +19,21 @@ function(mixbeam_add_folder target)
   target_link_libraries(${target} ${scope} mixbeam_options ${ARGN})
   set_target_properties(${target} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
 endfunction()
+
+# mixbeam_optimise(<target> <file>...)
+#
+# Compiles these files of the target with -O3, several at a time, whatever the options of the others are. They do without
+# precompiled headers, on which GCC 12 crashes if they were read with another optimisation level.
+set(mixbeam_optimised_at_once 4)
+function(mixbeam_optimise target)
+  get_target_property(sources ${target} SOURCES)
+  list(TRANSFORM ARGN PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/" OUTPUT_VARIABLE files)
+  list(REMOVE_ITEM sources ${files})
+  set_target_properties(${target} PROPERTIES SOURCES "${sources}")
+  add_library(${target}_loops OBJECT ${files})
+  get_target_property(dependencies ${target} LINK_LIBRARIES)
+  target_link_libraries(${target}_loops PRIVATE ${dependencies})
+  set_target_properties(${target}_loops PROPERTIES UNITY_BUILD ${MIXBEAM_JOIN_SOURCES}
+                                                   UNITY_BUILD_BATCH_SIZE ${mixbeam_optimised_at_once})
+  target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_loops>)
+endfunction()

@@ -29,11 +29,5 @@ if(MIXBEAM_SANITIZE)
 endif()
 
 # For targets that read input, steer and write: nothing there runs once per element, and -O1 takes the compiler half the
-# time of -O3. Files with loops over elements or vertices are given mixbeam_heavy_code one by one.
+# time of -O3. Files with loops over elements or vertices are named to mixbeam_optimise.
 set(mixbeam_light_code $<$<CONFIG:Release>:-O1>) # after -O3, and the last one counts
-set(mixbeam_heavy_code $<$<CONFIG:Release>:-O3>)
-# GCC 12 crashes on precompiled headers of another optimisation level.
-macro(mixbeam_mark_heavy)
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS ${mixbeam_heavy_code} SKIP_UNITY_BUILD_INCLUSION ON
-                                                 SKIP_PRECOMPILE_HEADERS ON)
-endmacro()

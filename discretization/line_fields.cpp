@@ -13,37 +13,6 @@ namespace mixbeam {
 
 namespace {
 
-using Formulas = std::array<std::string, 3>;
-
-/// Component of a load at any place of its member: constant, or a formula of s and x.
-class Profile {
- public:
-  Profile(const Vector3& constant, const Formulas& formula, const std::string& member)
-      : constant_(constant), member_(member) {
-    for (int i = 0; i < 3; ++i)
-      if (!formula[i].empty()) formula_[i].emplace(formula[i], std::vector<std::string>{"s", "x"});
-  }
-  bool is_zero() const {
-    for (int i = 0; i < 3; ++i)
-      if (formula_[i] || constant_[i] != 0.0) return false;
-    return true;
-  }
-  double at(int component, double s, double length) const {
-    if (!formula_[component]) return constant_[component];
-    const double value = (*formula_[component])({s, s / length});
-    if (!std::isfinite(value))
-      throw std::invalid_argument("member \"" + member_ + "\": the formula \"" + formula_[component]->text() +
-                                  "\" has no finite value at s = " + std::to_string(s) +
-                                  " (x = " + std::to_string(s / length) + ")");
-    return value;
-  }
-
- private:
-  Vector3 constant_;
-  std::array<std::optional<Expression>, 3> formula_{};
-  std::string member_;
-};
-
 /// Places xi of the points of a field in an element of a block.
 std::vector<double> places(LineField kind, const ElementBlock& block) {
   std::vector<double> xi(line_field_points(kind, block.order, block.interior.force_points)), weight(xi.size());
@@ -87,6 +56,35 @@ void ensure_rows(ElementBlock& block) {
 bool is_load(LineField kind) { return kind != LineField::eigenstrain && kind != LineField::eigencurvature; }
 
 }  // namespace
+
+/// Component of a load at any place of its member: constant, or a formula of s and x.
+class LineFields::Profile {
+ public:
+  Profile(const Vector3& constant, const std::array<std::string, 3>& formula, const std::string& member)
+      : constant_(constant), member_(member) {
+    for (int i = 0; i < 3; ++i)
+      if (!formula[i].empty()) formula_[i].emplace(formula[i], std::vector<std::string>{"s", "x"});
+  }
+  bool is_zero() const {
+    for (int i = 0; i < 3; ++i)
+      if (formula_[i] || constant_[i] != 0.0) return false;
+    return true;
+  }
+  double at(int component, double s, double length) const {
+    if (!formula_[component]) return constant_[component];
+    const double value = (*formula_[component])({s, s / length});
+    if (!std::isfinite(value))
+      throw std::invalid_argument("member \"" + member_ + "\": the formula \"" + formula_[component]->text() +
+                                  "\" has no finite value at s = " + std::to_string(s) +
+                                  " (x = " + std::to_string(s / length) + ")");
+    return value;
+  }
+
+ private:
+  Vector3 constant_;
+  std::array<std::optional<Expression>, 3> formula_{};
+  std::string member_;
+};
 
 /// One vector of a DistributedLoad or an Eigenstrain.
 struct LineFields::Source {

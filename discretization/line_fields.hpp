@@ -50,6 +50,7 @@ class LineFields {
     KernelView<int*> elements{};       ///< of the block
     KernelView<double* [3]> value {};  ///< (element by element, point)
   };
+  class Profile;
   struct Source;
   void add_source(const Mesh& mesh, Structure& structure, const Source& source);
   void allocate_values(Structure& structure);

@@ -149,7 +149,7 @@ double smallest(const ErrorEstimate& estimate) {
 /// % with 0.1 and 98.5 % with 0.01; the rest are cells where the energy error changes its sign.
 constexpr double kVisible = 0.01;
 /// A correction that leaves more than this of the residual was far off, and its tangent with it.
-constexpr double kGoodContraction = 0.1;
+constexpr double kFarOff = 0.1;
 /// Only where elements turn by about one radian more than two are of any use.
 constexpr int kMostCorrections = 4;
 
@@ -166,7 +166,7 @@ ErrorEstimate estimate_in(const RicherScene& richer, const Assembler& assembler,
   ErrorEstimate estimate = compare(assembler, state, problem->assembler, start, solve.state());
   while (solve.corrections() < kMostCorrections && solve.residual() > parameters.newton.residual_tolerance &&
          solve.residual() > kVisible * smallest(estimate)) {
-    const bool was_good = solve.residual() <= kGoodContraction * before;
+    const bool was_good = solve.residual() <= kFarOff * before;
     before = solve.residual();
     was_good ? solve.correct_with_old_tangent() : solve.correct();
     estimate = compare(assembler, state, problem->assembler, start, solve.state());

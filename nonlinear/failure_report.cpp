@@ -23,7 +23,7 @@ constexpr double kWideAngleOfAttempt = 0.95 * kPi;
 /// Elements are suggested for a quarter turn at the end of the path: where half of the range is left.
 constexpr double kComfortableAngle = 0.5 * kPi;
 /// The angle grows at most with the load; a path that ended at its very start says little of its end.
-constexpr double kLargestGrowth = 4.0;
+constexpr double kLargestAngleGrowth = 4.0;
 constexpr std::size_t kMostAngles = 5;
 
 /// Before a fold the smallest eigenvalue falls like the root of what is left of the load: the smallest step of 1e-4 of
@@ -39,7 +39,7 @@ constexpr int kVerticesOfMode = 3;
 constexpr double kFallen = 1e-2;
 
 /// Load factors are sums of rounded steps.
-constexpr double kRounding = 1e-9;
+constexpr double kFactorRounding = 1e-9;
 
 bool is_wide_in(const std::vector<WideAngle>& angles, const std::string& member) {
   return std::any_of(angles.begin(), angles.end(), [&](const WideAngle& a) { return a.member == member; });
@@ -62,7 +62,7 @@ std::vector<WideAngle> wide_angles(Assembler& assembler, const PathEnd& end, con
   MixedVector residual = assembler.create_vector();
   assembler.residual(end.state, end.load_factor, residual);
   const double whole = assembler.scene().stages;
-  const double growth = end.load_factor > 0.0 ? std::min(kLargestGrowth, whole / end.load_factor) : 1.0;
+  const double growth = end.load_factor > 0.0 ? std::min(kLargestAngleGrowth, whole / end.load_factor) : 1.0;
   std::vector<WideAngle> wide;
   for (const Assembler::EndAngle& angle : end_angles_of_members(assembler))
     if (angle.angle > kWideAngle) wide.push_back(wide_angle(assembler, angle, true, growth));
@@ -156,7 +156,8 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
     MixedVector residual = assembler.create_vector();
     assembler.residual(end.state, end.load_factor, residual);
     assembler.tangent(end.state, end.load_factor);
-    return condition_estimate(assembler.matrix(), sparse_solver_of(parameters.linear.method), assembler.structure().length);
+    return condition_estimate(assembler.matrix(), sparse_solver_of(parameters.linear.method),
+                              assembler.structure().length);
   } catch (const std::exception&) {
     return {};
   }
@@ -208,7 +209,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
   report.steps_used_up = end.steps_used_up;
   if (!report.attempts.empty()) {
     const double tried = std::abs(report.attempts.back().load_factor - end.load_factor);
-    report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kRounding) + kRounding;
+    report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kFactorRounding) + kFactorRounding;
   }
   report.wide_angles = wide_angles(problem.assembler, end, report.attempts);
   report.tangent = tangent_report(problem, end);

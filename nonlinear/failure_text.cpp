@@ -13,7 +13,7 @@ namespace {
 /// Attempts shown: the first ones say no more than the last.
 constexpr std::size_t kAttemptsShown = 5;
 
-std::string direction_text(const Vector3& v) {
+std::string rounded_direction(const Vector3& v) {
   std::ostringstream text;
   text.precision(3);
   const auto rounded = [](double x) { return std::round(x * 1e3) / 1e3 + 0.0; };
@@ -59,7 +59,7 @@ void write_mode(std::ostream& out, const CriticalMode& mode) {
   out << "  Eigenvalue " << mode.eigenvalue << " (" << mode.relative << " of the lowest of the undeformed structure):";
   for (const MovingVertex& vertex : mode.vertices)
     out << (&vertex == &mode.vertices.front() ? " " : "; ") << text_of(vertex.place)
-        << (vertex.turns ? " turns about " : " moves along ") << direction_text(vertex.direction);
+        << (vertex.turns ? " turns about " : " moves along ") << rounded_direction(vertex.direction);
   out << ".\n";
 }
 

@@ -18,7 +18,7 @@ namespace mixbeam {
 
 namespace {
 
-constexpr double kRounding = std::numeric_limits<double>::epsilon();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// Of what a member would carry if nothing but its own (capped) stiffness answered the strain. Where equilibrium or
 /// bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
@@ -121,7 +121,7 @@ class Perturbation {
 bool Perturbation::is_worth_a_look() const {
   if (is_statically_determinate(assembler_.scene(), assembler_.mesh())) return false;
   for (const std::array<double, 3>& stiffness : stiffness_)
-    if (*std::max_element(stiffness.begin(), stiffness.end()) * kRounding > kUncertain * scales_.force)
+    if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
       return scales_.force > 0.0;
   return false;
 }
@@ -134,7 +134,7 @@ MixedVector Perturbation::rounding_errors() const {
   const Structure& structure = assembler_.structure();
   for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
     const double scale = scales_.element_strain(block.reference(e, 0));
-    interior(index) = kRounding * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
+    interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
   });
   return rows;
 }
@@ -158,7 +158,7 @@ std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment
     if (is_rigid(member, i % 3) != rigid) return;
     const double change = std::abs(interior(index)),
                  limit = structure.views.member_section(member).force_stiffness_limit;
-    const double share = rigid ? change / (kSelfStress * kRounding * limit) : change / (kUncertain * scales_.force);
+    const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
     if (share > best[0])
       best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
               change / scales_.force};

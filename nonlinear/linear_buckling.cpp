@@ -21,7 +21,7 @@ constexpr double kStep = 0.02;
 /// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
 constexpr int kRefinements = 3;
 /// See Stability.
-constexpr double kSymmetric = 1e-9, kReal = 1e-8;
+constexpr double kNearlySymmetric = 1e-9, kNearlyReal = 1e-8;
 
 class LinearBuckling {
  public:
@@ -59,7 +59,7 @@ class LinearBuckling {
 
   void factorize() {
     on_root(unknowns_.root(), [&] {
-      symmetric_ = asymmetry(unknowns_.matrix()) <= kSymmetric;
+      symmetric_ = asymmetry(unknowns_.matrix()) <= kNearlySymmetric;
       matrix_ = unknowns_.matrix();
       const auto kind = symmetric_ ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
       solver_ = std::make_unique<InertiaSolver>(kind, matrix_);
@@ -132,14 +132,14 @@ class LinearBuckling {
     on_root(unknowns_.root(), [&] {
       SparseMatrix prestress = matrix_;
       prestress.value = geometric;
-      symmetric = symmetric_ && asymmetry_of(prestress, t) <= kSymmetric ? 1 : 0;
+      symmetric = symmetric_ && asymmetry_of(prestress, t) <= kNearlySymmetric ? 1 : 0;
       KrylovProblem eigen;
       eigen.unknowns = unknowns_.count();
       eigen.symmetric = symmetric != 0;
       eigen.apply = [&](double* block, int columns) { apply(prestress, block, columns); };
       if (eigen.symmetric) eigen.inner = [&](const double* x, double* kx) { matrix_.multiply(x, kx); };
       for (RitzPair& pair : largest_eigenpairs(eigen, count)) {
-        if (pair.value == 0.0 || std::abs(pair.imaginary) > kReal * std::abs(pair.value)) continue;
+        if (pair.value == 0.0 || std::abs(pair.imaginary) > kNearlyReal * std::abs(pair.value)) continue;
         inverse_factor.push_back(pair.value);
         y.push_back(std::move(pair.vector));
       }

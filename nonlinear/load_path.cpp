@@ -11,7 +11,7 @@ namespace mixbeam {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kHalfTurn = 3.14159265358979323846;
 
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
 /// which element turns by as much at the end of a stage, if any.
@@ -20,7 +20,7 @@ std::string problem_of_end_angles(BeamProblem& problem, const State& state, doub
   MixedVector residual = problem.assembler.create_vector();
   problem.assembler.residual(state, load_factor, residual);
   const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
-  if (angle.angle < kPi * (1.0 - kMargin)) return "";
+  if (angle.angle < kHalfTurn * (1.0 - kMargin)) return "";
   return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
          "\" turns by pi against its vertices, where rotations are no longer unique";
 }

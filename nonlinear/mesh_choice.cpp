@@ -45,7 +45,7 @@ constexpr int kPack = 4;
 /// Elements of a member of a start mesh: a low order that is kept would take any number for a high accuracy.
 constexpr int kMostStartElements = 20'000;
 /// Elements of a member change by at most this from mesh to mesh: further away nothing is known.
-constexpr int kLargestGrowth = 8, kLargestCoarsening = 2;
+constexpr int kLargestRefinement = 8, kLargestCoarsening = 2;
 /// Numbers of elements that are looked at grow by this factor.
 constexpr double kElementRatio = 1.15;
 /// An error that has not begun to fall does so with this q h at best.
@@ -215,7 +215,8 @@ std::vector<int> element_numbers(const Member& member, int present) {
   if (member.keeps_elements) return {present};
   std::vector<int> numbers;
   int n = std::max(pieces_of(member), (present + kLargestCoarsening - 1) / kLargestCoarsening);
-  for (; n <= kLargestGrowth * present; n = std::max(n + 1, static_cast<int>(n * kElementRatio))) numbers.push_back(n);
+  for (; n <= kLargestRefinement * present; n = std::max(n + 1, static_cast<int>(n * kElementRatio)))
+    numbers.push_back(n);
   return numbers;
 }
 

@@ -8,7 +8,7 @@ namespace mixbeam {
 namespace {
 
 /// Iterations, and vectors that are kept. Newton's method goes on with what is left.
-constexpr int kMostIterations = 20;
+constexpr int kMostVectors = 20;
 
 /// Where to stop: what was left out need not be known better than the increment itself, which the rounding errors of
 /// the condensed equations disturb in the fifth digit where the cap is reached.
@@ -77,7 +77,7 @@ bool remove_softening(const SofteningOperators& operators, const MixedVector& le
   basis[0].scale(1.0 / beta);
   Hessenberg system(beta);
   double left = beta;
-  for (int k = 0; k < kMostIterations && left > kReduction * beta; ++k) {
+  for (int k = 0; k < kMostVectors && left > kReduction * beta; ++k) {
     response.push_back(increment.clone(false));
     operators.solve_softened(basis[k], response[k]);
     MixedVector next = increment.clone(false);

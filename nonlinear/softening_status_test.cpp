@@ -13,7 +13,7 @@ namespace {
 
 /// Of the motion. Each iteration divides what is left by the cap, 1e5 as a rule: a bound near rounding would ask for
 /// one iteration more than is of use.
-constexpr double kNegligible = 1e-9;
+constexpr double kNegligibleMotion = 1e-9;
 
 /// Beyond, rounding errors of the strains move the forces to and fro, and more iterations do not help.
 constexpr int kMostRefusals = 2;
@@ -29,7 +29,7 @@ NOX::StatusTest::StatusType SofteningStatusTest::checkStatus(const NOX::Solver::
     status_ = Unevaluated;
   } else if (solver.getNumIterations() > 0 && refusals_ < kMostRefusals) {
     const BeamGroup& before = BeamGroup::of(solver.getPreviousSolutionGroup());
-    if (BeamGroup::of(solver.getSolutionGroup()).left_out_since(before) > kNegligible) status_ = Unconverged;
+    if (BeamGroup::of(solver.getSolutionGroup()).left_out_since(before) > kNegligibleMotion) status_ = Unconverged;
     refusals_ += status_ == Unconverged ? 1 : 0;
   }
   return status_;

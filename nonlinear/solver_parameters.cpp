@@ -18,15 +18,15 @@ using Teuchos::ParameterList;
 using Teuchos::RCP;
 
 constexpr int kMostSteps = 1'000'000;
-constexpr int kMostIterations = 10'000;
+constexpr int kIterationLimit = 10'000;
 constexpr int kMostThreads = 1024;
 
-const SolverParameters kDefaults;
+const SolverParameters kSolverDefaults;
 const std::map<std::string, LoadPathMethod> kMethods = {
     {"automatic", LoadPathMethod::automatic}, {"adaptive", LoadPathMethod::adaptive}, {"fixed", LoadPathMethod::fixed}};
 
 ListSpec load_path_spec() {
-  const LoadPathParameters& defaults = kDefaults.load_path;
+  const LoadPathParameters& defaults = kSolverDefaults.load_path;
   ListSpec spec("Steps of the load factor, which runs from 0 to the number of stages; sizes are fractions of a stage.");
   spec.add(choice("Method", {"automatic", "adaptive", "fixed"})
                .by_default("automatic")
@@ -67,7 +67,7 @@ ListSpec load_path_spec() {
 }
 
 ListSpec newton_spec() {
-  const NewtonParameters& defaults = kDefaults.newton;
+  const NewtonParameters& defaults = kSolverDefaults.newton;
   ListSpec spec("Newton's method in each step.");
   spec.add(real("Residual Tolerance")
                .above(0.0)
@@ -76,7 +76,7 @@ ListSpec newton_spec() {
                .means("Converged when the scaled residual (without dimension) is smaller."));
   spec.add(integer("Maximum Iterations")
                .at_least(1)
-               .at_most(kMostIterations)
+               .at_most(kIterationLimit)
                .by_default(defaults.maximum_iterations)
                .means("The step has failed after this many iterations."));
   spec.add(
@@ -87,7 +87,7 @@ ListSpec newton_spec() {
           .means("Largest rotation of a vertex in one iteration [radian]; longer Newton steps are shortened to it."));
   spec.add(integer("Tangent Reuse")
                .at_least(0)
-               .at_most(kMostIterations)
+               .at_most(kIterationLimit)
                .by_default(defaults.tangent_reuse)
                .means("Further iterations that a tangent and its factors serve, as long as each of them lowers the "
                       "residual to a tenth (modified Newton); 0: every iteration has its own tangent."));
@@ -95,7 +95,7 @@ ListSpec newton_spec() {
 }
 
 ListSpec linear_solver_spec() {
-  const LinearSolverParameters& defaults = kDefaults.linear;
+  const LinearSolverParameters& defaults = kSolverDefaults.linear;
   ListSpec spec("Solution of the linear systems.");
   spec.add(choice("Method", {"chains", "KLU2"})
                .by_default(defaults.method)
@@ -211,16 +211,16 @@ ListSpec solver_spec() {
   spec.add(integer("Threads")
                .at_least(0)
                .at_most(kMostThreads)
-               .by_default(kDefaults.threads)
+               .by_default(kSolverDefaults.threads)
                .means("OpenMP threads; 0: as the environment variable OMP_NUM_THREADS says."));
   spec.add(
       boolean("Planar")
-          .by_default(kDefaults.planar)
+          .by_default(kSolverDefaults.planar)
           .means(
               "Scenes in a plane are recognised and solved with three unknowns per vertex, about three times as fast; "
               "their last digits are not those of the solution in space."));
   spec.add(boolean("Symmetric Tangent")
-               .by_default(kDefaults.symmetric_tangent)
+               .by_default(kSolverDefaults.symmetric_tangent)
                .means("Line loads without a potential (followers, dead couples) enter the tangent with their symmetric "
                       "part alone, so that their members are condensed as chains; Newton's method then converges "
                       "linearly. Results and stability do not depend on it; point loads, which cost nothing, stay as "
