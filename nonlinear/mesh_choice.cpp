@@ -2,6 +2,7 @@
 
 #include "discretization/section_law.hpp"
 #include "kernels/element_layout.hpp"
+#include "nonlinear/bending_loads.hpp"
 
 #include <algorithm>
 #include <array>
@@ -19,18 +20,6 @@ constexpr double kTurningScale = 16.0;
 constexpr double kAim = 0.1;
 /// Vertices of an element must not turn by pi against it; beyond this Newton's method finds other solutions, too.
 constexpr double kLargestTurning = 2.5;
-/// A member of length L under a force F at a distance d has errors as if it turned evenly by f sqrt(F d L / EI): where
-/// the force bends it most, its curvature is sqrt(2 F / EI) at most, and higher there than anywhere else. Measured with
-/// the elastica, arcs and frames: f is 1.7 to 2.1, and small loads leave errors as if it turned by 2. [radian]
-constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0;
-/// A force turns a member into its own direction and no further. How thin the layers at the ends of a cable are is left
-/// to the estimate. [radian]
-constexpr double kMostTurningByForce = 8.0;
-/// A hundred coils are few enough to try; more would rather be a moment that others than this member carry. [radian]
-constexpr double kMostTurningByMoment = 600.0;
-/// In a structure of more members a load bends those next to it, about as far from it as some of their lengths.
-constexpr int kMembersOfAFrame = 8;
-constexpr double kLeverOfALattice = 3.0;
 /// Orders that pay for any accuracy, see apps/docs/trade.md.
 constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 
@@ -83,85 +72,6 @@ double reference_turning(const ReferenceCurve& curve) {
     before = here;
   }
   return std::hypot(angle, curve.twist_rate * curve.length);
-}
-
-/// Softness in bending, to weigh errors of the moment with.
-double bending_compliance(const Scene& scene, const Member& member) {
-  for (const Section& section : scene.sections)
-    if (section.name == member.section)
-      return 1.0 / std::min({section.bending_stiffness[0], section.bending_stiffness[1], section.torsional_stiffness});
-  return 1.0;
-}
-
-double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
-
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
-
-/// What bends a structure, gathered at points.
-struct BendingLoad {
-  Vector3 place{};
-  double force = 0.0, moment = 0.0;
-};
-
-std::vector<BendingLoad> bending_loads(const Scene& scene, const Mesh& mesh) {
-  std::vector<BendingLoad> loads;
-  for (const PointLoad& load : scene.point_loads)
-    loads.push_back({mesh.vertex_position[static_cast<size_t>(vertex_of(mesh, load.point))], length_of(load.force),
-                     length_of(load.moment)});
-  for (const DistributedLoad& load : scene.distributed_loads) {
-    const ReferenceCurve& curve = mesh.members[static_cast<size_t>(member_index(scene, load.member))].curve;
-    const Vec3<double> middle = curve.position(0.5 * curve.length);
-    loads.push_back({{middle[0], middle[1], middle[2]},
-                     length_of(load.force) * curve.length,
-                     length_of(load.couple) * curve.length});
-  }
-  return loads;
-}
-
-/// All loads of a frame, with their force times the lever to the far end of a member.
-BendingLoad load_of_frame_member(const Mesh& mesh, const MeshMember& member, const std::vector<BendingLoad>& loads) {
-  const auto end = [&](int element, int side) {
-    return mesh.vertex_position[static_cast<size_t>(mesh.elements[member.first_element + element].vertex[side])];
-  };
-  const Vector3 first = end(0, 0), last = end(member.elements - 1, 1);
-  BendingLoad sum;
-  for (const BendingLoad& load : loads) {
-    const double lever = std::max({distance(load.place, first), distance(load.place, last), 0.5 * member.curve.length});
-    sum.force += load.force * lever;
-    sum.moment += load.moment;
-  }
-  return sum;
-}
-
-/// The largest loads of a lattice, likewise.
-BendingLoad load_of_lattice_member(const MeshMember& member, const std::vector<BendingLoad>& loads) {
-  BendingLoad largest;
-  for (const BendingLoad& load : loads) {
-    largest.force = std::max(largest.force, load.force * kLeverOfALattice * member.curve.length);
-    largest.moment = std::max(largest.moment, load.moment);
-  }
-  return largest;
-}
-
-/// (member): angle that a member turns by when the loads bend it, to choose a start mesh with.
-std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh) {
-  const std::vector<BendingLoad> loads = bending_loads(scene, mesh);
-  const bool is_frame = scene.members.size() <= kMembersOfAFrame;
-  std::vector<double> turning;
-  for (size_t m = 0; m < scene.members.size(); ++m) {
-    const MeshMember& member = mesh.members[m];
-    const BendingLoad load =
-        is_frame ? load_of_frame_member(mesh, member, loads) : load_of_lattice_member(member, loads);
-    const double softness = member.curve.length * bending_compliance(scene, scene.members[m]);
-    const double by_forces = std::min(kMostTurningByForce, kTurningByForce * std::sqrt(load.force * softness));
-    const double by_moments = std::min(kMostTurningByMoment, load.moment * softness);
-    turning.push_back(std::max(kLeastTurningByLoad, std::hypot(by_forces, by_moments)));
-  }
-  for (const Eigenstrain& strain : scene.eigenstrains) {
-    const auto m = static_cast<size_t>(member_index(scene, strain.member));
-    turning[m] += std::min(kMostTurningByMoment, length_of(strain.curvature) * mesh.members[m].curve.length);
-  }
-  return turning;
 }
 
 /// What an estimate says about one member, relative to the sizes of the quantities.
