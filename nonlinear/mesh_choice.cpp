@@ -26,8 +26,7 @@ constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 /// Microseconds of a Newton iteration for one element of order 1 to 8: 64 elements in space on one thread; with coupled
 /// sections, whose kernels have matrices in place of diagonals.
 constexpr std::array<double, kMaximumOrder + 1> kElementCost = {0.0, 2.0, 3.3, 5.0, 6.5, 9.0, 11.5, 15.0, 20.0};
-constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0,   14.0,  25.0,  41.0, 78.0,
-                                                                150.0, 250.0, 350.0, 420.0};
+constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0, 6.0, 11.0, 24.0, 42.0, 60.0, 90.0, 130.0, 165.0};
 /// Elements that are computed together, but those with coupled sections: fewer cost as much.
 constexpr int kPack = 4;
 

@@ -52,11 +52,6 @@ void set_up_batch(Application& app, const CommandLine& line) {
   if (line.summary) prepare_summary(*line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
-  if (app.scene.accuracy)
-    throw app.xml.source.error(
-        {"Scene", "Accuracy"},
-        "given, but a batch solves its cases on the meshes that members give; allowed: in scenes "
-        "for mixbeam run");
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error({"Batch"}, "missing ParameterList; needed: the cases, by \"Table\" or \"Vary\"");
   const std::filesystem::path scene(*line.scene_file);

@@ -4,6 +4,7 @@
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/merged_scene.hpp"
+#include "nonlinear/accurate_run.hpp"
 
 namespace mixbeam {
 
@@ -33,7 +34,10 @@ std::string cause_of(const LoadPathResult& result) {
 }  // namespace
 
 BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases)
-    : app_(app), quantities_(quantities), may_merge_(!has_path_of_its_own(app.solver.analysis)), results_(cases) {}
+    : app_(app),
+      quantities_(quantities),
+      may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy),
+      results_(cases) {}
 
 void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes) {
   cases_ = &cases;
@@ -83,11 +87,36 @@ bool BatchSolver::solve_together(const Range& range) {
   return true;
 }
 
+/// On a mesh of its own, see accurate_run.hpp.
+void BatchSolver::solve_accurately(std::size_t place) {
+  const Scene& scene = (*scenes_)[place];
+  CaseResult& result = results_[(*cases_)[place]];
+  AccurateRunObserver observer;
+  observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
+  const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, false, observer);
+  for (const MeshRound& round : run.rounds) {
+    app_.summary.load_steps += round.steps;
+    app_.summary.newton_iterations += round.iterations;
+  }
+  for (const auto& [phase, seconds] : run.simulation.times()) app_.summary.seconds[phase] += seconds;
+  if (!run.simulation.result().finished) {
+    result.cause = cause_of(run.simulation.result());
+    return;
+  }
+  keep(run.simulation, {place, place + 1}, std::vector<int>(scene.members.size(), 0), false);
+  result.alone = true;
+  if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return;
+  result.converged = false;
+  result.values.clear();
+  result.cause = text_of("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
+}
+
 void BatchSolver::solve_alone(std::size_t place) {
   const Scene& scene = (*scenes_)[place];
   CaseResult& result = results_[(*cases_)[place]];
   result = {};
   result.solved = result.alone = true;
+  if (scene.accuracy) return solve_accurately(place);
   const Simulation simulation = app_.try_to_solve(scene, app_.solver);
   result.iterations = simulation.result().newton_iterations;
   if (!simulation.result().finished) {

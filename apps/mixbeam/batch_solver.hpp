@@ -32,6 +32,7 @@ class BatchSolver {
   void solve_range(const Range& range);
   bool solve_together(const Range& range);
   void solve_alone(std::size_t place);
+  void solve_accurately(std::size_t place);
   void keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member, bool merged);
 
   Application& app_;

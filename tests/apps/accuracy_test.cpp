@@ -75,15 +75,12 @@ TEST_F(AccuracyOfAScene, CheckTellsTheStartMesh) {
   expect_in(ended.out, {"start mesh for an accuracy of 1.0e-06", "order ", "elements "});
 }
 
-TEST_F(AccuracyOfAScene, CannotBeResumedNorBatched) {
+TEST_F(AccuracyOfAScene, CannotBeResumed) {
   ASSERT_EQ(run_and_sum_up(elastica_with("1e-9")).exit_code, kFine);
   const Ended resumed =
       run_process(program("mixbeam"), {"resume", (folder_ / "results" / "scene.h5").string()}, folder_);
   EXPECT_EQ(resumed.exit_code, kRefused);
   expect_in(resumed.err, {"scene.h5", "cannot be resumed", "accuracy"});
-  const Ended batch = run("batch", elastica_with("1e-9"));
-  EXPECT_EQ(batch.exit_code, kRefused);
-  expect_in(batch.err, {"\"Scene / Accuracy\"", "mixbeam run"});
 }
 
 // Programs with studies set the meshes themselves.

@@ -2,6 +2,7 @@
 #include "mixbeam_files.hpp"
 
 #include <cmath>
+#include <regex>
 
 namespace mixbeam::batch_test {
 namespace {
@@ -93,6 +94,32 @@ class Batch : public ::testing::Test {
 
   TemporaryFolder folder_;
 };
+
+/// The sweep with an accuracy, its members with what `division` says in place of order and elements.
+std::string sweep_with_accuracy(const std::string& accuracy, const std::string& division) {
+  std::string text = std::regex_replace(sweep(), std::regex("<Parameter name=\"Elements\"[^>]*>"), "");
+  text = std::regex_replace(text, std::regex("<Parameter name=\"Order\"[^>]*>"), division);
+  const std::string scene = "<ParameterList name=\"Scene\">";
+  return changed(text, scene, scene + parameter("Accuracy", "double", accuracy));
+}
+
+TEST_F(Batch, EachCaseChoosesItsMeshForAnAccuracy) {
+  const Ended ended = solve(sweep_with_accuracy("1e-9", ""), sweep_table());
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  expect_in(ended.out, {"15 of 15 checks passed", "40 cases, 0 failed"});
+}
+
+// The twin: two elements of order 2 are not enough for the larger loads.
+TEST_F(Batch, CasesThatMissTheAccuracyFail) {
+  const std::string division = parameter("Order", "int", "2") + parameter("Elements", "int", "2");
+  const Ended ended = solve(sweep_with_accuracy("1e-3", division), sweep_table());
+  EXPECT_NE(ended.exit_code, kOk) << ended.out;
+  const std::vector<Row> found = rows();
+  ASSERT_EQ(found.size(), 40u);
+  EXPECT_EQ(found.front().at("converged"), "yes");
+  EXPECT_EQ(found.back().at("converged"), "no");
+  expect_in(found.back().at("cause"), {"accuracy of 1.0e-03"});
+}
 
 TEST_F(Batch, ATableOfLoadsGivesTheElastica) {
   const Ended ended = solve(sweep(), sweep_table());

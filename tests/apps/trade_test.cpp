@@ -15,6 +15,7 @@ std::string trade_scene(const std::string& parameters, const fs::path& folder) {
 
 constexpr const char* kFewCells = R"xml(
     <Parameter name="Benchmarks" type="Array(string)" value="{thick_cantilever, rollup, slope_discontinuity}"/>
+    <Parameter name="Gallery" type="Array(string)" value="{gripper}"/>
     <Parameter name="Orders" type="Array(int)" value="{1, 2, 3}"/>
     <Parameter name="Elements" type="Array(int)" value="{4, 8, 16, 32}"/>
     <Parameter name="Reference" type="Array(int)" value="{8, 24}"/>
@@ -25,7 +26,9 @@ constexpr const char* kFewCells = R"xml(
 )xml";
 
 /// Fewer runs where they are not what is tested.
-std::string one_thread(const std::string& study) { return changed(study, "{1, 2}", "{1}", "Threads"); }
+std::string one_thread(const std::string& study) {
+  return changed(changed(study, "{1, 2}", "{1}", "Threads"), "{gripper}", "{}");
+}
 
 TEST(Trade, TinySizeConvergesAsTheorySays) {
   const auto folder = folder_for("trade_tiny");
@@ -37,9 +40,11 @@ TEST(Trade, TinySizeConvergesAsTheorySays) {
   EXPECT_EQ(cells.find("elastica"), std::string::npos) << "a benchmark that was not asked for";
   expect_in(text_of(folder / "orders.csv"), {"\nlargest,seconds,0.01,1,3,3,", "\ndisplacement,flops,0.01,1,3,3,"});
   expect_in(text_of(folder / "accuracy.csv"), {"\nthick_cantilever,0.001,reached,", "\nrollup,1e-05,reached,"});
-  expect_in(text_of(folder / "trade.md"), {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |",
-                                           "## Asking for an accuracy", "| rollup | 1e-05 |"});
-  expect_in(text_of(folder / "output.txt"), {"27 of 27 checks passed."});
+  expect_in(text_of(folder / "trade.md"),
+            {"# The trade", "compiler", "## Which order to take", "| thick_cantilever |", "## Asking for an accuracy",
+             "| rollup | 1e-05 |", "### Scenes of the gallery", "| gripper | 1e-05 |"});
+  expect_in(text_of(folder / "gallery_accuracy.csv"), {"\ngripper,0.001,reached,", "\ngripper,1e-05,reached,"});
+  expect_in(text_of(folder / "output.txt"), {"33 of 33 checks passed."});
 }
 
 TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
@@ -47,6 +52,15 @@ TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
   const std::string study = one_thread(changed(kFewCells, "{4, 8, 16, 32}", "{1, 2}"));
   EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 1);
   expect_in(text_of(folder / "output.txt"), {"FAIL  thick_cantilever k=3: rate of the centerline"});
+}
+
+// The twin: on the elements of the file no order up to 1 reaches what is asked for.
+TEST(Trade, TheCheapestCellReachesTheAccuracy) {
+  const auto folder = folder_for("trade_gallery");
+  std::string study = changed(kFewCells, "{thick_cantilever, rollup, slope_discontinuity}", "{}");
+  study = changed(changed(study, "{1, 2, 3}", "{1}"), "{1, 2}", "{1}", "Threads");
+  EXPECT_EQ(run_program("trade", trade_scene(study, folder), folder), 0) << text_of(folder / "output.txt");
+  expect_in(text_of(folder / "trade.md"), {"2 of 2 true errors", "| gripper | 1e-05 |", " | - | - |"});
 }
 
 TEST(Trade, ReferencesThatDisagreeAreNoticed) {

@@ -70,6 +70,44 @@ TEST(MeshChoice, StartHasAnElementBetweenTwoInnerPoints) {
   EXPECT_GE(start_mesh(scene, 1e-3)[0].elements, 12);
 }
 
+/// A chain that is clamped at its start and loaded at this point.
+Scene loaded_chain(int members, const std::string& point) {
+  Scene scene = chain(members);
+  scene.supports.resize(1);
+  scene.supports[0].point = "0";
+  scene.supports[0].displacement_fixed = scene.supports[0].rotation_fixed = {true, true, true};
+  scene.point_loads.resize(1);
+  scene.point_loads[0].point = point;
+  scene.point_loads[0].force = {0.0, 1.0, 0.0};
+  return scene;
+}
+
+TEST(MeshChoice, StartSparesMembersOnWhichNothingHangs) {
+  const MeshChoice start = start_mesh(loaded_chain(3, "2"), 1e-6);
+  EXPECT_EQ(start[2], start_mesh(chain(1), 1e-6)[0]);
+  EXPECT_GT(start[0].elements, start[2].elements);
+  EXPECT_EQ(start_mesh(loaded_chain(3, "3"), 1e-6)[0].order, start[0].order);
+}
+
+// The twin: a support at the other end, and all members carry the load.
+TEST(MeshChoice, StartSparesNoMemberOfAClosedLoop) {
+  Scene scene = loaded_chain(3, "2");
+  scene.supports.push_back(scene.supports.front());
+  scene.supports.back().point = "3";
+  const MeshChoice start = start_mesh(scene, 1e-6);
+  EXPECT_GT(start[2].elements, start_mesh(chain(1), 1e-6)[0].elements);
+}
+
+TEST(MeshChoice, StartKnowsLoadsByFormula) {
+  Scene scene = loaded_chain(1, "1");
+  scene.point_loads.clear();
+  scene.distributed_loads.resize(1);
+  scene.distributed_loads[0].member = "member 1";
+  const int unloaded = start_mesh(scene, 1e-6)[0].elements;
+  scene.distributed_loads[0].force_formula = {"", "20 * x", ""};
+  EXPECT_GT(start_mesh(scene, 1e-6)[0].elements, unloaded);
+}
+
 // With an order that is kept, the elements follow the rate h^(k+1).
 TEST(MeshChoice, ElementsFollowTheRate) {
   Scene scene = chain(1);

@@ -1,4 +1,6 @@
 // What "Accuracy" promises: true errors below it, against closed forms and solutions on far finer meshes.
+#include "discretization/scene_parameters.hpp"
+#include "discretization/xml_reader.hpp"
 #include "nonlinear/accurate_run.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/problems/solve.hpp"
@@ -111,6 +113,17 @@ TEST(Accuracy, OfARodThatIsTwistedByItsSupport) {
   EXPECT_LT(error_against(fine, run.simulation, {"tip"}), 1e-6);
   EXPECT_EQ(run.rounds.front().remark, "elements turn too far");
   EXPECT_LT(run.rounds.front().steps, run.rounds.back().steps);
+}
+
+// Behind its limit points the load is small and the frame turned far: neither tells that elements would turn further.
+TEST(Accuracy, OfAFrameThatSnapsBack) {
+  const XmlParameters xml = read_xml(MIXBEAM_SOURCE_DIR "/apps/gallery/snap_back.xml");
+  const Scene frame = read_scene(xml.list->sublist("Scene"), xml.source);
+  SolverParameters solver;
+  solver.analysis.stability = true;
+  const AccurateRun run = run_accurately(with_accuracy(frame, 1e-6), solver, this_rank(), true);
+  EXPECT_EQ(run.end, AccuracyEnd::reached);
+  EXPECT_EQ(run.rounds.size(), 1u);  // its twin is OfARodThatIsTwistedByItsSupport, which takes two
 }
 
 TEST(Accuracy, MembersKeepTheirMesh) {

@@ -1,4 +1,5 @@
 // The same answer on all ranks together as on one rank alone. ctest runs these on 1, 2 and 3 ranks.
+#include "nonlinear/accurate_run.hpp"
 #include "tests/problems/solve.hpp"
 
 namespace mixbeam::test {
@@ -6,8 +7,8 @@ namespace {
 
 constexpr double kRanksAgree = 1e-11;  // relative to the largest displacement of the scene
 
-void expect_same_answer(const Scene& scene, const SolverParameters& parameters = {}) {
-  const Simulation together = solved(scene, parameters, all_ranks()), alone = solved(scene, parameters, this_rank());
+void expect_same_answer(const Simulation& together, const Simulation& alone) {
+  const Scene& scene = alone.scene();
   EXPECT_EQ(together.result().newton_iterations, alone.result().newton_iterations) << scene.name;
   const Mesh& mesh = alone.assembler().mesh();
   double largest = 0.0;
@@ -26,6 +27,32 @@ void expect_same_answer(const Scene& scene, const SolverParameters& parameters =
   const StrainEnergy a = together.strain_energy(), e = alone.strain_energy();
   EXPECT_NEAR(a.moment, e.moment, kRanksAgree * (e.force + e.moment)) << scene.name;
   EXPECT_NEAR(a.force, e.force, kRanksAgree * (e.force + e.moment)) << scene.name;
+}
+
+void expect_same_answer(const Scene& scene, const SolverParameters& parameters = {}) {
+  expect_same_answer(solved(scene, parameters, all_ranks()), solved(scene, parameters, this_rank()));
+}
+
+/// Estimates are differences of displacements, which agree but for rounding; relative to the estimate.
+constexpr double kEstimatesAgree = 1e-3;
+
+/// On the way to a wanted accuracy: the same meshes for the same reasons, and at its end the same answer.
+void expect_same_choice(Scene scene, double accuracy) {
+  scene.accuracy = accuracy;
+  const AccurateRun together = run_accurately(scene, {}, all_ranks(), false);
+  const AccurateRun alone = run_accurately(scene, {}, this_rank(), false);
+  EXPECT_EQ(alone.end, AccuracyEnd::reached);
+  EXPECT_EQ(together.end, alone.end);
+  ASSERT_EQ(together.rounds.size(), alone.rounds.size());
+  for (size_t i = 0; i < alone.rounds.size(); ++i) {
+    const MeshRound &a = together.rounds[i], &e = alone.rounds[i];
+    EXPECT_EQ(a.mesh, e.mesh) << "mesh " << i;
+    EXPECT_EQ(a.followed, e.followed) << "mesh " << i;
+    EXPECT_EQ(a.iterations, e.iterations) << "mesh " << i;
+    EXPECT_EQ(a.remark, e.remark) << "mesh " << i;
+    if (e.remark.empty()) EXPECT_NEAR(a.error, e.error, kEstimatesAgree * e.error + kRanksAgree) << "mesh " << i;
+  }
+  expect_same_answer(together.simulation, alone.simulation);
 }
 
 /// Samples are complete on the first rank.
@@ -64,6 +91,39 @@ TEST(MpiProblems, LineLoadsOnMembersOfSeveralOrders) {
   scene.distributed_loads[1].force_formula[2] = "sin(5 * s)";
   scene.eigenstrains = {{"leg 2", {0.01, 0, 0}, {0.1, 0.2, 0}}};
   expect_same_answer(scene);
+}
+
+TEST(MpiProblems, AccuracyOfAFrame) { expect_same_choice(slope_discontinuity(1, 1), 1e-6); }
+
+TEST(MpiProblems, AccuracyOfABranchedStructure) { expect_same_choice(fork(1, 1), 1e-3); }
+
+// The start mesh knows nothing of a curvature by formula: the solution is carried over to finer ones.
+TEST(MpiProblems, AccuracyOnSeveralMeshes) {
+  Scene scene = cantilever(section(1e4, 1e4, 1.0, 1.0), 1.0, 1, 1);
+  scene.eigenstrains.resize(1);
+  scene.eigenstrains[0].member = "beam";
+  scene.eigenstrains[0].curvature_formula = {"0", "0", "12 * x"};
+  expect_same_choice(scene, 1e-6);
+}
+
+// The path of the start mesh is left by what the ranks see of it together.
+TEST(MpiProblems, AccuracyWhereElementsTurnTooFar) {
+  Scene rod = cantilever(section(1e4, 1e4, 1.0, 4.0), 1.0, 1, 1);
+  rod.point_loads = {dead_load("tip", {0, 0.5, 0})};
+  rod.supports.push_back(clamp("tip"));
+  rod.supports.back().displacement_fixed = {};
+  rod.supports.back().prescribed_rotation = {20.0, 0, 0};
+  expect_same_choice(rod, 1e-5);
+}
+
+// The twin: another accuracy is another choice, which the comparison would notice.
+TEST(MpiProblems, AnotherAccuracyIsAnotherChoice) {
+  Scene scene = slope_discontinuity(1, 1);
+  scene.accuracy = 1e-6;
+  const AccurateRun together = run_accurately(scene, {}, all_ranks(), false);
+  scene.accuracy = 1e-9;
+  const AccurateRun alone = run_accurately(scene, {}, this_rank(), false);
+  EXPECT_FALSE(together.rounds.back().mesh == alone.rounds.back().mesh);
 }
 
 TEST(MpiProblems, Samples) { expect_same_samples(fork(2, 3)); }
