@@ -274,6 +274,13 @@ void Assembler::softening_rows(const MixedVector& increment, MixedVector& out) c
   scale_rows(out, false);
 }
 
+double Assembler::largest_softening_row(const MixedVector& increment) const {
+  double largest = 0.0;
+  for (const ElementBlock& block : structure_.blocks)
+    largest = std::max(largest, mixbeam::largest_softening_row(block, structure_.views, increment.interior(), scales_));
+  return maximum_over_ranks(*maps_.rows->getComm(), largest);
+}
+
 const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
   if (matrix_ == nullptr) {
     std::vector<RemainingLink> elements;

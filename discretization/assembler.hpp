@@ -97,6 +97,8 @@ class Assembler {
   double least_cap_ratio() const { return least_cap_ratio_; }
   /// What the softened tangent leaves out: rows of (J - softened J) times an increment, scaled as residual() does.
   void softening_rows(const MixedVector& increment, MixedVector& out) const;
+  /// The largest of these rows. Collective.
+  double largest_softening_row(const MixedVector& increment) const;
 
   /// `from` moved by step * increment, as a new state: displacements and interior added, rotations composed.
   State apply(const State& from, const MixedVector& increment, double step);

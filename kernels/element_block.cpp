@@ -73,6 +73,18 @@ void softening_rows(const ElementBlock& block, const StructureViews& structure,
   });
 }
 
+double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
+                             const KernelView<const double*>& increment, const ResidualScales& scales) {
+  double largest = 0.0;
+  for_kind(block, [&](auto order, auto general) {
+    const LargestSofteningLoop<order.value, general.value> loop{{block, structure, increment, KernelView<double*>()},
+                                                                scales};
+    Kokkos::parallel_reduce("mixbeam::elements::largest_softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
+                            loop, Kokkos::Max<double>(largest));
+  });
+  return largest;
+}
+
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
   for_kind(block, [&](auto order, auto general) {

@@ -113,6 +113,10 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
 void softening_rows(const ElementBlock& block, const StructureViews& structure,
                     const KernelView<const double*>& increment, const KernelView<double*>& rows);
 
+/// The largest of these rows, each divided by its scale; not-a-number counts as infinity.
+double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
+                             const KernelView<const double*>& increment, const ResidualScales& scales);
+
 /// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial). `state`:
 /// that of the tangent.
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,

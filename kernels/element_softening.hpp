@@ -5,6 +5,8 @@
 #include "kernels/element_block.hpp"
 #include "kernels/element_kinematics.hpp"
 
+#include <cmath>
+
 namespace mixbeam {
 
 /// Compliance that the tangent adds to the diagonal of S (capped_compliance): zero where the cap is not reached.
@@ -75,10 +77,12 @@ struct SofteningLoop {
         tables(block.force_integration),
         increment_offset(block.increment_offset) {}
 
-  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const size_t first = increment_offset + static_cast<size_t>(e) * layout.increments();
-    const double* d = increment.data() + first;
-    double* out = rows.data() + first;
+  KOKKOS_INLINE_FUNCTION size_t first_row(int e) const {
+    return increment_offset + static_cast<size_t>(e) * layout.increments();
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int e) const { compute(e, rows.data() + first_row(e)); }
+  KOKKOS_INLINE_FUNCTION void compute(int e, double* out) const {
+    const double* d = increment.data() + first_row(e);
     for (int i = 0; i < layout.increments(); ++i) out[i] = 0.0;
     const SectionConstants& constants = section(member(e));
     if constexpr (General) {
@@ -89,6 +93,23 @@ struct SofteningLoop {
       add_softening<K>(general, layout, tables, reference(e, 0), d, out);
     } else {
       add_softening<K>(constants, layout, tables, reference(e, 0), d, out);
+    }
+  }
+};
+
+/// The largest row alone, divided by its scale.
+template <int K, bool General>
+struct LargestSofteningLoop {
+  SofteningLoop<K, General> softening;
+  ResidualScales scales;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int e, double& largest) const {
+    double row[InteriorLayout{K, ElementTables<K>::kMaximumForcePoints}.increments()];
+    softening.compute(e, row);
+    scale_interior_rows(softening.layout, scales, softening.reference(e, 0), false, row);
+    for (int i = 0; i < softening.layout.relative_rotation(1); ++i) {
+      const double a = row[i] < 0.0 ? -row[i] : row[i];
+      if (!(a <= largest)) largest = a == a ? a : HUGE_VAL;
     }
   }
 };

@@ -209,17 +209,17 @@ void BeamGroup::correct_newton() {
   softened_ = true;
   const double cap_ratio = problem_->assembler.least_cap_ratio();
   if (cap_ratio == 0.0 || problem_->keeps_cap) return;
-  BeamVector left_out(problem_->assembler.create_vector());
-  problem_->assembler.softening_rows(newton_->values(), left_out.values());
-  const double left = left_out.norm(NOX::Abstract::Vector::MaxNorm);
+  Assembler& assembler = problem_->assembler;
+  const double left = assembler.largest_softening_row(newton_->values());
   // Strains of the order of the squared rotation are left by the linearisation.
   const double spin = newton_->values().largest_vertex_spin();
   const double from_turning = spin * spin / scales_.rotation;
-  const double reached = problem_->assembler.residual_tolerance();
-  const double present = problem_->assembler.compatibility_norm(f_->values());
-  if (!(left > kNegligible * std::max({reached, from_turning, present}))) return;
+  if (!(left > kNegligible * std::max(assembler.residual_tolerance(), from_turning))) return;
+  if (!(left > kNegligible * assembler.compatibility_norm(f_->values()))) return;
+  MixedVector left_out = assembler.create_vector();
+  assembler.softening_rows(newton_->values(), left_out);
   try {
-    softened_ = !remove_softening(softening_operators(), left_out.values(), cap_ratio, newton_->values());
+    softened_ = !remove_softening(softening_operators(), left_out, cap_ratio, newton_->values());
   } catch (const LinearSolverError&) {
     // the increment is still that of the capped tangent, which only converges more slowly
   }
@@ -288,11 +288,10 @@ double BeamGroup::left_out_since(const BeamGroup& before) const {
   ResidualScales as_moved = scales_;
   as_moved.strain = as_moved.rotation = scales_.amplitude;
   as_moved.displacement_noise = 0.0;
-  BeamVector rows(problem_->assembler.create_vector());
   problem_->assembler.use_scales(as_moved);
-  problem_->assembler.softening_rows(step, rows.values());
+  const double largest = problem_->assembler.largest_softening_row(step);
   problem_->assembler.use_scales(scales_);
-  return rows.norm(NOX::Abstract::Vector::MaxNorm);
+  return largest;
 }
 
 void BeamGroup::setParamsMulti(const std::vector<int>& ids, const NOX::Abstract::MultiVector::DenseMatrix& values) {
