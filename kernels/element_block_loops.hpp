@@ -245,7 +245,7 @@ struct CondensedElement {
   ForceRows<Real, Stiffness> force_rows_[General ? ElementTables<K>::kMaximumForcePoints : 1];  ///< general only
   ElementGradient<K, Real> gradient;
   InteriorResponse<K, Real> response;
-  CondensedSystem<Real> condensed;
+  VertexSystem<Real> condensed;
 
   /// `gradient` holds on entry what does not follow from the state: the given right-hand side, or the line fields.
   template <class Section>
@@ -377,7 +377,7 @@ struct CondensedElement {
 };
 
 template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void store_condensed_residual(const CondensedSystem<Real>& condensed,
+KOKKOS_FORCEINLINE_FUNCTION void store_condensed_residual(const VertexSystem<Real>& condensed,
                                                           const ElementGradient<K, Real>& gradient,
                                                           const ElementKinematics<K, Real>& kinematics, Real* row) {
   const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * condensed.gradient[0]);

@@ -22,6 +22,10 @@ struct PlanarOrientation {
   bool third_is_normal;
 };
 
+/// Numbers of each element of an order in PlanarBlock: constants, and what the tangent keeps for the recovery.
+constexpr int planar_constants_size(int order) { return 6 + 3 * order; }
+constexpr int planar_response_size(int order) { return 5 * (6 * order - 1); }
+
 /// Constant data of the elements of one block, kLanes of them side by side in a pack.
 struct PlanarBlock {
   PlaneAxes axes;

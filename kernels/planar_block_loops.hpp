@@ -145,9 +145,8 @@ struct PlanarGather {
     Real triad[4];
     pack.rows_of(element_triad, first_element, rows);
     gather_lanes(rows, 4, triad);
-    const PlaneRotor<Real> element = material.rotor(triad);
-    s.triad = turn_of(element);
     Vec2<Real> displacement[2];
+    PlaneRotor<Real> vertex[2], reference[2];
     for (int end = 0; end < 2; ++end) {
       Real u[3], q[4];
       for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_displacement(vertices(pack.element[lane], end), 0);
@@ -155,11 +154,11 @@ struct PlanarGather {
       displacement[end] = project(axes, u);
       for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_rotation(vertices(pack.element[lane], end), 0);
       gather_lanes(rows, 4, q);
-      const PlaneRotor<Real> vertex{q[0], axes.n[0] * q[1] + axes.n[1] * q[2] + axes.n[2] * q[3]};
-      const Real* reference = constant + Constants::kEndRotor + 2 * end;
-      s.end_angle[end] = angle_of(vertex * PlaneRotor<Real>{reference[0], reference[1]} * conjugate(element));
+      vertex[end] = {q[0], axes.n[0] * q[1] + axes.n[1] * q[2] + axes.n[2] * q[3]};
+      const Real* rotor = constant + Constants::kEndRotor + 2 * end;
+      reference[end] = {rotor[0], rotor[1]};
     }
-    s.slope[0] = (1.0 / s.length) * s.triad.back(displacement[1] - displacement[0]);
+    set_planar_ends(material.rotor(triad), vertex, reference, displacement, s);
   }
   KOKKOS_FORCEINLINE_FUNCTION void load_interior(const PackElements& pack, const PackOrientation& material,
                                                  PlanarState<K, Real>& s) const {
@@ -433,11 +432,12 @@ void fill_constants(const ElementBlock& block, const PlanarBlock& planar) {
 
 template <int K>
 void allocate_planar_block(const ElementBlock& block, PlanarBlock& planar) {
+  static_assert(planar_loops::PlanarConstants<K>::kSize == planar_constants_size(K), "size of the constants");
+  static_assert(PlanarRows<K>::kCount * kPlanarColumns == planar_response_size(K), "size of the response");
   const int packs = (block.count + kLanes - 1) / kLanes;
-  planar.constants =
-      KernelView<double**>("mixbeam::planar::constants", packs, planar_loops::PlanarConstants<K>::kSize * kLanes);
+  planar.constants = KernelView<double**>("mixbeam::planar::constants", packs, planar_constants_size(K) * kLanes);
   planar.response = KernelView<double**>(Kokkos::view_alloc("mixbeam::planar::response", Kokkos::WithoutInitializing),
-                                         packs, PlanarRows<K>::kCount * kPlanarColumns * kLanes);
+                                         packs, planar_response_size(K) * kLanes);
   planar_loops::fill_constants<K>(block, planar);
 }
 

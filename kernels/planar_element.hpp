@@ -203,6 +203,17 @@ struct PlanarState {
   PlanarSection<Real> section;
 };
 
+/// What follows from the ends: `element`, `vertex`, `reference`: Lambda_lo, Lambda_V and Lambda_0; displacements of the
+/// vertices in the plane.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void set_planar_ends(const PlaneRotor<Real>& element, const PlaneRotor<Real>* vertex,
+                                                 const PlaneRotor<Real>* reference, const Vec2<Real>* displacement,
+                                                 PlanarState<K, Real>& state) {
+  state.triad = turn_of(element);
+  for (int end = 0; end < 2; ++end) state.end_angle[end] = angle_of(vertex[end] * reference[end] * conjugate(element));
+  state.slope[0] = (1.0 / state.length) * state.triad.back(displacement[1] - displacement[0]);
+}
+
 /// One Gauss point of the force strain.
 template <class Real>
 struct PlanarPoint {

@@ -61,7 +61,7 @@ struct InteriorResponse {
 
 /// What is left for slope_0 and both vertex spins.
 template <class Real = double>
-struct CondensedSystem {
+struct VertexSystem {
   Mat3<Real> matrix[3][3];  ///< a symmetric system has its lower triangle only
   Vec3<Real> gradient[3];
 };
@@ -133,7 +133,7 @@ KOKKOS_FORCEINLINE_FUNCTION void eliminate_rows(double (*a)[M]) {
 /// eliminate_rows().
 template <int K>
 KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system, InteriorResponse<K>& response,
-                                                         CondensedSystem<>& condensed) {
+                                                         VertexSystem<>& condensed) {
   constexpr int n = FullSystem<K>::kInteriorSize, m = n + kResponseColumns;
   double a[n][m], x[n][kResponseColumns];
   for (int i = 0; i < n; ++i) {
@@ -221,7 +221,7 @@ class InteriorFactor {
   typename Real::Mask suspicious;  ///< lanes with a pivot that is not above kSmallestPivot; also those with NaN
 
   /// Factors the interior and leaves the condensed system.
-  KOKKOS_FORCEINLINE_FUNCTION InteriorFactor(ReducedSystem<K, Real>& system, CondensedSystem<Real>& condensed)
+  KOKKOS_FORCEINLINE_FUNCTION InteriorFactor(ReducedSystem<K, Real>& system, VertexSystem<Real>& condensed)
       : suspicious(Real(0.0) > Real(0.0)), factor_(system) {
     Mat3<Real> unscaled[kInterior];  // row I of L D
     for (int I = 0; I < kCount; ++I) {
@@ -301,7 +301,7 @@ class InteriorFactor {
     diagonal(2, 1) = l21;
     diagonal(2, 2) = 1.0 / d2;
   }
-  KOKKOS_FORCEINLINE_FUNCTION void solve_gradient(CondensedSystem<Real>& condensed) {
+  KOKKOS_FORCEINLINE_FUNCTION void solve_gradient(VertexSystem<Real>& condensed) {
     for (int I = 0; I < kCount; ++I) {
       Vec3<Real> rest = factor_.rhs[I];
       for (int k = 0; k < (I < kInterior ? I : kInterior); ++k) subtract_product(factor_(I, k), gradient_[k], rest);
@@ -320,9 +320,9 @@ class InteriorFactor {
 /// Response and condensed system of one lane of `system`, with row pivoting.
 template <int K, int W>
 __attribute__((noinline)) void redo_lane(const ReducedSystem<K, Pack<W>>& system, int lane,
-                                         InteriorResponse<K, Pack<W>>& response, CondensedSystem<Pack<W>>& condensed) {
+                                         InteriorResponse<K, Pack<W>>& response, VertexSystem<Pack<W>>& condensed) {
   InteriorResponse<K> one;
-  CondensedSystem<> one_condensed;
+  VertexSystem<> one_condensed;
   solve_with_row_pivoting(FullSystem<K>(system, lane), one, one_condensed);
   for (int b = 0; b < ReducedBlocks<K>::kInterior; ++b)
     for (int i = 0; i < 3; ++i) {
@@ -341,7 +341,7 @@ __attribute__((noinline)) void redo_lane(const ReducedSystem<K, Pack<W>>& system
 template <int K, int W>
 KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
                                                 InteriorResponse<K, Pack<W>>& response,
-                                                CondensedSystem<Pack<W>>& condensed) {
+                                                VertexSystem<Pack<W>>& condensed) {
   ReducedSystem<K, Pack<W>> factored = system;
   const InteriorFactor<K, W> factor(factored, condensed);
   factor.solve(response);

@@ -10,5 +10,8 @@ struct ElementOperations {
 
 /// Counted by running the kernels of that order on CountedNumber.
 ElementOperations element_operations(int order);
+/// The same in a plane, without the projection of displacements, triads and stresses on its axes, which is done by
+/// element and not by order.
+ElementOperations planar_operations(int order);
 
 }  // namespace mixbeam

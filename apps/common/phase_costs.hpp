@@ -21,8 +21,8 @@ struct PhaseCost {
   double bytes = 0.0;
 };
 
-/// By the name of the phase, for spatial chains (empty for planar ones, whose kernels are not counted): those of
-/// Assembler::times() when chains are condensed, and their sums.
+/// By the name of the phase, for "spatial" or "planar" chains: those of Assembler::times() when chains are condensed,
+/// and their sums.
 std::map<std::string, PhaseCost> phase_costs(const std::string& kind, int order);
 
 }  // namespace mixbeam

@@ -153,9 +153,9 @@ ReducedSystem<2, Lanes> systems(bool zero_pivot) {
   return system;
 }
 
-double tangent_difference(const CondensedSystem<Lanes>& found, const ReducedSystem<2, Lanes>& system, int lane) {
+double tangent_difference(const VertexSystem<Lanes>& found, const ReducedSystem<2, Lanes>& system, int lane) {
   InteriorResponse<2> response;
-  CondensedSystem<> expected;
+  VertexSystem<> expected;
   solve_with_row_pivoting(FullSystem<2>(system, lane), response, expected);
   Difference d;
   for (int I = 0; I < 3; ++I)
@@ -172,7 +172,7 @@ TEST(SolveInLanes, LaneWithAZeroPivotIsDoneWithRowPivoting) {
   for (const bool zero_pivot : {false, true}) {
     const ReducedSystem<2, Lanes> system = systems(zero_pivot);
     InteriorResponse<2, Lanes> response;
-    CondensedSystem<Lanes> condensed;
+    VertexSystem<Lanes> condensed;
     solve_in_lanes(system, response, condensed);
     for (int lane = 0; lane < kLanes; ++lane)
       EXPECT_LE(tangent_difference(condensed, system, lane), a_few_roundings) << "lane " << lane;
@@ -183,7 +183,7 @@ TEST(SolveInLanes, LaneWithAZeroPivotIsDoneWithRowPivoting) {
 TEST(SolveInLanes, WithoutRowPivotingAZeroPivotSpoilsItsLane) {
   const ReducedSystem<2, Lanes> system = systems(true);
   ReducedSystem<2, Lanes> factored = system;
-  CondensedSystem<Lanes> condensed;
+  VertexSystem<Lanes> condensed;
   const InteriorFactor<2, kLanes> factor(factored, condensed);
   for (int lane = 0; lane < kLanes; ++lane) {
     const bool last = lane == kLanes - 1;
