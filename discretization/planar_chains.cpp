@@ -153,7 +153,7 @@ KOKKOS_INLINE_FUNCTION void subtract_elements(const ElementsAtVertices& elements
   }
 }
 
-/// Index: kLanes vertices from that many times it on, the last one in place of those beyond `count`.
+/// Index: pack of vertices.
 struct PlanarErrorLoop {
   int count;
   PlaneAxes axes;
@@ -166,11 +166,11 @@ struct PlanarErrorLoop {
   KernelView<double*> residual;  ///< empty: not wanted
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack, double& worst) const {
-    int vertex[kLanes], most = 0;
-    const int active = count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes;
+    const LaneRows lanes(pack, count);
+    int most = 0;
     Real left[kPlanarDofs], size[kPlanarDofs];
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int v = vertex[lane] = pack * kLanes + (lane < active ? lane : active - 1);
+      const int v = lanes.row[lane];
       const int elements = adjacency.start(v + 1) - adjacency.start(v);
       most = elements > most ? elements : most;
       double given[kPlanarDofs];
@@ -178,24 +178,24 @@ struct PlanarErrorLoop {
       for (int r = 0; r < kPlanarDofs; ++r) left[r].set(lane, given[r]);
     }
     for (int r = 0; r < kPlanarDofs; ++r) size[r] = fabs(left[r]);
-    for (int i = 0; i < most; ++i) subtract_elements(elements_at(vertex, i), sizes, left, size);
-    for (int lane = 0; lane < active; ++lane) {
+    for (int i = 0; i < most; ++i) subtract_elements(elements_at(lanes, i), sizes, left, size);
+    for (int lane = 0; lane < lanes.active; ++lane) {
       double here[kPlanarDofs];
       for (int r = 0; r < kPlanarDofs; ++r) {
         const double absolute = left[r][lane] < 0.0 ? -left[r][lane] : left[r][lane];
         const double error = absolute == 0.0 ? 0.0 : absolute / size[r][lane];
         if (!(error <= worst)) worst = error == error ? error : HUGE_VAL;
-        here[r] = eliminated(vertex[lane]) == 0 ? 0.0 : left[r][lane];
+        here[r] = eliminated(lanes.row[lane]) == 0 ? 0.0 : left[r][lane];
       }
-      if (residual.extent(0) > 0) expand_to_space(axes, here, &residual(vertex_row(vertex[lane], 0)));
+      if (residual.extent(0) > 0) expand_to_space(axes, here, &residual(vertex_row(lanes.row[lane], 0)));
     }
   }
   /// The i-th element at each vertex.
-  KOKKOS_INLINE_FUNCTION ElementsAtVertices elements_at(const int* vertex, int i) const {
+  KOKKOS_INLINE_FUNCTION ElementsAtVertices elements_at(const LaneRows& lanes, int i) const {
     ElementsAtVertices found;
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int entry = adjacency.start(vertex[lane]) + i;
-      const bool exists = entry < adjacency.start(vertex[lane] + 1);
+      const int entry = adjacency.start(lanes.row[lane]) + i;
+      const bool exists = entry < adjacency.start(lanes.row[lane] + 1);
       const int e = exists ? adjacency.element(entry, 0) : 0;
       found.tangent[lane] = &tangents(e, 0);
       found.start[lane] = &x(planar_row(ends(e, 0), 0));
@@ -231,7 +231,7 @@ double PlanarChains::error(const KernelView<const double*>& rows, const KernelVi
                              planar,
                              residual};
   double largest = 0.0;
-  Kokkos::parallel_reduce("mixbeam::planar::error", Range(0, (vertices + kLanes - 1) / kLanes), loop,
+  Kokkos::parallel_reduce("mixbeam::planar::error", Range(0, LaneRows::packs(vertices)), loop,
                           Kokkos::Max<double>(largest));
   return largest;
 }

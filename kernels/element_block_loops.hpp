@@ -83,17 +83,6 @@ struct ElementGather {
   }
 };
 
-/// Elements that are worked on side by side: as many as a pack has lanes. Behind the last element of the block that
-/// element is repeated, and nothing is written for the repetitions.
-struct LaneElements {
-  int element[kLanes];  ///< of the block
-  int active;           ///< lanes that are written
-  LaneElements(int pack, int count) : active(count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) element[lane] = pack * kLanes + (lane < active ? lane : active - 1);
-  }
-  static int packs(int count) { return (count + kLanes - 1) / kLanes; }
-};
-
 /// Rows of numbers of one element in memory, or of the elements in all lanes. `at(e)`: first number of element e.
 template <class Real>
 struct ElementRows;
@@ -111,8 +100,8 @@ struct ElementRows<Pack<kLanes>> {
   double* row[kLanes];
   int active;
   template <class At>
-  ElementRows(const LaneElements& lanes, const At& at) : active(lanes.active) {
-    for (int lane = 0; lane < kLanes; ++lane) row[lane] = at(lanes.element[lane]);
+  ElementRows(const LaneRows& lanes, const At& at) : active(lanes.active) {
+    for (int lane = 0; lane < kLanes; ++lane) row[lane] = at(lanes.row[lane]);
   }
   void store(int first, int count, const Pack<kLanes>* numbers) const {
     scatter_lanes(numbers, count, first, active, row);
@@ -129,7 +118,7 @@ struct LaneInput {
   SectionNumbers<Real> section;
   ElementInput<Real> in;
 
-  inline __attribute__((always_inline)) LaneInput(const ElementGather<K, false>& gather, const LaneElements& lanes) {
+  inline __attribute__((always_inline)) LaneInput(const ElementGather<K, false>& gather, const LaneRows& lanes) {
     load(
         lanes, gather.layout.unknowns(), [&](int e) { return gather.interior_of(e); }, interior);
     load(
@@ -161,10 +150,10 @@ struct LaneInput {
         lanes, 3, [&](int e) { return constants(e).moment_compliance; }, section.moment_compliance);
   }
   template <class At>
-  static inline __attribute__((always_inline)) void load(const LaneElements& lanes, int count, const At& at,
+  static inline __attribute__((always_inline)) void load(const LaneRows& lanes, int count, const At& at,
                                                          Real* numbers) {
     const double* rows[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = at(lanes.element[lane]);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = at(lanes.row[lane]);
     gather_lanes(rows, count, numbers);
   }
 };
@@ -203,7 +192,7 @@ struct ResidualLaneLoop {
 
   void operator()(int pack) const {
     const ElementGather<K, false>& gather = loop.gather;
-    const LaneElements lanes(pack, count);
+    const LaneRows lanes(pack, count);
     const LaneInput<K> data(gather, lanes);
     const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
     ElementGradient<K, Real> gradient;
@@ -217,7 +206,7 @@ struct ResidualLaneLoop {
     const auto vertex_row_of = [&](int e) { return &loop.residual(gather.first_element + e, 0); };
     ElementRows<Real>(lanes, vertex_row_of).store(0, 12, vertex_row);
     for (int lane = 0; lane < lanes.active; ++lane)
-      loop.largest_end_angle(gather.first_element + lanes.element[lane]) = gradient.largest_end_angle[lane];
+      loop.largest_end_angle(gather.first_element + lanes.row[lane]) = gradient.largest_end_angle[lane];
   }
 };
 
@@ -450,7 +439,7 @@ struct TangentLaneLoop {
 
   void operator()(int pack) const {
     const ElementGather<K, false>& gather = loop.gather;
-    const LaneElements lanes(pack, count);
+    const LaneRows lanes(pack, count);
     const LaneInput<K> data(gather, lanes);
     const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
     CondensedElement<K, false, Real> element;
@@ -471,7 +460,7 @@ struct TangentLaneLoop {
  private:
   inline __attribute__((always_inline)) void store_condensed(const CondensedElement<K, false, Real>& element,
                                                              const ElementKinematics<K, Real>& kinematics,
-                                                             const LaneElements& lanes) const {
+                                                             const LaneRows& lanes) const {
     Real tangent[kSymmetricTangent], residual[12];
     symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
     const auto tangent_of = [&](int e) { return &loop.condensed_tangent(loop.gather.first_element + e, 0); };
@@ -485,12 +474,12 @@ struct TangentLaneLoop {
   }
   /// For a structure of which another element has no potential.
   template <class TangentOf>
-  static __attribute__((noinline)) void store_full(const Real* tangent, const LaneElements& lanes,
+  static __attribute__((noinline)) void store_full(const Real* tangent, const LaneRows& lanes,
                                                    const TangentOf& tangent_of) {
     for (int lane = 0; lane < lanes.active; ++lane) {
       double numbers[kSymmetricTangent];
       for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = tangent[i][lane];
-      expand_symmetric_tangent<kSpatialDofs>(numbers, tangent_of(lanes.element[lane]));
+      expand_symmetric_tangent<kSpatialDofs>(numbers, tangent_of(lanes.row[lane]));
     }
   }
 };
@@ -516,7 +505,7 @@ void residual_loop(const ElementBlock& block, const StructureViews& structure, c
   if constexpr (!General)
     if (runs_in_lanes(loop.gather)) {
       const ResidualLaneLoop<K> lanes{loop, block.count};
-      return Kokkos::parallel_for("mixbeam::elements::residual", Range(0, LaneElements::packs(block.count)), lanes);
+      return Kokkos::parallel_for("mixbeam::elements::residual", Range(0, LaneRows::packs(block.count)), lanes);
     }
   Kokkos::parallel_for("mixbeam::elements::residual", Range(0, block.count), loop);
 }
@@ -536,7 +525,7 @@ void tangent_loop(const ElementBlock& block, const StructureViews& structure, co
   if constexpr (!General)
     if (runs_in_lanes(loop.gather)) {
       const TangentLaneLoop<K> lanes{loop, block.count};
-      return Kokkos::parallel_for("mixbeam::elements::tangent", Range(0, LaneElements::packs(block.count)), lanes);
+      return Kokkos::parallel_for("mixbeam::elements::tangent", Range(0, LaneRows::packs(block.count)), lanes);
     }
   Kokkos::parallel_for("mixbeam::elements::tangent", Range(0, block.count), loop);
 }

@@ -172,7 +172,7 @@ struct RecoverLaneLoop {
 
   void operator()(int pack) const {
     const ElementGather<K, false>& gather = loop.gather;
-    const LaneElements lanes(pack, count);
+    const LaneRows lanes(pack, count);
     const LaneInput<K> data(gather, lanes);
     const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
     Real a[6], b[6], response[ResponseLayout{K, LaneInput<K>::kForcePoints}.size()];
@@ -206,7 +206,7 @@ void recover_loop(const ElementBlock& block, const StateViews& state, const Elem
   if constexpr (!General)
     if (runs_in_lanes(loop.gather)) {
       const RecoverLaneLoop<K> lanes{loop, block.count};
-      return Kokkos::parallel_for("mixbeam::elements::recover", Range(0, LaneElements::packs(block.count)), lanes);
+      return Kokkos::parallel_for("mixbeam::elements::recover", Range(0, LaneRows::packs(block.count)), lanes);
     }
   Kokkos::parallel_for("mixbeam::elements::recover", Range(0, block.count), loop);
 }

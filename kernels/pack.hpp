@@ -20,6 +20,18 @@ constexpr int kLanes = 4;
 constexpr int kLanes = 2;
 #endif
 
+/// Rows (elements, vertices) that are worked on side by side, from kLanes * pack on. Behind the last of `count` rows
+/// that one is repeated, and nothing is written for the repetitions.
+struct LaneRows {
+  int active;  ///< lanes that are written
+  int row[kLanes];
+  KOKKOS_FORCEINLINE_FUNCTION LaneRows(int pack, int count)
+      : active(count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) row[lane] = pack * kLanes + (lane < active ? lane : active - 1);
+  }
+  static int packs(int count) { return (count + kLanes - 1) / kLanes; }
+};
+
 /// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere), and
 /// the numbers as they stand in an array of double.
 template <int W>

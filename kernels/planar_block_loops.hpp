@@ -22,23 +22,6 @@ struct PlanarConstants {
   static constexpr int kSize = kCurvature + K + 1;
 };
 
-/// The elements of one pack; lanes beyond the last element repeat it and write nothing.
-struct PackElements {
-  int active;
-  int element[kLanes];
-
-  KOKKOS_INLINE_FUNCTION PackElements(int pack, int count) {
-    const int first = pack * kLanes;
-    active = count - first < kLanes ? count - first : kLanes;
-    for (int lane = 0; lane < kLanes; ++lane) element[lane] = first + (lane < active ? lane : active - 1);
-  }
-  /// Where each lane's row of a view (row, width) begins.
-  template <class View>
-  KOKKOS_INLINE_FUNCTION void rows_of(const View& view, int offset, const double** rows) const {
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &view(offset + element[lane], 0);
-  }
-};
-
 /// Material vectors of three components, in lanes, and what they are in the plane.
 struct PackOrientation {
   Real::Mask third_is_normal;
@@ -120,13 +103,13 @@ struct PlanarGather {
     for (int i = 0; i < 4; ++i) orientation[i] = planar.orientation[i];
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION PackOrientation orientation_of_pack(const PackElements& pack) const {
+  KOKKOS_FORCEINLINE_FUNCTION PackOrientation orientation_of_pack(const LaneRows& pack) const {
     int kind[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) kind[lane] = orientation_of(pack.element[lane]);
+    for (int lane = 0; lane < kLanes; ++lane) kind[lane] = orientation_of(pack.row[lane]);
     return PackOrientation(orientation, kind);
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void state(int number, const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void state(int number, const LaneRows& pack, const PackOrientation& material,
                                          PlanarState<K, Real>& s) const {
     const Real* constant = reinterpret_cast<const Real*>(&constants(number, 0));
     s.length = constant[Constants::kLength];
@@ -139,20 +122,20 @@ struct PlanarGather {
   }
 
  private:
-  KOKKOS_FORCEINLINE_FUNCTION void load_ends(const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void load_ends(const LaneRows& pack, const PackOrientation& material,
                                              const Real* constant, PlanarState<K, Real>& s) const {
     const double* rows[kLanes];
     Real triad[4];
-    pack.rows_of(element_triad, first_element, rows);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &element_triad(first_element + pack.row[lane], 0);
     gather_lanes(rows, 4, triad);
     Vec2<Real> displacement[2];
     PlaneRotor<Real> vertex[2], reference[2];
     for (int end = 0; end < 2; ++end) {
       Real u[3], q[4];
-      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_displacement(vertices(pack.element[lane], end), 0);
+      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_displacement(vertices(pack.row[lane], end), 0);
       gather_lanes(rows, 3, u);
       displacement[end] = project(axes, u);
-      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_rotation(vertices(pack.element[lane], end), 0);
+      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_rotation(vertices(pack.row[lane], end), 0);
       gather_lanes(rows, 4, q);
       vertex[end] = {q[0], axes.n[0] * q[1] + axes.n[1] * q[2] + axes.n[2] * q[3]};
       const Real* rotor = constant + Constants::kEndRotor + 2 * end;
@@ -160,13 +143,13 @@ struct PlanarGather {
     }
     set_planar_ends(material.rotor(triad), vertex, reference, displacement, s);
   }
-  KOKKOS_FORCEINLINE_FUNCTION void load_interior(const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void load_interior(const LaneRows& pack, const PackOrientation& material,
                                                  PlanarState<K, Real>& s) const {
     constexpr int unknowns = 3 * (4 * K - 1);
     const double* rows[kLanes];
     Real x[unknowns];
     for (int lane = 0; lane < kLanes; ++lane)
-      rows[lane] = interior.data() + interior_offset + static_cast<size_t>(pack.element[lane]) * unknowns;
+      rows[lane] = interior.data() + interior_offset + static_cast<size_t>(pack.row[lane]) * unknowns;
     gather_lanes(rows, unknowns, x);
     for (int q = 0; q < K; ++q) s.force[q] = material.in_plane(x + layout.force(q));
     for (int j = 0; j <= K; ++j) s.moment[j] = material.normal(x + layout.moment(j));
@@ -175,12 +158,12 @@ struct PlanarGather {
       s.slope[j] = s.triad.back(project(axes, x + layout.bubble(j)));
     }
   }
-  KOKKOS_FORCEINLINE_FUNCTION void load_section(const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void load_section(const LaneRows& pack, const PackOrientation& material,
                                                 PlanarSection<Real>& s) const {
     const SectionConstants* constants_of[kLanes];
     int other[kLanes], normal[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
-      constants_of[lane] = &section(member(pack.element[lane]));
+      constants_of[lane] = &section(member(pack.row[lane]));
       normal[lane] = material.third_is_normal[lane] != 0 ? 2 : 1;
       other[lane] = 3 - normal[lane];
     }
@@ -197,10 +180,10 @@ struct PlanarGather {
   }
 };
 
-KOKKOS_INLINE_FUNCTION void scatter_vertex_rows(const Real* row, const PackElements& pack,
+KOKKOS_INLINE_FUNCTION void scatter_vertex_rows(const Real* row, const LaneRows& pack,
                                                 const KernelView<double* [4]>& out, int first_element) {
   double* rows[kLanes];
-  for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &out(first_element + pack.element[lane], 0);
+  for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &out(first_element + pack.row[lane], 0);
   scatter_lanes(row, 4, 0, pack.active, rows);
 }
 
@@ -213,7 +196,7 @@ struct PlanarResidualLoop {
   bool scales_interior;
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
-    const PackElements pack(number, gather.count);
+    const LaneRows pack(number, gather.count);
     const PackOrientation material = gather.orientation_of_pack(pack);
     PlanarState<K, Real> state;
     gather.state(number, pack, material, state);
@@ -224,10 +207,10 @@ struct PlanarResidualLoop {
     scatter_vertex_rows(vertex, pack, vertex_rows, gather.first_element);
     store_interior(pack, material, state, g);
     for (int lane = 0; lane < pack.active; ++lane)
-      largest_end_angle(gather.first_element + pack.element[lane]) = g.largest_end_angle[lane];
+      largest_end_angle(gather.first_element + pack.row[lane]) = g.largest_end_angle[lane];
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void store_interior(const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void store_interior(const LaneRows& pack, const PackOrientation& material,
                                                   const PlanarState<K, Real>& state,
                                                   const PlanarGradient<K, Real>& g) const {
     constexpr int increments = 12 * K;
@@ -244,7 +227,7 @@ struct PlanarResidualLoop {
     double* rows[kLanes];
     for (int lane = 0; lane < kLanes; ++lane)
       rows[lane] =
-          interior_residual.data() + gather.increment_offset + static_cast<size_t>(pack.element[lane]) * increments;
+          interior_residual.data() + gather.increment_offset + static_cast<size_t>(pack.row[lane]) * increments;
     scatter_lanes(x, increments, 0, pack.active, rows);
   }
 };
@@ -280,7 +263,7 @@ struct PlanarTangentLoop {
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
-    const PackElements pack(number, gather.count);
+    const LaneRows pack(number, gather.count);
     const PackOrientation material = gather.orientation_of_pack(pack);
     PlanarState<K, Real> state;
     gather.state(number, pack, material, state);
@@ -301,17 +284,17 @@ struct PlanarTangentLoop {
   }
 
  private:
-  KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const PackElements& pack, const PlanarState<K, Real>& state,
+  KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const LaneRows& pack, const PlanarState<K, Real>& state,
                                                    const PlanarSolution<K, Real>& solution, bool own) const {
     Real tangent[kPlanarTangent], gradient[4], end_moment[2], unused[K];
     planar_moment_gradient<K>(state.moment, unused, end_moment);
     planar_condensed(state, solution, own ? end_moment : nullptr, tangent, gradient);
     double* rows[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &tangents(gather.first_element + pack.element[lane], 0);
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &tangents(gather.first_element + pack.row[lane], 0);
     scatter_lanes(tangent, kPlanarTangent, 0, pack.active, rows);
     scatter_vertex_rows(gradient, pack, vertex_rows, gather.first_element);
   }
-  KOKKOS_FORCEINLINE_FUNCTION void load_right_hand_side(const PackElements& pack, const PackOrientation& material,
+  KOKKOS_FORCEINLINE_FUNCTION void load_right_hand_side(const LaneRows& pack, const PackOrientation& material,
                                                         const PlanarState<K, Real>& state,
                                                         PlanarRightHandSide<K, Real>& rhs) const {
     constexpr int increments = 12 * K;
@@ -319,7 +302,7 @@ struct PlanarTangentLoop {
     const double* rows[kLanes];
     Real x[increments];
     for (int lane = 0; lane < kLanes; ++lane)
-      rows[lane] = given_rhs.data() + gather.increment_offset + static_cast<size_t>(pack.element[lane]) * increments;
+      rows[lane] = given_rhs.data() + gather.increment_offset + static_cast<size_t>(pack.row[lane]) * increments;
     gather_lanes(rows, increments, x);
     for (int q = 0; q < K; ++q) rhs.strain_error[q] = material.in_plane(x + layout.force(q));
     for (int j = 0; j <= K; ++j) rhs.moment_row[j] = material.normal(x + layout.moment(j));
@@ -345,9 +328,9 @@ struct PlanarRecoverLoop {
   size_t increment_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int number) const {
-    const PackElements pack(number, count);
+    const LaneRows pack(number, count);
     int kind[kLanes];
-    for (int lane = 0; lane < kLanes; ++lane) kind[lane] = orientation_of(pack.element[lane]);
+    for (int lane = 0; lane < kLanes; ++lane) kind[lane] = orientation_of(pack.row[lane]);
     const PackOrientation material(orientation, kind);
     Real by[kPlanarColumns - 1];
     load_vertices(pack, by);
@@ -371,17 +354,17 @@ struct PlanarRecoverLoop {
     material.put_normal(value(Rows::angle(0)), x + layout.spin());
     double* out[kLanes];
     for (int lane = 0; lane < kLanes; ++lane)
-      out[lane] = increment.data() + increment_offset + static_cast<size_t>(pack.element[lane]) * increments;
+      out[lane] = increment.data() + increment_offset + static_cast<size_t>(pack.row[lane]) * increments;
     scatter_lanes(x, increments, 0, pack.active, out);
   }
 
   /// u_b - u_a and both spins in the plane.
-  KOKKOS_FORCEINLINE_FUNCTION void load_vertices(const PackElements& pack, Real* by) const {
+  KOKKOS_FORCEINLINE_FUNCTION void load_vertices(const LaneRows& pack, Real* by) const {
     Vec2<Real> displacement[2];
     for (int end = 0; end < 2; ++end) {
       const double* rows[kLanes];
       Real d[6];
-      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_increment(vertices(pack.element[lane], end), 0);
+      for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &vertex_increment(vertices(pack.row[lane], end), 0);
       gather_lanes(rows, 6, d);
       displacement[end] = project(axes, d);
       by[2 + end] = axes.n[0] * d[3] + axes.n[1] * d[4] + axes.n[2] * d[5];
@@ -434,7 +417,7 @@ template <int K>
 void allocate_planar_block(const ElementBlock& block, PlanarBlock& planar) {
   static_assert(planar_loops::PlanarConstants<K>::kSize == planar_constants_size(K), "size of the constants");
   static_assert(PlanarRows<K>::kCount * kPlanarColumns == planar_response_size(K), "size of the response");
-  const int packs = (block.count + kLanes - 1) / kLanes;
+  const int packs = LaneRows::packs(block.count);
   planar.constants = KernelView<double**>("mixbeam::planar::constants", packs, planar_constants_size(K) * kLanes);
   planar.response = KernelView<double**>(Kokkos::view_alloc("mixbeam::planar::response", Kokkos::WithoutInitializing),
                                          packs, planar_response_size(K) * kLanes);

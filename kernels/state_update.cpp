@@ -24,17 +24,6 @@ KOKKOS_FORCEINLINE_FUNCTION void turn_rotations(const double* const* rotation, c
   scatter_lanes(q, 4, 0, active, out);
 }
 
-/// kLanes rows from `first` on, the last one in place of those beyond `count`.
-struct RowsSideBySide {
-  int active, row[kLanes];
-  KOKKOS_INLINE_FUNCTION RowsSideBySide(int pack, int count) {
-    const int first = pack * kLanes;
-    active = count - first < kLanes ? count - first : kLanes;
-    for (int lane = 0; lane < kLanes; ++lane) row[lane] = first + (lane < active ? lane : active - 1);
-  }
-};
-int packs_of(int count) { return (count + kLanes - 1) / kLanes; }
-
 struct VertexLoop {
   KernelView<const double* [3]> from_displacement;
   KernelView<const double* [4]> from_rotation;
@@ -45,7 +34,7 @@ struct VertexLoop {
   KernelView<double* [4]> to_rotation;
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
-    const RowsSideBySide rows(pack, count);
+    const LaneRows rows(pack, count);
     const double *rotation[kLanes], *spin[kLanes];
     double* out[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -70,7 +59,7 @@ struct ElementLoop {
   size_t interior_offset, increment_offset;
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
-    const RowsSideBySide rows(pack, count);
+    const LaneRows rows(pack, count);
     const double *triad[kLanes], *spin[kLanes];
     double* out[kLanes];
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -93,7 +82,7 @@ void apply_vertex_increment(int count, const StateViews& from, const KernelView<
                             double scale, const StateViews& to) {
   const VertexLoop loop{from.vertex_displacement, from.vertex_rotation, increment, scale, count,
                         to.vertex_displacement,   to.vertex_rotation};
-  Kokkos::parallel_for("mixbeam::vertices::apply", Range(0, packs_of(count)), loop);
+  Kokkos::parallel_for("mixbeam::vertices::apply", Range(0, LaneRows::packs(count)), loop);
 }
 
 void apply_interior_increment(const ElementBlock& block, const StateViews& from,
@@ -102,7 +91,7 @@ void apply_interior_increment(const ElementBlock& block, const StateViews& from,
                          to.element_triad,      to.interior,           scale,
                          block.count,           block.first_element,   block.interior.unknowns(),
                          block.interior_offset, block.increment_offset};
-  Kokkos::parallel_for("mixbeam::elements::apply", Range(0, packs_of(block.count)), loop);
+  Kokkos::parallel_for("mixbeam::elements::apply", Range(0, LaneRows::packs(block.count)), loop);
 }
 
 }  // namespace mixbeam
