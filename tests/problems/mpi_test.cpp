@@ -50,7 +50,8 @@ void expect_same_choice(Scene scene, double accuracy) {
     EXPECT_EQ(a.followed, e.followed) << "mesh " << i;
     EXPECT_EQ(a.iterations, e.iterations) << "mesh " << i;
     EXPECT_EQ(a.remark, e.remark) << "mesh " << i;
-    if (e.remark.empty()) EXPECT_NEAR(a.error, e.error, kEstimatesAgree * e.error + kRanksAgree) << "mesh " << i;
+    if (!e.remark.empty()) continue;  // left without an estimate
+    EXPECT_NEAR(a.error, e.error, kEstimatesAgree * e.error + kRanksAgree) << "mesh " << i;
   }
   expect_same_answer(together.simulation, alone.simulation);
 }
