@@ -118,7 +118,7 @@ AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Referenc
   cell.rounds = run.rounds;
   cell.estimated = run.rounds.back().error;
   if (run.simulation.result().finished) cell.errors = reference.errors_of(run.simulation);
-  if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace());
+  if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace(), reference.displacement());
   for (const int threads : plan.threads)
     cell.prices[threads] = price_of(result, scene, wanted, threads, plan, communicator);
   return cell;

@@ -81,7 +81,7 @@ std::vector<Benchmark> list_scenes() {
   add("gripper", "space, branched, eigencurvature");
   add("parallel_linkage", "plane, hinges, free of stress");
   add("star_dome", "space frame of 24 members");
-  add("cable_net", "space, 70 ropes, prestressed, two stages", kLayers);
+  add("cable_net", "space, 60 ropes, prestressed, two stages", kLayers);
   add("tree", "space, branched, two stages");
   add("twisted_blade", "space, pre-twist, coupled section, two stages");
   add("honeycomb", "plane, lattice");

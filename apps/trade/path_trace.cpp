@@ -10,8 +10,6 @@ namespace {
 /// Steps end at load factors that are asked for, but for rounding.
 constexpr double kSameLoad = 1e-12;
 
-double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
-
 }  // namespace
 
 PathTrace::PathTrace(const BenchmarkProblem& problem) {
@@ -26,7 +24,7 @@ void PathTrace::add(const Simulation& simulation, const StepReport& report) {
       displacements_.push_back(simulation.displacement(value.point));
 }
 
-double PathTrace::error_against(const PathTrace& exact) const {
+double PathTrace::error_against(const PathTrace& exact, double displacement) const {
   if (critical_loads_.size() != exact.critical_loads_.size() || displacements_.size() != exact.displacements_.size())
     return std::nan("");
   double size = 0.0, error = 0.0;
@@ -35,7 +33,7 @@ double PathTrace::error_against(const PathTrace& exact) const {
     error = std::max(error, std::abs(critical_loads_[i] - exact.critical_loads_[i]) / size);
   for (size_t i = 0; i < displacements_.size(); ++i) {
     const Vector3 &here = displacements_[i], &there = exact.displacements_[i];
-    error = std::max(error, std::hypot(here[0] - there[0], here[1] - there[1], here[2] - there[2]) / length_of(there));
+    error = std::max(error, std::hypot(here[0] - there[0], here[1] - there[1], here[2] - there[2]) / displacement);
   }
   return error;
 }

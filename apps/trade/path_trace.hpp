@@ -14,9 +14,9 @@ class PathTrace {
   /// The next step of the path. Collective.
   void add(const Simulation& simulation, const StepReport& report);
   bool is_empty() const { return critical_loads_.empty() && displacements_.empty(); }
-  /// Largest difference of the critical loads, over the largest of them, and of the displacements, each over the size
-  /// of the exact one; not a number where the paths met different things.
-  double error_against(const PathTrace& exact) const;
+  /// Largest difference of the critical loads, over the largest of them, and of the displacements, over
+  /// `displacement`; not a number where the paths met different things.
+  double error_against(const PathTrace& exact, double displacement) const;
 
  private:
   std::vector<ExpectedValue> wanted_;   ///< short of the end

@@ -37,6 +37,8 @@ class Reference {
   const Simulation& simulation() const { return simulation_; }
   /// What it met on its way.
   const PathTrace& trace() const { return trace_; }
+  /// What errors of displacements are divided by.
+  double displacement() const { return displacement_; }
 
  private:
   PathTrace trace_;

@@ -216,7 +216,9 @@ void write_accuracies(std::ostream& page, const Results& results, const Results&
           "and true error of tip and\ncenterline, time of all of it, the cheapest single cell with so small an error, "
           "and the ratio of the times. Times are those of\nthe processor with one thread and those of the clock with "
           "more: medians of runs of both in turn. More threads than one are\nused where a structure is large enough, "
-          "unless the user says otherwise; here they were forced on all.\n\n";
+          "unless the user says otherwise; here they were forced on all. Times of the clock mean something on an idle "
+          "machine "
+          "only.\n\n";
   write_totals(page, results);
   write_accuracy_rows(page, results, false);
   if (gallery.empty()) return;

@@ -101,6 +101,7 @@ TEST(MpiProblems, AccuracyOfABranchedStructure) { expect_same_choice(fork(1, 1),
 // The start mesh knows nothing of a curvature by formula: the solution is carried over to finer ones.
 TEST(MpiProblems, AccuracyOnSeveralMeshes) {
   Scene scene = cantilever(section(1e4, 1e4, 1.0, 1.0), 1.0, 1, 1);
+  scene.point_loads = {dead_load("tip", {0, 0, 0.1})};
   scene.eigenstrains.resize(1);
   scene.eigenstrains[0].member = "beam";
   scene.eigenstrains[0].curvature_formula = {"0", "0", "12 * x"};
