@@ -146,8 +146,22 @@ void write_dataset(hid_t group, const std::string& name, const std::vector<doubl
   write_array(group, name, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data());
 }
 
-void write_dataset(hid_t group, const std::string& name, const std::vector<int>& values) {
-  write_array(group, name, {values.size()}, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
+std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers, std::size_t rows,
+                            std::size_t columns) {
+  const std::string action = "create dataset " + name;
+  std::vector<hsize_t> shape{rows};
+  if (columns > 1) shape.push_back(columns);
+  const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
+  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, action);
+  check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
+  check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), action);
+  const Handle dataset(H5Dcreate2(parent, name.c_str(), integers ? H5T_STD_I32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                  creation, H5P_DEFAULT),
+                       H5Dclose, action);
+  if (rows == 0) return 0;
+  const haddr_t offset = H5Dget_offset(dataset);
+  if (offset == HADDR_UNDEF) fail(action);
+  return offset;
 }
 
 void append_row(hid_t group, const std::string& name, const std::vector<double>& row) {

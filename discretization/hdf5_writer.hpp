@@ -5,6 +5,7 @@
 #include <hdf5.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
@@ -64,7 +65,12 @@ void write_text(hid_t group, const std::string& name, const std::string& text);
 
 /// `values` row by row; one column gives a one-dimensional dataset.
 void write_dataset(hid_t group, const std::string& name, const std::vector<double>& values, std::size_t columns);
-void write_dataset(hid_t group, const std::string& name, const std::vector<int>& values);
+
+/// Creates a dataset whose numbers (native doubles or integers, row by row) others write past the library, after the
+/// file is closed: its place in the file is settled at once and nothing is written there. One column gives a
+/// one-dimensional dataset. Returns where the numbers begin; 0 when there are none.
+std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers, std::size_t rows,
+                            std::size_t columns);
 
 std::size_t count_links(hid_t group);
 

@@ -19,12 +19,14 @@ namespace mixbeam {
 /// columns.
 using TriadQuaternion = std::array<double, 4>;
 
-/// One member sampled along its centerline. Every vector has one entry per sample, in the order of growing arc length.
-/// Elements may disagree in triad and strains at a common vertex, so a vertex inside the member is sampled once for
-/// each of the two elements that meet there; `element` tells them apart.
+/// One member sampled along its centerline, or the share of a rank in it. Every vector has one entry per sample, in the
+/// order of growing arc length. Elements may disagree in triad and strains at a common vertex, so a vertex inside the
+/// member is sampled once for each of the two elements that meet there; `element` tells them apart.
 struct MemberSamples {
   std::string name;                         ///< the member's name in the scene
   int order = 0, elements = 0;              ///< of its mesh
+  int points_per_element = 0;               ///< samples of each of its elements
+  RowShare share;                           ///< which samples of the member are held here
   std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
   std::vector<int> element;                 ///< element within the member, 0, 1, ...
   std::vector<Vector3> reference_position;  ///< undeformed centerline, spatial
@@ -36,10 +38,16 @@ struct MemberSamples {
   std::vector<Vector3> material_force;      ///< N, material
   std::vector<Vector3> material_moment;     ///< M, material
 
+  /// Samples that are held here.
   std::size_t size() const { return arc_length.size(); }
 
-  /// Makes room for `count` samples: zeros, and the triad of the global frame.
-  void resize(std::size_t count) {
+  /// Makes room for all of `count` samples: zeros, and the triad of the global frame.
+  void resize(std::size_t count) { hold(all_rows(count)); }
+
+  /// Makes room for a share of them.
+  void hold(const RowShare& rows) {
+    share = rows;
+    const std::size_t count = rows.held();
     arc_length.resize(count);
     element.resize(count);
     for (auto* field : {&reference_position, &position, &displacement, &force_strain, &moment_strain, &material_force,
@@ -49,8 +57,9 @@ struct MemberSamples {
     triad.resize(count, TriadQuaternion{1, 0, 0, 0});
   }
 
-  /// True when every field has one entry per arc length.
+  /// True when every field has one entry for each sample of the share.
   bool is_complete() const {
+    if (size() != share.held()) return false;
     for (const auto* field : {&reference_position, &position, &displacement, &force_strain, &moment_strain,
                               &material_force, &material_moment}) {
       if (field->size() != size()) return false;
@@ -78,8 +87,8 @@ struct RecordedBalance {
   double moment_error = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A limit point or bifurcation between two steps; see CriticalPoint. Fields at the samples of all members, one after
-/// the other, spatial.
+/// A limit point or bifurcation between two steps; see CriticalPoint. Fields at those samples of all members that the
+/// rank holds, one after the other, spatial.
 struct RecordedCriticalPoint {
   std::string kind{};  ///< "limit point", "bifurcation"
   double load_factor = 0.0;
@@ -89,13 +98,13 @@ struct RecordedCriticalPoint {
   std::vector<Vector3> mode{};  ///< displacement of the critical mode, per unit of its largest |du_i|/L or |dtheta_i|
   std::vector<MonitoredQuantity> monitored{};  ///< as in the step
   std::vector<RecordedReaction> reactions{};
-  StateSnapshot state{};
+  StateShare state{};
 };
 
 /// A mode of the linear buckling analysis of the undeformed structure.
 struct RecordedBucklingMode {
   double load_factor = 0.0;     ///< negative: under the reversed load
-  std::vector<Vector3> mode{};  ///< displacement at the samples of all members, scaled as that of a critical point
+  std::vector<Vector3> mode{};  ///< displacement at the samples as of a critical point, scaled likewise
 };
 
 /// An estimated error and the size of the quantity that it belongs to.
@@ -112,7 +121,8 @@ struct RecordedErrorEstimate {
   std::vector<MonitoredQuantity> points{};  ///< error of the displacement of the points that the run follows
 };
 
-/// A converged configuration and how it was reached.
+/// A converged configuration and how it was reached. On several ranks each holds its own share of the samples and of
+/// the state; all else is the same on every rank.
 struct StepRecord {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
   double load_factor = 0.0;   ///< may fall along a path past a limit point
@@ -130,8 +140,12 @@ struct StepRecord {
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
   std::vector<NewtonIteration> history{};                 ///< of all attempts at this step
-  StateSnapshot state{};                                  ///< for resuming; empty: this record cannot be resumed from
+  StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
   PathPoint point{};                                      ///< of the state
 };
+
+/// All but the fields at samples, vertices and elements: what a step takes few bytes for.
+StepRecord without_rows(const StepRecord& record);
+RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point);
 
 }  // namespace mixbeam

@@ -4,6 +4,8 @@
 #include "discretization/result_names.hpp"
 #include "discretization/xdmf_text.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -22,75 +24,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFormatVersion = 2;
-constexpr std::size_t kOverheadPerStep = 65536;  // bytes; HDF5's own data for a step were seen to take 12 kB
-constexpr int kXdmfPolyline = 2;                 // XDMF's number for a polyline in a mixed topology
+constexpr std::size_t kOverheadPerStep = 65536;    // bytes; HDF5's own data for a step were seen to take 12 kB
+constexpr std::size_t kOverheadPerMember = 16384;  // bytes; they were seen to take 6 kB
 const std::set<std::string> kOwnTimeSeries = {"step",          "load_factor",  "newton_iterations", "residual",
                                               "strain_energy", "force_energy", "moment_energy"};
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
-std::string step_group_name(int step) {
-  std::string digits = std::to_string(step);
-  return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits;
-}
-
-template <class Field>
-void append_values(const MemberSamples& member, Field field, std::vector<double>& values) {
-  for (const auto& sample : member.*field) values.insert(values.end(), sample.begin(), sample.end());
-}
-
-template <class Field>
-std::vector<double> concatenated(const std::vector<MemberSamples>& members, Field field) {
-  std::vector<double> values;
-  for (const auto& member : members) append_values(member, field, values);
-  return values;
-}
-
-// Columns g1, g2, g3 of the rotation matrix of a unit quaternion, spatial components.
-std::array<Vector3, 3> triad_vectors(const TriadQuaternion& triad) {
-  const auto [w, x, y, z] = triad;
-  return {Vector3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-          Vector3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-          Vector3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
-}
-
-// Spatial components of a material vector field: v = sum_i V_i g_i at every sample.
-std::vector<double> spatial(const std::vector<MemberSamples>& members, std::vector<Vector3> MemberSamples::*material) {
-  std::vector<double> values;
-  for (const auto& member : members) {
-    for (std::size_t sample = 0; sample < member.size(); ++sample) {
-      const auto g = triad_vectors(member.triad[sample]);
-      const Vector3& v = (member.*material)[sample];
-      for (std::size_t i = 0; i < 3; ++i) values.push_back(v[0] * g[0][i] + v[1] * g[1][i] + v[2] * g[2][i]);
-    }
-  }
-  return values;
-}
-
-std::vector<double> triad_column(const std::vector<MemberSamples>& members, std::size_t column) {
-  std::vector<double> values;
-  for (const auto& member : members) {
-    for (const auto& triad : member.triad) {
-      const Vector3 g = triad_vectors(triad)[column];
-      values.insert(values.end(), g.begin(), g.end());
-    }
-  }
-  return values;
-}
-
-std::vector<int> polyline_connectivity(const std::vector<MemberSamples>& members) {
-  std::vector<int> connectivity;
-  int sample = 0;
-  for (const auto& member : members) {
-    connectivity.push_back(kXdmfPolyline);
-    connectivity.push_back(static_cast<int>(member.size()));
-    for (std::size_t i = 0; i < member.size(); ++i) connectivity.push_back(sample++);
-  }
-  return connectivity;
-}
-
 std::size_t count_samples(const std::vector<MemberSamples>& members) {
   std::size_t samples = 0;
-  for (const auto& member : members) samples += member.size();
+  for (const auto& member : members) samples += member.share.rows;
   return samples;
 }
 
@@ -113,46 +55,22 @@ void write_header(hid_t file, const ResultHeader& header) {
   hdf5::create_group(file, "monitor");
 }
 
-int points_per_element(const MemberSamples& member) {
-  return static_cast<int>(std::count(member.element.begin(), member.element.end(), 0));
-}
-
 void write_members(hid_t file, const std::vector<MemberSamples>& members) {
   const auto parent = hdf5::open_group(file, "members");
   int index = 0;
   int first_sample = 0;
   for (const auto& member : members) {
     const auto group = hdf5::create_group(parent, member.name);
+    const int samples = static_cast<int>(member.share.rows);
     hdf5::write_attribute(group, "index", index++);
     hdf5::write_attribute(group, "first_sample", first_sample);
-    hdf5::write_attribute(group, "samples", static_cast<int>(member.size()));
-    hdf5::write_attribute(group, "points_per_element", points_per_element(member));
+    hdf5::write_attribute(group, "samples", samples);
+    hdf5::write_attribute(group, "points_per_element", member.points_per_element);
     hdf5::write_attribute(group, "order", member.order);
     hdf5::write_attribute(group, "elements", member.elements);
-    hdf5::write_dataset(group, "arc_length", member.arc_length, 1);
-    hdf5::write_dataset(group, "element", member.element);
-    std::vector<double> reference_position;
-    append_values(member, &MemberSamples::reference_position, reference_position);
-    hdf5::write_dataset(group, "reference_position", reference_position, 3);
-    first_sample += static_cast<int>(member.size());
+    first_sample += samples;
   }
-  const auto polyline = hdf5::create_group(file, "polyline");
-  hdf5::write_dataset(polyline, "connectivity", polyline_connectivity(members));
-}
-
-void write_fields(hid_t group, const std::vector<MemberSamples>& members) {
-  hdf5::write_dataset(group, "position", concatenated(members, &MemberSamples::position), 3);
-  hdf5::write_dataset(group, "displacement", concatenated(members, &MemberSamples::displacement), 3);
-  hdf5::write_dataset(group, "triad", concatenated(members, &MemberSamples::triad), 4);
-  hdf5::write_dataset(group, "force_strain", concatenated(members, &MemberSamples::force_strain), 3);
-  hdf5::write_dataset(group, "moment_strain", concatenated(members, &MemberSamples::moment_strain), 3);
-  hdf5::write_dataset(group, "material_force", concatenated(members, &MemberSamples::material_force), 3);
-  hdf5::write_dataset(group, "material_moment", concatenated(members, &MemberSamples::material_moment), 3);
-  hdf5::write_dataset(group, "spatial_force", spatial(members, &MemberSamples::material_force), 3);
-  hdf5::write_dataset(group, "spatial_moment", spatial(members, &MemberSamples::material_moment), 3);
-  for (std::size_t i = 0; i < 3; ++i) {
-    hdf5::write_dataset(group, "triad_" + std::to_string(i + 1), triad_column(members, i), 3);
-  }
+  hdf5::create_group(file, "polyline");
 }
 
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) {
@@ -162,12 +80,6 @@ void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) 
 }
 
 void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
-
-std::vector<double> numbers_of(const std::vector<Vector3>& vectors) {
-  std::vector<double> numbers;
-  for (const Vector3& v : vectors) append(numbers, v);
-  return numbers;
-}
 
 void write_reactions(hid_t group, const StepRecord& record) {
   std::vector<double> numbers;
@@ -195,17 +107,14 @@ void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
   hdf5::write_dataset(group, "residual_history", rows, 3);
 }
 
-void write_snapshot(hid_t group, const StateSnapshot& state) {
-  hdf5::write_dataset(group, "vertex_displacement", state.vertex_displacement, 3);
-  hdf5::write_dataset(group, "vertex_rotation", state.vertex_rotation, 4);
-  hdf5::write_dataset(group, "element_triad", state.element_triad, 4);
-  hdf5::write_dataset(group, "interior", state.interior, 1);
-  hdf5::write_attribute(group, "in_plane", state.in_plane ? 1 : 0);
+hdf5::Handle write_state(hid_t parent, const StateShare& state) {
+  auto group = hdf5::create_group(parent, "state");
+  hdf5::write_attribute(group, "in_plane", state.held.in_plane ? 1 : 0);
+  return group;
 }
 
-void write_state(hid_t step, const StateSnapshot& state, const PathPoint& point) {
-  const auto group = hdf5::create_group(step, "state");
-  write_snapshot(group, state);
+void write_state(hid_t step, const StateShare& state, const PathPoint& point) {
+  const auto group = write_state(step, state);
   hdf5::write_attribute(group, "stage", point.stage);
   hdf5::write_attribute(group, "step_size", point.step_size);
   hdf5::write_attribute(group, "iterations", point.iterations);
@@ -225,12 +134,9 @@ void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
   hdf5::write_attribute(group, "negative_before", point.negative_before);
   hdf5::write_attribute(group, "negative_after", point.negative_after);
   hdf5::write_attribute(group, "modes", point.modes);
-  hdf5::write_dataset(group, "position", numbers_of(point.position), 3);
-  hdf5::write_dataset(group, "displacement", numbers_of(point.displacement), 3);
-  hdf5::write_dataset(group, "mode", numbers_of(point.mode), 3);
   const auto monitor = hdf5::create_group(group, "monitor");
   for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
-  if (!point.state.empty()) write_snapshot(hdf5::create_group(group, "state"), point.state);
+  if (!point.state.empty()) write_state(group, point.state);
 }
 
 void write_stability(hid_t step, const StepRecord& record) {
@@ -258,9 +164,6 @@ void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   write_error(group, "displacement", estimate.displacement);
   write_error(group, "moment", estimate.moment);
   write_error(group, "energy", estimate.energy);
-  hdf5::write_dataset(group, "vertex_displacement", numbers_of(estimate.vertex_displacement), 3);
-  hdf5::write_dataset(group, "element_displacement", estimate.element_displacement, 1);
-  hdf5::write_dataset(group, "element_moment", estimate.element_moment, 1);
   const auto points = hdf5::create_group(group, "points");
   for (const auto& point : estimate.points) hdf5::write_dataset(points, point.name, point.components, 1);
 }
@@ -272,10 +175,10 @@ void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) 
   for (const auto& mode : modes) {
     const auto group = hdf5::create_group(buckling, std::to_string(number++));
     hdf5::write_attribute(group, "load_factor", mode.load_factor);
-    hdf5::write_dataset(group, "mode", numbers_of(mode.mode), 3);
   }
 }
 
+/// All of a step but its tables.
 void write_step(hid_t file, const StepRecord& record) {
   write_buckling(file, record.buckling);
   const auto steps = hdf5::open_group(file, "steps");
@@ -287,7 +190,6 @@ void write_step(hid_t file, const StepRecord& record) {
   hdf5::write_attribute(group, "strain_energy", record.strain_energy);
   hdf5::write_attribute(group, "force_energy", record.force_energy);
   hdf5::write_attribute(group, "moment_energy", record.moment_energy);
-  write_fields(group, record.members);
   write_reactions(group, record);
   write_history(group, record.history);
   write_stability(group, record);
@@ -305,26 +207,12 @@ void write_step(hid_t file, const StepRecord& record) {
   for (const auto& quantity : record.monitored) hdf5::append_row(monitor, quantity.name, quantity.components);
 }
 
-std::size_t bytes_of(const StateSnapshot& state) {
-  return sizeof(double) * (state.vertex_displacement.size() + state.vertex_rotation.size() +
-                           state.element_triad.size() + state.interior.size());
-}
-
-// Upper bound of what a record adds to a file, in bytes.
+// Upper bound of what a record adds to a file besides its tables, in bytes.
 std::size_t bytes_of(const StepRecord& record) {
-  constexpr std::size_t kDoublesPerSample = 48;  // 37 for a step, 5 for the sampling, the rest in hand
   std::size_t bytes = kOverheadPerStep;
-  for (const auto& member : record.members)
-    bytes += kOverheadPerStep + member.size() * kDoublesPerSample * sizeof(double);
-  bytes += bytes_of(record.state);
-  for (const auto& point : record.critical_points)
-    bytes += kOverheadPerStep + bytes_of(point.state) + point.mode.size() * 3 * sizeof(Vector3) +
-             point.monitored.size() * 4096;
-  if (record.error_estimate)
-    bytes += kOverheadPerStep + record.error_estimate->vertex_displacement.size() * sizeof(Vector3) +
-             record.error_estimate->element_displacement.size() * 2 * sizeof(double) +
-             record.error_estimate->points.size() * 4096;
-  for (const auto& mode : record.buckling) bytes += 4096 + mode.mode.size() * sizeof(Vector3);
+  for (const auto& point : record.critical_points) bytes += kOverheadPerStep + point.monitored.size() * 4096;
+  if (record.error_estimate) bytes += kOverheadPerStep + record.error_estimate->points.size() * 4096;
+  bytes += record.buckling.size() * 4096;
   bytes += record.reactions.size() * (6 * sizeof(double) + 2048);
   bytes += record.history.size() * sizeof(NewtonIteration) * 2;
   for (const auto& quantity : record.monitored) bytes += 128 * sizeof(double) * quantity.components.size() + 4096;
@@ -341,15 +229,6 @@ void reserve_space(const fs::path& path, std::size_t bytes) {
   const int error = ::posix_fallocate(file, end, static_cast<off_t>(bytes));
   ::close(file);
   if (error != 0) throw hdf5::Error("cannot get disk space: " + std::string(std::strerror(error)));
-}
-
-/// Room for a copy of a file, see reserve_space().
-void reserve_copy(const fs::path& from, const fs::path& to) {
-  try {
-    reserve_space(to, fs::file_size(from));
-  } catch (const std::exception& error) {
-    throw ResultFileError("result file " + from.string() + ": " + error.what());
-  }
 }
 
 fs::path hidden(const fs::path& path, const std::string& ending) {
@@ -376,7 +255,28 @@ std::map<std::string, std::size_t> sizes_of(const std::vector<MonitoredQuantity>
   return sizes;
 }
 
-bool same_sampling(const MemberSamples& a, const MemberSamples& b) { return a.name == b.name && a.size() == b.size(); }
+bool same_sampling(const MemberSamples& a, const MemberSamples& b) {
+  return a.name == b.name && a.share.rows == b.share.rows;
+}
+
+bool is_complete(const StateShare& state) {
+  const StateSnapshot& held = state.held;
+  return held.vertex_displacement.size() == 3 * state.vertices.held() &&
+         held.vertex_rotation.size() == 4 * state.vertices.held() &&
+         held.element_triad.size() == 4 * state.elements.held() && held.interior.size() == state.interior.held();
+}
+
+/// Besides the samples of members.
+bool has_complete_rows(const StepRecord& record) {
+  std::size_t samples = 0;
+  for (const auto& member : record.members) samples += member.size();
+  bool complete = is_complete(record.state);
+  for (const auto& point : record.critical_points)
+    complete = complete && is_complete(point.state) && point.position.size() == samples &&
+               point.displacement.size() == samples && point.mode.size() == samples;
+  for (const auto& mode : record.buckling) complete = complete && mode.mode.size() == samples;
+  return complete;
+}
 
 void replace_file(const fs::path& path, const fs::path& new_name, const std::string& text) {
   std::ofstream stream(new_name, std::ios::binary | std::ios::trunc);
@@ -390,35 +290,50 @@ void replace_file(const fs::path& path, const fs::path& new_name, const std::str
 
 }  // namespace
 
-ResultFile::ResultFile(const fs::path& path, ResultHeader header)
-    : path_(path), xdmf_path_(fs::path(path).replace_extension(".xdmf")), header_(std::move(header)) {
-  check_place(path_);
-  if (xdmf_path_ == path_) throw ResultFileError("result file " + path.string() + ": its name must not end in .xdmf");
-  new_name_ = hidden(path_, "new");
-  copies_[0].path = hidden(path_, "a");
-  copies_[1].path = hidden(path_, "b");
-  remove_hidden_files();
-  std::error_code ignored;
-  fs::remove(xdmf_path_, ignored);
-  write_copy(copies_[0], nullptr);
-  publish(copies_[0]);
+ResultFile::ResultFile(const fs::path& path, ResultHeader header, const Communicator& communicator)
+    : communicator_(communicator),
+      path_(path),
+      xdmf_path_(fs::path(path).replace_extension(".xdmf")),
+      header_(std::move(header)) {
+  name_copies();
+  on_root([&] {
+    check_place(path_);
+    if (xdmf_path_ == path_) throw ResultFileError(prefix() + "its name must not end in .xdmf");
+    remove_hidden_files();
+    std::error_code ignored;
+    fs::remove(xdmf_path_, ignored);
+  });
+  or_give_up([&] {
+    on_root([&] {
+      start(copies_[0]);
+      publish(copies_[0]);
+    });
+  });
+  copies_[0].created = true;
   next_copy_ = 1;
 }
 
-ResultFile::ResultFile(const StoredRun& run)
-    : path_(run.path()), xdmf_path_(fs::path(path_).replace_extension(".xdmf")), header_(run.header()) {
-  check_place(path_);
-  new_name_ = hidden(path_, "new");
-  copies_[0].path = hidden(path_, "a");
-  copies_[1].path = hidden(path_, "b");
-  remove_hidden_files();
-  previous_ = std::make_shared<const StepRecord>(run.layout());
+ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator)
+    : communicator_(communicator),
+      path_(run.path()),
+      xdmf_path_(fs::path(path_).replace_extension(".xdmf")),
+      header_(run.header()),
+      previous_(run.layout()) {
+  name_copies();
+  or_give_up([&] {
+    on_root([&] {
+      check_place(path_);
+      remove_hidden_files();
+      for (const Copy& copy : copies_) {
+        reserve_space(copy.path, fs::file_size(path_));
+        std::error_code error;
+        fs::copy_file(path_, copy.path, fs::copy_options::overwrite_existing, error);
+        if (error) throw ResultFileError(prefix() + "cannot be copied: " + error.message());
+      }
+    });
+  });
   for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor});
-  for (auto& copy : copies_) {
-    std::error_code error;
-    reserve_copy(path_, copy.path);
-    fs::copy_file(path_, copy.path, fs::copy_options::overwrite_existing, error);
-    if (error) throw ResultFileError("result file " + path_.string() + ": cannot be copied: " + error.message());
+  for (Copy& copy : copies_) {
     copy.created = true;
     copy.has_members = !labels_.empty();
     copy.last_step = labels_.empty() ? -1 : labels_.back().step;
@@ -426,28 +341,81 @@ ResultFile::ResultFile(const StoredRun& run)
 }
 
 ResultFile::~ResultFile() {
+  if (closed_ || !is_root()) return;
   try {
-    close();
+    finish();
   } catch (const std::exception&) {
     remove_hidden_files();
   }
 }
 
-void ResultFile::append_step(std::shared_ptr<const StepRecord> record) {
-  if (failed_ || closed_) throw ResultFileError("result file " + path_.string() + ": takes no more steps");
-  check_consistent(*record);
+void ResultFile::name_copies() {
+  new_name_ = hidden(path_, "new");
+  copies_[0].path = hidden(path_, "a");
+  copies_[1].path = hidden(path_, "b");
+}
+
+RankNumber ResultFile::rank() const { return {communicator_->getRank(), communicator_->getSize()}; }
+
+std::string ResultFile::prefix() const { return "result file " + path_.string() + ": "; }
+
+// Every rank runs `action`, which must not communicate; where it fails on one of them, all of them throw.
+void ResultFile::together(const std::function<void()>& action) const {
+  const std::string problem = first_problem(*communicator_, [&] {
+    const hdf5::QuietScope quiet;
+    try {
+      action();
+    } catch (const ResultFileError&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw ResultFileError(prefix() + error.what());
+    }
+  });
+  if (!problem.empty()) throw ResultFileError(problem);
+}
+
+void ResultFile::on_root(const std::function<void()>& action) const {
+  together([&] {
+    if (is_root()) action();
+  });
+}
+
+// After a failure of `step`, which is collective, the file takes no more steps.
+void ResultFile::or_give_up(const std::function<void()>& step) {
+  try {
+    step();
+  } catch (const ResultFileError&) {
+    failed_ = true;
+    if (is_root()) remove_hidden_files();
+    throw;
+  }
+}
+
+void ResultFile::append_step(const StepRecord& record) {
+  together([&] {
+    if (failed_ || closed_) throw ResultFileError(prefix() + "takes no more steps");
+    check_consistent(record);
+  });
   Copy& copy = copies_[next_copy_];
-  write_copy(copy, record.get());
-  publish(copy);
+  or_give_up([&] {
+    write_copy(copy, record);
+    on_root([&] { publish(copy); });
+  });
   next_copy_ = 1 - next_copy_;
-  labels_.push_back({record->step, record->load_factor});
-  previous_ = std::move(record);
-  if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
+  labels_.push_back({record.step, record.load_factor});
+  previous_ = without_rows(record);
+  on_root([&] {
+    if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
+  });
 }
 
 void ResultFile::close() {
   if (closed_) return;
   closed_ = true;
+  on_root([&] { finish(); });
+}
+
+void ResultFile::finish() {
   remove_hidden_files();
   if (steps_in_xdmf_ < labels_.size()) write_xdmf();
 }
@@ -460,6 +428,7 @@ void ResultFile::check_consistent(const StepRecord& record) const {
       throw ResultFileError(prefix + "member " + member.name + " has fields of unequal length");
     if (!is_link_name(member.name)) throw ResultFileError(prefix + "'" + member.name + "' cannot name a member");
   }
+  if (!has_complete_rows(record)) throw ResultFileError(prefix + "modes, critical points or states of unequal length");
   for (const auto& quantity : record.monitored) {
     if (!is_link_name(quantity.name) || kOwnTimeSeries.count(quantity.name) > 0) {
       throw ResultFileError(prefix + "'" + quantity.name + "' cannot name a monitored quantity");
@@ -467,71 +436,113 @@ void ResultFile::check_consistent(const StepRecord& record) const {
     if (quantity.components.empty()) throw ResultFileError(prefix + quantity.name + " has no components");
   }
   if (labels_.empty()) return;
-  if (record.step <= previous_->step) throw ResultFileError(prefix + "steps must grow");
+  if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
   bool same =
-      record.members.size() == previous_->members.size() && record.monitored.size() == previous_->monitored.size();
+      record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
   for (std::size_t i = 0; same && i < record.members.size(); ++i) {
-    same = same_sampling(record.members[i], previous_->members[i]);
+    same = same_sampling(record.members[i], previous_.members[i]);
   }
-  same = same && sizes_of(record.monitored) == sizes_of(previous_->monitored);
+  same = same && sizes_of(record.monitored) == sizes_of(previous_.monitored);
   if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
 }
 
-// Brings a copy up to date: header, the step that only the other copy has, and `record` (none: the header only).
-void ResultFile::write_copy(Copy& copy, const StepRecord* record) {
-  const hdf5::QuietScope quiet;
-  try {
-    std::size_t bytes = kOverheadPerStep + header_.scene_xml.size();
-    for (const auto& [name, text] : header_.imported) bytes += 4096 + name.size() + text.size();
-    if (record != nullptr) bytes += bytes_of(*record) + bytes_of(*previous_);
-    reserve_space(copy.path, bytes);
-    auto file = copy.created ? hdf5::open_file(copy.path) : hdf5::create_file(copy.path);
-    if (!copy.created) write_header(file, header_);
-    copy.created = true;
-    if (record != nullptr) {
-      if (!copy.has_members) {
-        write_members(file, record->members);
-        write_supports(file, record->reactions);
-      }
-      copy.has_members = true;
-      if (!labels_.empty() && copy.last_step != previous_->step) write_step(file, *previous_);
-      write_step(file, *record);
-      copy.last_step = record->step;
-    }
-    file.close("complete the file");
-  } catch (const hdf5::Error& error) {
-    failed_ = true;
-    remove_hidden_files();
-    throw ResultFileError("result file " + path_.string() + ": " + error.what());
+// Begins a copy with the header.
+void ResultFile::start(const Copy& copy) const {
+  std::size_t bytes = kOverheadPerStep + header_.scene_xml.size();
+  for (const auto& [name, text] : header_.imported) bytes += 4096 + name.size() + text.size();
+  reserve_space(copy.path, bytes);
+  auto file = hdf5::create_file(copy.path);
+  write_header(file, header_);
+  file.close("complete the file");
+}
+
+bool ResultFile::lacks_previous(const Copy& copy) const { return !labels_.empty() && copy.last_step != previous_.step; }
+
+// Brings a copy up to date: members, the step that only the other copy has, and `record`. Rank 0 makes everything but
+// the numbers of the tables and closes the file; then every rank writes those that it holds to the places made for
+// them.
+void ResultFile::write_copy(Copy& copy, const StepRecord& record) {
+  std::vector<ResultTable> tables, of_step;
+  std::vector<std::uint64_t> places;
+  together([&] {
+    tables = missing_tables(copy, record);
+    of_step = tables_of_step(record, rank());
+    tables.insert(tables.end(), of_step.begin(), of_step.end());
+    places.resize(tables.size());
+  });
+  on_root([&] { write_frame(copy, record, tables, places); });
+  Teuchos::broadcast(*communicator_, 0, static_cast<int>(places.size() * sizeof(places[0])),
+                     reinterpret_cast<char*>(places.data()));
+  together([&] {
+    SlabFile file(copy.path, SlabAccess::write, rank().ranks > 1);
+    for (std::size_t i = 0; i < tables.size(); ++i)
+      if (tables[i].shape.rows > 0) tables[i].write(file, places[i]);
+    file.close();
+  });
+  copy.created = copy.has_members = true;
+  copy.last_step = record.step;
+  previous_tables_.clear();
+  for (std::size_t i = 0; i < of_step.size(); ++i)
+    previous_tables_.push_back({of_step[i].shape, places[tables.size() - of_step.size() + i]});
+}
+
+// What a copy needs before the tables of the next step.
+std::vector<ResultTable> ResultFile::missing_tables(const Copy& copy, const StepRecord& record) const {
+  std::vector<ResultTable> tables;
+  if (!copy.has_members) tables = tables_of_members(record.members, rank());
+  if (!lacks_previous(copy)) return tables;
+  const auto source = std::make_shared<SlabFile>(copies_[1 - next_copy_].path, SlabAccess::read, false);
+  for (const PlacedTable& table : previous_tables_)
+    tables.push_back(copied_table(table.shape, source, table.place, rank()));
+  return tables;
+}
+
+// All but the numbers of the tables, and where these go.
+void ResultFile::write_frame(const Copy& copy, const StepRecord& record, const std::vector<ResultTable>& tables,
+                             std::vector<std::uint64_t>& places) const {
+  if (!copy.created) start(copy);
+  std::size_t bytes = bytes_of(record) + bytes_of(previous_);
+  if (!copy.has_members) bytes += kOverheadPerMember * record.members.size();
+  for (const ResultTable& table : tables) bytes += table.shape.bytes();
+  reserve_space(copy.path, bytes);
+  auto file = hdf5::open_file(copy.path);
+  if (!copy.has_members) {
+    write_members(file, record.members);
+    write_supports(file, record.reactions);
   }
+  if (lacks_previous(copy)) write_step(file, previous_);
+  write_step(file, record);
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const TableShape& shape = tables[i].shape;
+    places[i] =
+        hdf5::place_dataset(file, shape.name, shape.numbers == TableNumbers::integers, shape.rows, shape.columns);
+  }
+  file.close("complete the file");
 }
 
 // Moves the file's own name to `copy` in one indivisible operation. Where the file system has no hard links, the copy
 // is duplicated instead.
-void ResultFile::publish(const Copy& copy) {
+void ResultFile::publish(const Copy& copy) const {
   std::error_code error;
   fs::remove(new_name_, error);
   fs::create_hard_link(copy.path, new_name_, error);
   if (error) fs::copy_file(copy.path, new_name_, fs::copy_options::overwrite_existing, error);
   if (!error) fs::rename(new_name_, path_, error);
-  if (!error) return;
-  failed_ = true;
-  remove_hidden_files();
-  throw ResultFileError("result file " + path_.string() + ": cannot take its name: " + error.message());
+  if (error) throw ResultFileError(prefix() + "cannot take its name: " + error.message());
 }
 
 void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
   for (const auto& label : labels_)
     steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
-  const std::size_t members = previous_->members.size();
-  const std::size_t samples = count_samples(previous_->members);
+  const std::size_t members = previous_.members.size();
+  const std::size_t samples = count_samples(previous_.members);
   replace_file(xdmf_path_, new_name_,
                xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members));
   steps_in_xdmf_ = labels_.size();
 }
 
-void ResultFile::remove_hidden_files() noexcept {
+void ResultFile::remove_hidden_files() const noexcept {
   std::error_code ignored;
   for (const auto& path : {copies_[0].path, copies_[1].path, new_name_}) fs::remove(path, ignored);
 }

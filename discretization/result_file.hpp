@@ -33,16 +33,22 @@
 ///                               quantity, (steps) or (steps,3)
 ///
 /// A run may be killed at any moment: the file under its own name is complete and readable at all times. For that, two
-/// hidden copies are written in turn, and the name is moved to a copy only after that copy is closed; each step is
-/// therefore written twice, and the disk holds two copies until the run ends.
+/// hidden copies are written in turn, and the name is moved to a copy only after every rank has closed that copy; each
+/// step is therefore written twice, and the disk holds two copies until the run ends.
+///
+/// Rank 0 alone calls the HDF5 library. It makes room for the large datasets, closes the file and tells where their
+/// numbers lie; then each rank writes its rows there by plain system calls, so that neither samples nor states travel.
 #pragma once
 
 #include "discretization/member_samples.hpp"
+#include "discretization/rank_agreement.hpp"
+#include "discretization/result_tables.hpp"
 #include "discretization/stored_run.hpp"
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
-#include <memory>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -54,17 +60,20 @@ class ResultFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Writes the steps of one run. Only one rank may own one (the caller sees to that); not for concurrent threads.
+/// Writes the steps of one run. Every rank owns one: each writes the rows that it holds of the large datasets, rank 0
+/// everything else, and all of them see the same folder. What fails on one rank throws the same ResultFileError on
+/// every rank. Not for concurrent threads.
 class ResultFile {
  public:
   /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,
-  /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError.
-  ResultFile(const std::filesystem::path& path, ResultHeader header);
+  /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError. Collective.
+  ResultFile(const std::filesystem::path& path, ResultHeader header, const Communicator& communicator = one_rank());
 
-  /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError.
-  explicit ResultFile(const StoredRun& run);
+  /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError. Collective.
+  explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank());
 
-  /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them.
+  /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them. Not
+  /// collective, for a rank may be alone in leaving by an exception.
   ~ResultFile();
 
   ResultFile(const ResultFile&) = delete;
@@ -72,11 +81,10 @@ class ResultFile {
 
   /// Appends a step and publishes it: once this returns, readers of the file see it. On an error (ResultFileError) the
   /// published file keeps the steps it had, and the file takes no more steps.
-  /// Members, their samples and the monitored names must be those of the first record, and `step` must grow.
-  void append_step(std::shared_ptr<const StepRecord> record);
-  void append_step(const StepRecord& record) { append_step(std::make_shared<const StepRecord>(record)); }
+  /// Members, their samples and monitored names must be those of the first record, and `step` must grow. Collective.
+  void append_step(const StepRecord& record);
 
-  /// Brings the XDMF file up to date and removes the second copy. Called once; later calls do nothing.
+  /// Brings the XDMF file up to date and removes the second copy. Called once; later calls do nothing. Collective.
   void close();
 
   const std::filesystem::path& path() const { return path_; }
@@ -84,7 +92,7 @@ class ResultFile {
 
  private:
   struct Copy {
-    std::filesystem::path path;
+    std::filesystem::path path{};
     bool created = false;
     bool has_members = false;
     int last_step = -1;  ///< last step in this copy
@@ -95,22 +103,45 @@ class ResultFile {
     double load_factor = 0.0;
   };
 
-  void check_consistent(const StepRecord& record) const;
-  void write_copy(Copy& copy, const StepRecord* record);
-  void publish(const Copy& copy);
-  void write_xdmf();
-  void remove_hidden_files() noexcept;
+  /// A table and where its numbers begin in the published copy.
+  struct PlacedTable {
+    TableShape shape{};
+    std::uint64_t place = 0;
+  };
 
+  RankNumber rank() const;
+  bool is_root() const { return rank().rank == 0; }
+  std::string prefix() const;
+  void name_copies();
+  void together(const std::function<void()>& action) const;
+  void on_root(const std::function<void()>& action) const;
+  void or_give_up(const std::function<void()>& step);
+
+  void check_consistent(const StepRecord& record) const;
+  bool lacks_previous(const Copy& copy) const;
+  void start(const Copy& copy) const;
+  void write_copy(Copy& copy, const StepRecord& record);
+  std::vector<ResultTable> missing_tables(const Copy& copy, const StepRecord& record) const;
+  void write_frame(const Copy& copy, const StepRecord& record, const std::vector<ResultTable>& tables,
+                   std::vector<std::uint64_t>& places) const;
+  void publish(const Copy& copy) const;
+  void write_xdmf();
+  void finish();
+  void remove_hidden_files() const noexcept;
+
+  Communicator communicator_;
   std::filesystem::path path_;
   std::filesystem::path xdmf_path_;
   std::filesystem::path new_name_;  ///< hidden name that is renamed to path_
   ResultHeader header_;
   std::array<Copy, 2> copies_;
   std::size_t next_copy_ = 0;  ///< the copy that is not published
-  /// Missing in the next copy; its members also describe the sampling.
-  std::shared_ptr<const StepRecord> previous_ = std::make_shared<const StepRecord>();
+  /// Missing in the next copy, which takes the rows of its tables from the published one; its members also describe the
+  /// sampling.
+  StepRecord previous_;
+  std::vector<PlacedTable> previous_tables_;
   std::vector<StepLabel> labels_;  ///< of all published steps
-  std::size_t steps_in_xdmf_ = 0;
+  std::size_t steps_in_xdmf_ = 0;  ///< known to rank 0
   bool failed_ = false;
   bool closed_ = false;
 };

@@ -2,6 +2,9 @@
 /// not depend on ranks and threads.
 #pragma once
 
+#include "discretization/row_share.hpp"
+
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -17,6 +20,21 @@ struct StateSnapshot {
 
   bool empty() const { return vertex_rotation.empty(); }
 };
+
+/// What one rank holds of a state: these rows of its arrays, one after the other.
+struct StateShare {
+  StateSnapshot held{};
+  RowShare vertices{}, elements{}, interior{};
+
+  bool empty() const { return vertices.rows == 0; }
+};
+
+/// All of it on one rank.
+inline StateShare whole(StateSnapshot state) {
+  const RowShare vertices = all_rows(state.vertex_rotation.size() / 4), interior = all_rows(state.interior.size()),
+                 elements = all_rows(state.element_triad.size() / 4);
+  return {std::move(state), vertices, elements, interior};
+}
 
 /// Where a load path stands after a completed step: with the state, all that the steps to come depend on.
 struct PathPoint {

@@ -52,6 +52,13 @@ bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
   return block.vertices(e, 0) < structure.owned_vertices;
 }
 
+bool answers_for(const Structure& structure, int mesh_element) {
+  const int local = structure.mesh_element_to_local[mesh_element];
+  if (local < 0) return false;
+  const ElementBlock& block = structure.block_of(local);
+  return answers_for(structure, block, local - block.first_element);
+}
+
 /// (gamma, kappa) = S (N, M)
 void set_strains(const Matrix6& compliance, PointSample& sample) {
   sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
@@ -117,12 +124,9 @@ PointSample sample_member(const Assembler& assembler, const State& state, int me
   const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
   const int local = structure.mesh_element_to_local[m.first_element + index];
   double mine[kSampleNumbers] = {}, all[kSampleNumbers];
-  if (local >= 0) {
-    const ElementBlock& block = structure.block_of(local);
-    if (answers_for(structure, block, local - block.first_element)) {
-      const PointSample sample = sample_element(structure, assembler.mesh(), state, local, xi);
-      std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
-    }
+  if (answers_for(structure, m.first_element + index)) {
+    const PointSample sample = sample_element(structure, assembler.mesh(), state, local, xi);
+    std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
   }
   Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
   PointSample sample;
@@ -168,6 +172,35 @@ void put(const PointSample& sample, int element, size_t place, MemberSamples& me
   member.material_moment[place] = array(sample.moment);
 }
 
+/// Place of one of `points` equidistant points along an element.
+double sample_point(size_t point, size_t points) {
+  return -1.0 + 2.0 * static_cast<double>(point) / static_cast<double>(points - 1);
+}
+
+/// Names and numbers of all members.
+std::vector<MemberSamples> members_without_samples(const Scene& scene, const Mesh& mesh,
+                                                   const std::vector<size_t>& first) {
+  std::vector<MemberSamples> members(scene.members.size());
+  for (size_t m = 0; m < members.size(); ++m) {
+    const int begin = mesh.members[m].first_element, end = begin + mesh.members[m].elements;
+    members[m].name = scene.members[m].name;
+    members[m].order = scene.members[m].order;
+    members[m].elements = mesh.members[m].elements;
+    members[m].points_per_element = static_cast<int>(first[begin + 1] - first[begin]);
+    members[m].share.rows = first[end] - first[begin];
+  }
+  return members;
+}
+
+/// Samples of those elements of a member that this rank answers for.
+RowShare own_share(const Structure& structure, const MeshMember& member, const std::vector<size_t>& first) {
+  const int begin = member.first_element, end = begin + member.elements;
+  RowShare share{first[end] - first[begin]};
+  for (int element = begin; element < end; ++element)
+    if (answers_for(structure, element)) share.hold(first[element] - first[begin], first[element + 1] - first[element]);
+  return share;
+}
+
 /// Calls action(mesh element, place, sample) for every sample that this rank answers for.
 template <class Action>
 void for_each_sample(const Assembler& assembler, const State& state, const std::vector<size_t>& first,
@@ -179,8 +212,8 @@ void for_each_sample(const Assembler& assembler, const State& state, const std::
       const int local = block.first_element + e, element = structure.local_element_to_mesh[local];
       const size_t points = first[element + 1] - first[element];
       for (size_t i = 0; i < points; ++i) {
-        const double xi = -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1);
-        action(element, first[element] + i, sample_element(structure, assembler.mesh(), state, local, xi));
+        action(element, first[element] + i,
+               sample_element(structure, assembler.mesh(), state, local, sample_point(i, points)));
       }
     }
 }
@@ -191,7 +224,7 @@ struct RankSamples {
   std::vector<double> numbers;
 };
 
-RankSamples own_samples(const Assembler& assembler, const State& state, const std::vector<size_t>& first) {
+RankSamples numbers_of_own_samples(const Assembler& assembler, const State& state, const std::vector<size_t>& first) {
   RankSamples mine;
   for_each_sample(assembler, state, first, [&](int element, size_t place, const PointSample& sample) {
     if (place == first[element]) mine.elements.push_back(element);
@@ -225,29 +258,41 @@ void send_samples_to_root(const Teuchos::Comm<int>& comm, const RankSamples& min
 
 }  // namespace
 
-std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
-                                          int points_per_element) {
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+                                               int points_per_element) {
+  const Structure& structure = assembler.structure();
   const Mesh& mesh = assembler.mesh();
   const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
-  const auto& comm = *assembler.map()->getComm();
-  std::vector<MemberSamples> members(scene.members.size());
+  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
   for (size_t m = 0; m < members.size(); ++m) {
-    members[m].name = scene.members[m].name;
-    const MeshMember& member = mesh.members[m];
-    members[m].order = scene.members[m].order;
-    members[m].elements = member.elements;
-    if (comm.getRank() == 0)
-      members[m].resize(first[member.first_element + member.elements] - first[member.first_element]);
+    members[m].hold(own_share(structure, mesh.members[m], first));
+    size_t place = 0;
+    for (int e = 0; e < mesh.members[m].elements; ++e) {
+      const int element = mesh.members[m].first_element + e;
+      if (!answers_for(structure, element)) continue;
+      const size_t points = first[element + 1] - first[element];
+      for (size_t i = 0; i < points; ++i, ++place)
+        put(sample_element(structure, mesh, state, structure.mesh_element_to_local[element], sample_point(i, points)),
+            e, place, members[m]);
+    }
   }
+  return members;
+}
+
+std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+                                          int points_per_element) {
+  const auto& comm = *assembler.map()->getComm();
+  if (comm.getSize() == 1) return sample_own_elements(scene, assembler, state, points_per_element);
+  const Mesh& mesh = assembler.mesh();
+  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
+  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
+  if (comm.getRank() == 0)
+    for (MemberSamples& member : members) member.resize(member.share.rows);
   const auto keep = [&](int element, size_t place, const PointSample& sample) {
     const MeshElement& of = mesh.elements[element];
     put(sample, of.index, place - first[mesh.members[of.member].first_element], members[of.member]);
   };
-  if (comm.getSize() == 1) {
-    for_each_sample(assembler, state, first, keep);
-    return members;
-  }
-  send_samples_to_root(comm, own_samples(assembler, state, first), [&](const RankSamples& of_rank) {
+  send_samples_to_root(comm, numbers_of_own_samples(assembler, state, first), [&](const RankSamples& of_rank) {
     const double* numbers = of_rank.numbers.data();
     for (int element : of_rank.elements)
       for (size_t place = first[element]; place < first[element + 1]; ++place, numbers += kSampleNumbers) {

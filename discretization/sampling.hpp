@@ -34,8 +34,12 @@ int smooth_points(int order);
 inline constexpr int kPointsByOrder = 0;
 
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
-/// included, so that one-sided values at vertices show) or at kPointsByOrder. Complete on rank 0 (other ranks return
-/// the members without samples). Collective.
+/// included, so that one-sided values at vertices show) or at kPointsByOrder: the share of this rank, which are the
+/// elements that start at one of its vertices.
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+                                               int points_per_element);
+
+/// The same, complete on rank 0; other ranks return the members without samples. For small structures. Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
                                           int points_per_element);
 

@@ -16,21 +16,6 @@ namespace {
 
 static_assert(sizeof(std::uint64_t) == sizeof(double), "doubles travel as bit patterns");
 
-/// Interior unknowns of every element of the mesh: where they start, and their number behind the last one.
-std::vector<size_t> interior_places(const Assembler& assembler) {
-  const Structure& structure = assembler.structure();
-  const size_t elements = assembler.mesh().elements.size();
-  std::vector<int> unknowns(elements, 0), all(elements, 0);
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e)
-      unknowns[structure.local_element_to_mesh[block.first_element + e]] = block.interior.unknowns();
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_MAX, static_cast<int>(elements), unknowns.data(),
-                     all.data());
-  std::vector<size_t> first(elements + 1, 0);
-  for (size_t e = 0; e < elements; ++e) first[e + 1] = first[e] + static_cast<size_t>(all[e]);
-  return first;
-}
-
 /// Calls `visit(snapshot array, its offset, numbers of the state, their count)` for everything that this rank holds, or
 /// only for what it answers for.
 template <class Visit>
@@ -89,11 +74,69 @@ void require_sizes(const Communicator& comm, StateSnapshot& snapshot, const std:
         "the state does not belong to this mesh: numbers of vertices, elements or orders differ");
 }
 
+void append(std::vector<double>& array, const double* numbers, size_t count) {
+  array.insert(array.end(), numbers, numbers + count);
+}
+
+void add_vertices(const Assembler& assembler, const State& state, StateShare& share) {
+  const Structure& structure = assembler.structure();
+  const auto owned = static_cast<size_t>(structure.owned_vertices);
+  share.vertices.rows = static_cast<size_t>(assembler.mesh().vertices());
+  share.held.vertex_displacement.reserve(3 * owned);
+  share.held.vertex_rotation.reserve(4 * owned);
+  for (int v = 0; v < structure.owned_vertices; ++v) {
+    share.vertices.hold(static_cast<size_t>(structure.local_vertex_to_global[v]), 1);
+    append(share.held.vertex_displacement, &state.views.vertex_displacement(v, 0), 3);
+    append(share.held.vertex_rotation, &state.views.vertex_rotation(v, 0), 4);
+  }
+}
+
+void add_elements(const Assembler& assembler, const State& state, StateShare& share) {
+  const Structure& structure = assembler.structure();
+  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
+  share.elements.rows = assembler.mesh().elements.size();
+  share.interior.rows = interior_first.back();
+  share.held.element_triad.reserve(4 * structure.local_element_to_mesh.size());
+  share.held.interior.reserve(structure.interior_size);
+  for (size_t element = 0; element < share.elements.rows; ++element) {
+    const int local = structure.mesh_element_to_local[element];
+    if (local < 0) continue;
+    const ElementBlock& block = structure.block_of(local);
+    const int e = local - block.first_element;
+    if (block.vertices(e, 0) >= structure.owned_vertices) continue;
+    const auto unknowns = static_cast<size_t>(block.interior.unknowns());
+    share.elements.hold(element, 1);
+    share.interior.hold(interior_first[element], unknowns);
+    append(share.held.element_triad, &state.views.element_triad(local, 0), 4);
+    append(share.held.interior, state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns,
+           unknowns);
+  }
+}
+
 }  // namespace
+
+std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh) {
+  std::vector<size_t> first{0};
+  first.reserve(mesh.elements.size() + 1);
+  for (const MeshElement& element : mesh.elements) {
+    const Member& member = scene.members[element.member];
+    const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
+    first.push_back(first.back() + static_cast<size_t>(layout.unknowns()));
+  }
+  return first;
+}
+
+StateShare share_of(const Assembler& assembler, const State& state) {
+  StateShare share;
+  share.held.in_plane = state.in_plane;
+  add_vertices(assembler, state, share);
+  add_elements(assembler, state, share);
+  return share;
+}
 
 StateSnapshot snapshot_of(const Assembler& assembler, const State& state) {
   const Communicator comm = assembler.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(assembler);
+  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
   StateSnapshot snapshot;
   snapshot.in_plane = state.in_plane;
   const auto sizes = sizes_for(assembler, interior_first);
@@ -109,7 +152,7 @@ StateSnapshot snapshot_of(const Assembler& assembler, const State& state) {
 
 State restore(const Assembler& assembler, const StateSnapshot& given) {
   const Communicator comm = assembler.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(assembler);
+  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
   StateSnapshot snapshot = given;
   const auto sizes = sizes_for(assembler, interior_first);
   require_sizes(comm, snapshot, sizes);

@@ -6,6 +6,12 @@
 
 namespace mixbeam {
 
+/// Where the interior unknowns of every element of a mesh begin in a snapshot, and their number behind the last one.
+std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh);
+
+/// The share of this rank: its own vertices, and the elements that start at one of them.
+StateShare share_of(const Assembler& assembler, const State& state);
+
 /// Complete on rank 0, empty elsewhere. Collective.
 StateSnapshot snapshot_of(const Assembler& assembler, const State& state);
 

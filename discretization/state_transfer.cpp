@@ -60,18 +60,6 @@ struct ElementPolynomials {
   Coefficients force{}, moment{};  ///< N of degree k - 1 or k, M of degree k
 };
 
-/// Where the interior unknowns of every element begin in a snapshot, and their number behind the last one.
-std::vector<size_t> interior_places(const Discretization& d) {
-  std::vector<size_t> first{0};
-  first.reserve(d.mesh.elements.size() + 1);
-  for (const MeshElement& element : d.mesh.elements) {
-    const Member& member = d.scene.members[element.member];
-    const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
-    first.push_back(first.back() + static_cast<size_t>(layout.unknowns()));
-  }
-  return first;
-}
-
 /// Legendre coefficients of one component of N through its `count` Gauss points, from point `first` on.
 void fit_force(const InteriorLayout& layout, const double* interior, int first, int count, int component,
                Coefficients& force) {
@@ -406,7 +394,8 @@ void require_same_members(const Discretization& from, const Discretization& to) 
 
 StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, const Discretization& to) {
   require_same_members(from, to);
-  const std::vector<size_t> from_places = interior_places(from), to_places = interior_places(to);
+  const std::vector<size_t> from_places = interior_places(from.scene, from.mesh),
+                            to_places = interior_places(to.scene, to.mesh);
   StateSnapshot result;
   result.vertex_displacement.resize(3 * static_cast<size_t>(to.mesh.vertices()));
   result.vertex_rotation.resize(4 * static_cast<size_t>(to.mesh.vertices()));

@@ -81,7 +81,7 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
   point.negative_before = whole(group, "negative_before");
   point.negative_after = whole(group, "negative_after");
   point.modes = whole(group, "modes");
-  point.state = read_snapshot(hdf5::open_group(group, "state"));
+  point.state = whole(read_snapshot(hdf5::open_group(group, "state")));
   return point;
 }
 
@@ -104,7 +104,7 @@ std::vector<MemberSamples> read_members(hid_t file) {
     const auto member = hdf5::open_group(group, name);
     const auto index = static_cast<std::size_t>(hdf5::read_number(member, "index"));
     members.at(index).name = name;
-    members[index].resize(static_cast<std::size_t>(hdf5::read_number(member, "samples")));
+    members[index].share.rows = static_cast<std::size_t>(hdf5::read_number(member, "samples"));
   }
   return members;
 }

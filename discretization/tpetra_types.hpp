@@ -1,6 +1,8 @@
 /// The Tpetra types of the project, named once.
 #pragma once
 
+#include "discretization/communicator.hpp"
+
 #include <Tpetra_CrsGraph.hpp>
 #include <Tpetra_CrsMatrix.hpp>
 #include <Tpetra_Import.hpp>
@@ -19,6 +21,5 @@ using DofVector = Tpetra::Vector<double, LocalOrdinal, GlobalOrdinal, TpetraNode
 using DofImport = Tpetra::Import<LocalOrdinal, GlobalOrdinal, TpetraNode>;
 // Asking for their size instantiates the classes here, which a precompiled header keeps.
 static_assert(sizeof(DofMap) * sizeof(DofGraph) * sizeof(DofMatrix) * sizeof(DofVector) * sizeof(DofImport) > 0);
-using Communicator = Teuchos::RCP<const Teuchos::Comm<int>>;
 
 }  // namespace mixbeam

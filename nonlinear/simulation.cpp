@@ -108,9 +108,9 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.force_energy = energy.force;
   record.moment_energy = energy.moment;
   record.history = report.history;
-  record.state = snapshot_of(assembler(), state_);
+  record.state = share_of(assembler(), state_);
   record.point = report.point;
-  record.members = samples(points_per_element);
+  record.members = sample_own_elements(scene(), assembler(), state_, points_per_element);
   record.reactions = recorded_reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
@@ -131,14 +131,14 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   record.negative_before = point.negative_before;
   record.negative_after = point.negative_after;
   record.modes = point.modes;
-  for (const MemberSamples& member : samples(points_per_element)) {
+  for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state_, points_per_element)) {
     record.position.insert(record.position.end(), member.position.begin(), member.position.end());
     record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
   }
   record.mode = displacement_of_mode(point.mode, points_per_element);
   record.monitored = motions(monitored_points);
   record.reactions = recorded_reactions();
-  record.state = snapshot_of(assembler(), state_);
+  record.state = share_of(assembler(), state_);
   return record;
 }
 
@@ -179,7 +179,7 @@ std::vector<Vector3> Simulation::displacement_of_mode(const MixedVector& mode, i
   const auto moved = [&](double amplitude) {
     std::vector<Vector3> positions;
     const State state = problem_->assembler.apply(state_, mode, amplitude);
-    for (const MemberSamples& member : sample_members(scene(), assembler(), state, points_per_element))
+    for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state, points_per_element))
       positions.insert(positions.end(), member.position.begin(), member.position.end());
     return positions;
   };

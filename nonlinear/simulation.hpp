@@ -79,11 +79,12 @@ class Simulation {
   double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {
     return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
   }
-  /// Record of the present state for a result file, with all that resuming needs.
+  /// Record of the present state for a result file, with all that resuming needs: the share of this rank.
   StepRecord record(const StepReport& report, int points_per_element,
                     const std::vector<std::string>& monitored_points) const;
 
-  /// The first `count` modes of linear_buckling(), and none when the undeformed structure is not stable.
+  /// The first `count` modes of linear_buckling(), and none when the undeformed structure is not stable; of this rank's
+  /// samples.
   std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
 
  private:

@@ -97,7 +97,7 @@ namespace {
 std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position) {
   std::vector<CriticalPoint> points;
   for (const RecordedCriticalPoint& stored : run.critical_points(position)) {
-    simulation.restore(stored.state, stored.load_factor);
+    simulation.restore(stored.state.held, stored.load_factor);
     CriticalPoint point{CriticalKind::limit_point,
                         stored.load_factor,
                         stored.negative_before,
@@ -148,11 +148,9 @@ Simulation Application::solve(const Scene& solved, const SolverParameters& param
   if (simulation.result().finished) return simulation;
   const std::filesystem::path file = output / ((label.empty() ? name : label) + "_last_converged.h5");
   const StepRecord last_record = simulation.record(last, kPointsByOrder, {});
-  if (writes_files()) {
-    ResultFile results(file, header(solved));
-    results.append_step(last_record);
-    results.close();
-  }
+  ResultFile results(file, header(solved), communicator);
+  results.append_step(last_record);
+  results.close();
   give_up(simulation, label, "The last converged state is in " + file.string() + ".", file);
 }
 
@@ -232,12 +230,14 @@ class Application::Recorder {
  public:
   Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
       : parameters_(parameters), recording_(recording), points_(followed_points(scene)) {
+    if (app.writes_files()) {
+      std::error_code ignored;
+      std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
+    }
+    const ResultHeader header = app.header(scene, recording.properties);
+    results_ = recording.resume != nullptr ? std::make_unique<ResultFile>(*recording.resume, app.communicator)
+                                           : std::make_unique<ResultFile>(recording.file, header, app.communicator);
     if (!app.writes_files()) return;
-    std::error_code ignored;
-    std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-    results_ = recording.resume != nullptr
-                   ? std::make_unique<ResultFile>(*recording.resume)
-                   : std::make_unique<ResultFile>(recording.file, app.header(scene, recording.properties));
     if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
     if (monitor_ && recording.resume != nullptr) monitor_->add(*recording.resume);
   }
@@ -246,10 +246,10 @@ class Application::Recorder {
   /// `estimate`: of the state, where it is known already.
   void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
     has_steps_ = true;
-    const auto step = std::make_shared<const StepRecord>(record(running, report, estimate));
-    if (results_ != nullptr) results_->append_step(step);
-    if (monitor_) monitor_->add(*step);
-    if (recording_.record_observer) recording_.record_observer(*step);
+    const StepRecord step = record(running, report, estimate);
+    results_->append_step(step);
+    if (monitor_) monitor_->add(step);
+    if (recording_.record_observer) recording_.record_observer(step);
     if (recording_.observer) recording_.observer(running, report);
   }
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
@@ -264,9 +264,7 @@ class Application::Recorder {
       step.error_estimate = running.record_error(running.estimate_error(), points_);
     return step;
   }
-  void close() {
-    if (results_ != nullptr) results_->close();
-  }
+  void close() { results_->close(); }
 
  private:
   const SolverParameters& parameters_;

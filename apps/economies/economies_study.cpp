@@ -28,13 +28,11 @@ TimedWay run_once(const Application& app, const Way& way, int threads) {
   if (way.estimates) simulation.estimate_error();
   if (way.records) {
     const StepRecord record = simulation.record(last, kPointsByOrder, {point});
-    if (app.writes_files()) {
-      ResultHeader header;
-      header.scene_name = way.scene.name;
-      ResultFile file(app.output / "recorded.h5", std::move(header));
-      file.append_step(record);
-      file.close();
-    }
+    ResultHeader header;
+    header.scene_name = way.scene.name;
+    ResultFile file(app.output / "recorded.h5", std::move(header), app.communicator);
+    file.append_step(record);
+    file.close();
   }
   TimedWay result;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

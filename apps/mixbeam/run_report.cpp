@@ -13,8 +13,7 @@ namespace {
 
 double balance_tolerance(const StepRecord& record) {
   double elements = 0.0;
-  for (const MemberSamples& member : record.members)
-    if (!member.element.empty()) elements += member.element.back() + 1;
+  for (const MemberSamples& member : record.members) elements += member.elements;
   return kBalanceTolerance + std::numeric_limits<double>::epsilon() * elements;
 }
 
@@ -28,16 +27,6 @@ bool ends_with(const std::string& text, const std::string& ending) {
 /// Points that are held would only hide those that move.
 bool stays(const MonitoredQuantity& displacement) {
   return displacement.components == std::vector<double>(displacement.components.size(), 0.0);
-}
-
-RecordedCriticalPoint without_fields(const RecordedCriticalPoint& point) {
-  RecordedCriticalPoint kept;
-  kept.kind = point.kind;
-  kept.load_factor = point.load_factor;
-  kept.negative_before = point.negative_before;
-  kept.negative_after = point.negative_after;
-  kept.modes = point.modes;
-  return kept;
 }
 
 struct NamedError {
@@ -73,23 +62,15 @@ void RunReport::add(const StepRecord& record) {
   balance_tolerance_ = balance_tolerance(record);
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
-  last_ = record;
+  last_ = without_rows(record);
   last_.members.clear();
-  last_.state = {};
-  last_.critical_points.clear();
-  last_.buckling.clear();
-  if (last_.error_estimate) {
-    last_.error_estimate->vertex_displacement.clear();
-    last_.error_estimate->element_displacement.clear();
-    last_.error_estimate->element_moment.clear();
-  }
   for (const RecordedBucklingMode& mode : record.buckling) buckling_.push_back(mode.load_factor);
-  for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_fields(point));
+  for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
 }
 
 void RunReport::add_critical_points(const StoredRun& run) {
   for (std::size_t i = 0; i < run.steps().size(); ++i)
-    for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_fields(point));
+    for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_rows(point));
 }
 
 void RunReport::check_balance(Application& app, const std::string& run) const {

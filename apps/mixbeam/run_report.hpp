@@ -32,8 +32,8 @@ class RunReport {
   void print_stability(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
 
-  StepRecord last_;                              ///< without its samples and state
-  std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without fields
+  StepRecord last_;                              ///< without its members and rows
+  std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without rows
   std::vector<double> buckling_;                 ///< load factors of linear buckling
   double force_error_ = 0.0, moment_error_ = 0.0;
   double balance_tolerance_ = 0.0;
