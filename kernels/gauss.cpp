@@ -1,10 +1,14 @@
 #include "kernels/gauss.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace mixbeam {
 
-void gauss_rule(int n, double* points, double* weights) {
+namespace {
+
+void compute_gauss_rule(int n, double* points, double* weights) {
   constexpr double pi = 3.14159265358979323846;
   constexpr int newton_steps = 6;  // quadratic from an error below 1e-2: five reach round-off, one to spare
   for (int i = 0; i < (n + 1) / 2; ++i) {
@@ -25,6 +29,24 @@ void gauss_rule(int n, double* points, double* weights) {
     points[n - 1 - i] = x;
     weights[i] = weights[n - 1 - i] = 2.0 / ((1.0 - x * x) * slope * slope);
   }
+}
+
+/// Rules that elements and their samples ask for again and again.
+constexpr int kMostPoints = 16;
+struct GaussRules {
+  std::array<std::array<double, kMostPoints>, kMostPoints + 1> points{}, weights{};
+  GaussRules() {
+    for (int n = 1; n <= kMostPoints; ++n) compute_gauss_rule(n, points[n].data(), weights[n].data());
+  }
+};
+
+}  // namespace
+
+void gauss_rule(int n, double* points, double* weights) {
+  static const GaussRules rules;
+  if (n > kMostPoints) return compute_gauss_rule(n, points, weights);
+  std::copy_n(rules.points[n].data(), n, points);
+  std::copy_n(rules.weights[n].data(), n, weights);
 }
 
 }  // namespace mixbeam
