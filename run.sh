@@ -8,6 +8,7 @@ source .ci/setup.sh
 
 readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes
   trade economies)
+readonly tables_only=(economies) # no pictures
 readonly all_scene_groups=(verification gallery)
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results
@@ -102,7 +103,7 @@ if [[ -f $plot_script ]]; then
   say "Draw the figures"
   drawn=()
   for benchmark in "${all_benchmarks[@]}"; do
-    [[ " ${names[*]} " == *" $benchmark "* ]] && drawn+=("$benchmark")
+    [[ " ${names[*]} " == *" $benchmark "* && " ${tables_only[*]} " != *" $benchmark "* ]] && drawn+=("$benchmark")
   done
   [[ ${#drawn[@]} -eq 0 ]] ||
     MPLBACKEND=Agg "$python" "$plot_script" "$results" --only "${drawn[@]}" || failed+=("figures")

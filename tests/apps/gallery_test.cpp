@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <regex>
+#include <sstream>
 
 namespace mixbeam {
 namespace {
@@ -101,6 +103,28 @@ TEST(Documentation, ItsPicturesAndPagesExist) {
     const std::string text = text_of(page);
     for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it)
       EXPECT_TRUE(fs::exists(page.parent_path() / (*it)[1].str())) << page << " refers to " << (*it)[1];
+  }
+}
+
+/// Words of `name=(...)` in a shell script.
+std::vector<std::string> words_of(const std::string& script, const std::string& name) {
+  const auto begin = script.find(name + "=(");
+  if (begin == std::string::npos) return {};
+  const auto first = begin + name.size() + 2;
+  std::istringstream words(script.substr(first, script.find(')', first) - first));
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
+TEST(RunScript, DrawsTheFiguresOfEveryBenchmarkThatHasSome) {
+  const std::string script = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "run.sh");
+  const std::string plots = text_of(apps() / "plots" / "plot_all.py");
+  const std::vector<std::string> benchmarks = words_of(script, "all_benchmarks"),
+                                 without = words_of(script, "tables_only");
+  EXPECT_GT(benchmarks.size(), without.size());
+  EXPECT_FALSE(without.empty());
+  for (const std::string& name : benchmarks) {
+    const bool has_figures = plots.find('"' + name + '"') != std::string::npos;
+    EXPECT_EQ(has_figures, std::find(without.begin(), without.end(), name) == without.end()) << name;
   }
 }
 
