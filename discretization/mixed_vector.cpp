@@ -64,10 +64,6 @@ double largest_magnitude(const ConstEntries& x) {
   return largest;
 }
 
-}  // namespace
-
-namespace {
-
 struct PartsLoop {
   using value_type = LargestParts;
   ConstEntries entries;

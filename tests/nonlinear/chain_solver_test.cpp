@@ -138,6 +138,25 @@ TEST(ChainSolver, ErrorIsSeenInEveryRowOfAChain) {
   }
 }
 
+/// What a refinement works on: b - K x at vertices inside chains.
+TEST(ChainSolver, ResidualIsWhereTheErrorIs) {
+  const Tangent tangent(fork(1, 12), this_rank());
+  CondensedSystem system(tangent.assembler);
+  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  const DofVector x = tangent.solution(chains);
+  ASSERT_TRUE(system.condense());
+  DofVector half(tangent.assembler.map()), rows(system.matrix()->getRangeMap()), residual(tangent.assembler.map());
+  system.condense_rows(*tangent.b, rows, half);
+  const auto largest = [&](const DofVector& of) {
+    system.chain_residual(*tangent.b, of, residual);
+    return largest_parts(*tangent.assembler.map()->getComm(), MixedVector::view_of(residual)).moved;
+  };
+  DofVector wrong(x, Teuchos::Copy);
+  MixedVector::view_of(wrong)(vertex_row(3, 1)) += 1e-6;
+  const double at_solution = largest(x);
+  EXPECT_GT(largest(wrong), 1e3 * at_solution) << "at the solution " << at_solution;
+}
+
 /// Lets both links at an inner vertex of a straight row cancel in the diagonal entry of its first unknown, so that the
 /// first pivot there is as good as zero; its neighbours still hold it. (An exact zero is too much for KLU2 as well.)
 void make_pivot_zero(const Tangent& tangent, int vertex) {
