@@ -49,9 +49,13 @@ std::string ParameterSource::where(const ParameterPath& path) const {
   }
 }
 
-InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {
+std::string ParameterSource::message(const ParameterPath& path, const std::string& remark) const {
   const std::string name = path.empty() ? excerpt(root_name_) : to_string(path);
-  return InputError{where(path) + ": XML path \"" + name + "\": " + problem};
+  return where(path) + ": XML path \"" + name + "\": " + remark;
+}
+
+InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {
+  return InputError{message(path, problem)};
 }
 
 }  // namespace mixbeam

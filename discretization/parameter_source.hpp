@@ -43,7 +43,9 @@ class ParameterSource {
   /// `scene.xml:12`; for something that is missing, the line of the innermost list around it.
   std::string where(const ParameterPath& path) const;
 
-  /// `scene.xml:12: XML path "Scene / Members": <problem>`
+  /// `scene.xml:12: XML path "Scene / Members": <remark>`
+  std::string message(const ParameterPath& path, const std::string& remark) const;
+  /// The same as an error.
   InputError error(const ParameterPath& path, const std::string& problem) const;
 
  private:

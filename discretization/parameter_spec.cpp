@@ -193,6 +193,11 @@ ListSpec& ListSpec::without_checks() {
   return *this;
 }
 
+ListSpec& ListSpec::had_once(const std::string& name) {
+  removed.push_back(name);
+  return *this;
+}
+
 const ParameterSpec* ListSpec::find_parameter(const std::string& name) const {
   for (const ParameterSpec& parameter : parameters) {
     if (parameter.name == name) return &parameter;

@@ -85,6 +85,7 @@ struct ListSpec {
   std::string meaning;
   std::vector<ParameterSpec> parameters;
   std::vector<SublistSpec> sublists;
+  std::vector<std::string> removed;  ///< parameters of earlier versions: validate() warns and goes on without them
   std::shared_ptr<const ParameterSpec> named_parameter;  ///< what every parameter of a free name must be
   std::shared_ptr<const ListSpec> named_list;            ///< what every list of a free name must be
   std::string placeholder;                               ///< stands for the free name in the manual: `point`
@@ -96,6 +97,8 @@ struct ListSpec {
   ListSpec& with_named_parameters(const std::string& placeholder_name, const ParameterSpec& parameter, int minimum = 0);
   ListSpec& with_named_lists(const std::string& placeholder_name, const ListSpec& list, int minimum = 0);
   ListSpec& without_checks();
+  /// A parameter that earlier versions had, and that no result depends on.
+  ListSpec& had_once(const std::string& name);
 
   const ParameterSpec* find_parameter(const std::string& name) const;
   const SublistSpec* find_list(const std::string& name) const;

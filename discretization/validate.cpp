@@ -104,6 +104,7 @@ class Validator {
 
   void check_list(ParameterList& list, const ListSpec& spec) {
     if (spec.unchecked) return;
+    take_out_removed(list, spec);
     check_names(list, spec);
     for (const ParameterSpec& parameter : spec.parameters) {
       path_.push_back(parameter.name);
@@ -118,8 +119,19 @@ class Validator {
     check_named_entries(list, spec);
   }
 
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
  private:
   InputError error(const std::string& problem) const { return source_.error(path_, problem); }
+
+  void take_out_removed(ParameterList& list, const ListSpec& spec) {
+    for (const std::string& name : spec.removed) {
+      if (!list.isParameter(name) || list.isSublist(name)) continue;
+      warnings_.push_back(source_.message(
+          child(path_, name), "this parameter was removed and has no effect any more; the run goes on without it"));
+      list.remove(name);
+    }
+  }
 
   /// Every entry must be declared, and be a list exactly where a list is declared.
   void check_names(const ParameterList& list, const ListSpec& spec) {
@@ -233,12 +245,16 @@ class Validator {
 
   const ParameterSource& source_;
   ParameterPath path_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
-void validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source, const ParameterPath& path) {
-  Validator(source, path).check_list(list, spec);
+std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,
+                                  const ParameterPath& path) {
+  Validator validator(source, path);
+  validator.check_list(list, spec);
+  return validator.warnings();
 }
 
 }  // namespace mixbeam

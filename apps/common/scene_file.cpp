@@ -42,7 +42,10 @@ void check_critical_points_are_found(const Application& app) {
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
-  validate(*app.xml.list, root_spec(definition), app.xml.source);
+  for (const std::string& text : validate(*app.xml.list, root_spec(definition), app.xml.source)) {
+    app.summary.warnings.push_back(text);
+    app.out() << "warning: " << text << "\n";
+  }
   if (app.xml.source.files().empty())
     app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);

@@ -9,7 +9,8 @@ namespace mixbeam {
 ListSpec root_spec(const ApplicationDefinition& definition);
 
 /// Fills in scene, solver parameters and expected values from the parsed file, and the texts of the files that it names
-/// unless its source has them already. Throws InputError with file, line and XML path.
+/// unless its source has them already. Warns of parameters that no longer exist. Throws InputError with file, line and
+/// XML path.
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
 
 /// Name, version, compiler, ranks, threads. `threads`: of the command line, overrides the scene.

@@ -19,6 +19,7 @@ ListSpec beam_spec() {
   beam.add(choice("Rule", {"full", "reduced"}).by_default("reduced").means("Integration."));
   beam.add(vector3("Axis").means("Its axis."));
   beam.add(subset("Fixed", {"x", "y", "z"}).means("Fixed directions."));
+  beam.had_once("Width");
   return beam;
 }
 
@@ -74,6 +75,21 @@ TEST(ParameterSpec, SecondValidationChangesNothing) {
   const Teuchos::ParameterList once = *xml.list;
   validate(*xml.list, root_spec(), xml.source);
   EXPECT_TRUE(once == *xml.list);
+}
+
+TEST(ParameterSpec, WarnsOfRemovedParametersAndGoesOn) {
+  XmlParameters xml = parse_xml(beam_with(entry("Width", "string", "any")), "file.xml");
+  const std::vector<std::string> warnings = validate(*xml.list, root_spec(), xml.source);
+  ASSERT_EQ(warnings.size(), 1);
+  expect_parts(warnings[0],
+               {"file.xml:5: XML path \"Beams / b / Width\": ", "was removed", "the run goes on without it"});
+  EXPECT_TRUE(*xml.list == *validated(beam_with("")).list);
+  EXPECT_TRUE(validate(*xml.list, root_spec(), xml.source).empty());
+  // its name misspelt, and a list of its name, are still errors, and it is never proposed
+  const std::string misspelt = error_with(entry("Widt", "string", "any"));
+  expect_parts(misspelt, {"unknown name"});
+  EXPECT_EQ(misspelt.find("\"Width\""), std::string::npos);
+  expect_parts(error_with("<ParameterList name=\"Width\"/>"), {"unknown name"});
 }
 
 TEST(ParameterSpec, TakesWholeNumbersForReals) {
