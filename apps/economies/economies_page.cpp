@@ -23,8 +23,7 @@ void write_rows(std::ostream& page, const std::vector<EconomyResult>& results) {
 
 }  // namespace
 
-void write_economies_page(std::ostream& page, const Scene& rod, const std::vector<EconomyResult>& unused,
-                          const std::vector<EconomyResult>& arithmetic) {
+void write_economies_page(std::ostream& page, const Scene& rod, const std::vector<EconomyResult>& unused) {
   page << "# Only what the scene requires\n\n"
           "A rod of "
        << rod.members.at(0).elements << " elements of order " << rod.members.at(0).order
@@ -40,10 +39,6 @@ void write_economies_page(std::ostream& page, const Scene& rod, const std::vecto
           "| as it is | with the feature | s | s | ratio | iterations | difference "
           "|\n|---|---|---:|---:|---:|---:|---:|\n";
   write_rows(page, unused);
-  page << "\n## Cheaper arithmetic\n\n"
-          "Left: the default. Right: the option. Ratios above 1 do not pay; none of these is a default.\n\n"
-          "| default | option | s | s | ratio | iterations | difference |\n|---|---|---:|---:|---:|---:|---:|\n";
-  write_rows(page, arithmetic);
 }
 
 }  // namespace mixbeam

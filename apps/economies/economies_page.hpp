@@ -7,8 +7,7 @@
 
 namespace mixbeam {
 
-/// Markdown: both tables, with what was measured where.
-void write_economies_page(std::ostream& page, const Scene& rod, const std::vector<EconomyResult>& unused,
-                          const std::vector<EconomyResult>& arithmetic);
+/// Markdown: the table, with what was measured where.
+void write_economies_page(std::ostream& page, const Scene& rod, const std::vector<EconomyResult>& unused);
 
 }  // namespace mixbeam

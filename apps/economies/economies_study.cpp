@@ -60,9 +60,10 @@ EconomyResult measure(const Application& app, const Economy& economy, int rounds
   return {economy, median_of(plain), median_of(other)};
 }
 
-std::vector<EconomyResult> measure_all(Application& app, const std::vector<Economy>& economies, const char* title) {
+std::vector<EconomyResult> measure_all(Application& app, const std::vector<Economy>& economies) {
   const int rounds = app.study().get<int>("Rounds"), threads = app.study().get<int>("Threads");
-  app.out() << '\n' << title << "\n  name              as shipped, s  other, s  ratio  iterations  difference\n";
+  app.out()
+      << "\nFeatures that are not used\n  name              as shipped, s  other, s  ratio  iterations  difference\n";
   std::vector<EconomyResult> results;
   for (const Economy& economy : economies) {
     results.push_back(measure(app, economy, rounds, threads));
@@ -111,17 +112,15 @@ void run_economies_study(Application& app) {
                                               std::to_string(app.scene.point_loads.size()) +
                                               " point loads; allowed: one rod along x from the origin with one load at "
                                               "its end, to which the study adds what it compares");
-  const auto unused = measure_all(app, unused_features(app.scene, app.solver), "Features that are not used");
-  const auto arithmetic = measure_all(app, cheaper_arithmetic(app.scene, app.solver), "Cheaper arithmetic");
+  const auto unused = measure_all(app, unused_features(app.scene, app.solver));
   if (!app.writes_files()) return;
   std::filesystem::remove(app.output / "recorded.h5");
   std::filesystem::remove(app.output / "recorded.xdmf");
   write_table(app.output / "economies.csv", unused);
-  write_table(app.output / "arithmetic.csv", arithmetic);
   CsvTable machine(app.output / "machine.csv", {"name", "value"});
   for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
   std::ofstream page(app.output / "economies.md");
-  write_economies_page(page, app.scene, unused, arithmetic);
+  write_economies_page(page, app.scene, unused);
 }
 
 }  // namespace mixbeam

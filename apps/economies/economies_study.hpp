@@ -22,8 +22,8 @@ struct EconomyResult {
 /// Declaration of the list "Study".
 ListSpec economies_spec();
 
-/// Checks that both ways give the same answer; times are shown, not judged. Writes economies.csv, arithmetic.csv,
-/// machine.csv, economies.md.
+/// Checks that both ways give the same answer; times are shown, not judged. Writes economies.csv, machine.csv,
+/// economies.md.
 void run_economies_study(Application& app);
 
 }  // namespace mixbeam

@@ -101,12 +101,6 @@ Scene with_overhang(Scene scene, int order, int elements) {
   return scene;
 }
 
-Scene with_follower_line_load(Scene scene) {
-  Scene result = with_line_load_of_nothing(std::move(scene), LoadFrame::follower);
-  result.distributed_loads.back().force = {0.0, 1.0, 0.5};
-  return result;
-}
-
 template <class Change>
 SolverParameters changed(SolverParameters solver, const Change& change) {
   change(solver);
@@ -192,29 +186,6 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
       {"chains",
        {"chains condensed to their ends", rod, solver},
        {"KLU2 on the whole matrix", rod, changed(solver, [](auto& s) { s.linear.method = "KLU2"; })},
-       kSameSolution,
-       ""},
-  };
-}
-
-std::vector<Economy> cheaper_arithmetic(const Scene& rod, const SolverParameters& given) {
-  const auto solver = changed(given, [](auto& s) { s.analysis.stability = false; });
-  const auto reuse = [&](int iterations) {
-    return changed(solver, [=](auto& s) { s.newton.tangent_reuse = iterations; });
-  };
-  const Way usual{"new tangent in every iteration", rod, solver};
-  return {
-      {"reuse_1", usual, {"Tangent Reuse = 1", rod, reuse(1)}, kSameSolution, ""},
-      {"reuse_3", usual, {"Tangent Reuse = 3", rod, reuse(3)}, kSameSolution, ""},
-      {"single",
-       {"factors in double precision", rod, solver},
-       {"Precision = single", rod, changed(solver, [](auto& s) { s.linear.single_precision = true; })},
-       kSameSolution,
-       ""},
-      {"symmetric",
-       {"follower line load, its own unsymmetric tangent", with_follower_line_load(rod), solver},
-       {"Symmetric Tangent", with_follower_line_load(rod),
-        changed(solver, [](auto& s) { s.symmetric_tangent = true; })},
        kSameSolution,
        ""},
       {"loose",

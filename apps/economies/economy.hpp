@@ -20,7 +20,7 @@ struct Way {
 /// Two ways to the same answer.
 struct Economy {
   std::string name;    ///< snake_case
-  Way plain, other;    ///< as shipped, and: the general way, or cheaper arithmetic
+  Way plain, other;    ///< as shipped, and: the general way
   double tolerance;    ///< of the displacement at the tip, relative: what the two may differ by
   std::string remark;  ///< why they cost the same or differ; may be empty
 };
@@ -29,8 +29,5 @@ struct Economy {
 /// straight line given as a formula, ...). `rod`: a long straight cantilever with a load at its point "tip" that bends
 /// and twists it.
 std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& solver);
-
-/// The usual double precision and a new tangent in every iteration, against options that save arithmetic.
-std::vector<Economy> cheaper_arithmetic(const Scene& rod, const SolverParameters& solver);
 
 }  // namespace mixbeam
