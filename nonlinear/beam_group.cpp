@@ -111,13 +111,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
 NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (isJacobian()) return Ok;
   computeF();
-  if (may_reuse_tangent()) {
-    ++problem_->tangent.reuses;
-    condense(f_->values());
-  } else {
-    take_tangent();
-  }
-  if (problem_->tangent_reuse > 0) problem_->tangent.norm = getNormF();
+  take_tangent();
   problem_->tangent_owner = this;
   valid_jacobian_ = true;
   // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
@@ -129,7 +123,6 @@ void BeamGroup::take_tangent() {
   problem_->assembler.use_scales(scales_);
   // borders may leave the plane, and all solves are to be with the same tangent
   problem_->assembler.newton_tangent(state_, load_factor(), problem_->keeps_cap);
-  problem_->tangent = {state_, load_factor(), scales_};
   ++problem_->work.tangents;
   ++problem_->work.factorizations;
   problem_->last_failure.clear();
@@ -141,40 +134,15 @@ void BeamGroup::take_tangent() {
 }
 
 void BeamGroup::take_tangent_in_space() const {
-  const TangentInUse& tangent = problem_->tangent;
-  problem_->assembler.use_scales(tangent.scales);
-  problem_->assembler.newton_tangent(tangent.state, tangent.load_factor, true);
+  problem_->assembler.use_scales(scales_);
+  problem_->assembler.newton_tangent(state_, load_factor(), true);
   ++problem_->work.factorizations;
   problem_->linear_solver->factorize();
 }
 
-namespace {
-
-/// A tangent of another state converges linearly: where an iteration gains less than a digit, a new one is cheaper.
-constexpr double kGoodContraction = 0.1;
-
-}  // namespace
-
-bool BeamGroup::may_reuse_tangent() const {
-  const TangentInUse& tangent = problem_->tangent;
-  if (tangent.reuses >= problem_->tangent_reuse || problem_->tangent_owner == nullptr) return false;
-  if (problem_->keeps_cap) return false;  // next to a critical point the tangent decides where the path goes
-  if (!problem_->last_failure.empty() || !(getNormF() <= kGoodContraction * tangent.norm)) return false;
-  return state_.in_plane || !problem_->assembler.has_planar_tangent();
-}
-
 void BeamGroup::condense(const MixedVector& rhs) const {
-  Assembler& assembler = problem_->assembler;
-  const TangentInUse& tangent = problem_->tangent;
-  if (tangent.reuses == 0) {
-    assembler.use_scales(scales_);
-    assembler.condense(state_, load_factor(), rhs);
-    return;
-  }
-  MixedVector rows = rhs.clone(true);
-  assembler.rescale(rows, scales_, tangent.scales);
-  assembler.condense(tangent.state, tangent.load_factor, rows);
-  assembler.use_scales(scales_);
+  problem_->assembler.use_scales(scales_);
+  problem_->assembler.condense(state_, load_factor(), rhs);
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::solve_newton() {
@@ -195,7 +163,7 @@ void BeamGroup::solve_condensed(MixedVector& increment) const {
   DofVector& rhs = problem_->assembler.condensed_residual();
   rhs.scale(-1.0);
   problem_->linear_solver->solve(rhs, increment.vertex_dofs());
-  problem_->assembler.recover(problem_->tangent.state, increment);
+  problem_->assembler.recover(state_, increment);
 }
 
 namespace {

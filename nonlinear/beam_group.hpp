@@ -87,11 +87,9 @@ class BeamGroup : public LOCA::Abstract::Group {
   ReturnType solve_newton();
   /// Takes the tangent here and factorises it; the residual must be valid.
   void take_tangent();
-  /// The tangent in use once more, in space where it was in the plane. Throws LinearSolverError.
+  /// The tangent here once more, in space where it was in the plane. Throws LinearSolverError.
   void take_tangent_in_space() const;
-  /// Whether the last tangent has brought the residual down well enough to serve here too.
-  bool may_reuse_tangent() const;
-  /// Condenses a right-hand side, scaled as F, with the tangent in use.
+  /// Condenses a right-hand side, scaled as F, with the tangent here.
   void condense(const MixedVector& rhs) const;
   /// Solves for the vertex part of `increment` from the condensed residual and recovers the interior part.
   void solve_condensed(MixedVector& increment) const;

@@ -16,15 +16,6 @@ struct WorkCount {
   int factorizations = 0;  ///< of tangents, by Newton's method
 };
 
-/// The tangent that Newton's method works with, and how it has served.
-struct TangentInUse {
-  State state;
-  double load_factor = 0.0;
-  ResidualScales scales;
-  int reuses = 0;     ///< further iterations
-  double norm = 0.0;  ///< residual in front of the last step with it; zero: no state may follow with the same tangent
-};
-
 class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
@@ -33,13 +24,10 @@ class BeamProblem {
                    parameters.symmetric_tangent}),
         linear_solver(make_linear_solver(
             assembler, parameters.linear.method, parameters.linear.residual_tolerance,
-            parameters.linear.single_precision ? FactorPrecision::single : FactorPrecision::double_)),
-        tangent_reuse(parameters.newton.tangent_reuse) {}
+            parameters.linear.single_precision ? FactorPrecision::single : FactorPrecision::double_)) {}
 
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;
-  int tangent_reuse;  ///< NewtonParameters::tangent_reuse
-  TangentInUse tangent;
   WorkCount work;
   AttemptLog attempts;
   const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to

@@ -24,7 +24,6 @@ class IterationRecorder : public NOX::Observer {
     ++record_.attempt;
     record_.iterations = 0;
     problem_.last_failure.clear();
-    problem_.tangent.norm = 0.0;
     problem_.attempts.start_attempt();
   }
   void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }

@@ -85,12 +85,7 @@ ListSpec newton_spec() {
           .at_most(3.0)
           .by_default(defaults.maximum_rotation)
           .means("Largest rotation of a vertex in one iteration [radian]; longer Newton steps are shortened to it."));
-  spec.add(integer("Tangent Reuse")
-               .at_least(0)
-               .at_most(kIterationLimit)
-               .by_default(defaults.tangent_reuse)
-               .means("Further iterations that a tangent and its factors serve, as long as each of them lowers the "
-                      "residual to a tenth (modified Newton); 0: every iteration has its own tangent."));
+  spec.had_once("Tangent Reuse");
   return spec;
 }
 
@@ -170,7 +165,6 @@ NewtonParameters read_newton(const ParameterList& list) {
   parameters.residual_tolerance = list.get<double>("Residual Tolerance");
   parameters.maximum_iterations = list.get<int>("Maximum Iterations");
   parameters.maximum_rotation = list.get<double>("Maximum Rotation");
-  parameters.tangent_reuse = list.get<int>("Tangent Reuse");
   return parameters;
 }
 

@@ -36,7 +36,6 @@ struct NewtonParameters {
   double residual_tolerance = 1e-11;  ///< scaled residual, without dimension
   int maximum_iterations = 50;
   double maximum_rotation = 0.4;  ///< of any vertex in one iteration
-  int tangent_reuse = 0;          ///< further iterations that a tangent serves while they converge well
 };
 
 struct LinearSolverParameters {

@@ -40,11 +40,6 @@ std::vector<Scene> scenes() {
   return {planar_scene(), arc_segment(100.0, 2, 40), scene_without_potential(), follower, fork(2, 12)};
 }
 
-SolverParameters reusing() {
-  SolverParameters parameters;
-  parameters.newton.tangent_reuse = 4;
-  return parameters;
-}
 SolverParameters in_single_precision() {
   SolverParameters parameters;
   parameters.linear.single_precision = true;
@@ -88,37 +83,8 @@ void expect_same_bits_for_any_number_of_threads(SolverParameters parameters) {
 
 // The twin that must fail: another load is another solution.
 TEST(CheaperTangent, AnotherSolutionWouldBeSeen) {
-  EXPECT_GT(difference(solved(planar_scene(4.0 * (1.0 + 1e-6)), reusing()), solved(planar_scene())),
+  EXPECT_GT(difference(solved(planar_scene(4.0 * (1.0 + 1e-6)), in_single_precision()), solved(planar_scene())),
             10.0 * kSameSolution);
-}
-
-TEST(TangentReuse, SameSolution) { expect_same_solutions(reusing()); }
-TEST(TangentReuse, SameBitsForAnyNumberOfThreads) { expect_same_bits_for_any_number_of_threads(reusing()); }
-
-TEST(TangentReuse, SavesFactorizations) {
-  for (const Scene& scene : {planar_scene(), arc_segment(100.0, 2, 40)}) {
-    const WorkCount always = solved(scene).work(), reused = solved(scene, reusing()).work();
-    EXPECT_GE(always.factorizations, always.newton_iterations);
-    EXPECT_LT(reused.factorizations, reused.newton_iterations);
-    EXPECT_LT(reused.factorizations, always.factorizations);
-    EXPECT_EQ(reused.factorizations, reused.tangents);
-  }
-}
-
-// A tangent that has served once more than allowed, or has not gained a digit, is not taken again.
-TEST(TangentReuse, GoesOnlyAsFarAsItConverges) {
-  SolverParameters parameters = reusing();
-  BeamFixture fixture(planar_scene(0.5), 1.0, parameters);
-  fixture.newton_step();  // from the straight beam: the residual of the turned one is no tenth
-  const int first = fixture.problem().work.factorizations;
-  EXPECT_EQ(first, 1);
-  fixture.group().computeF();
-  const bool gained = fixture.group().getNormF() <= 0.1 * fixture.problem().tangent.norm;
-  fixture.newton_step();
-  EXPECT_EQ(fixture.problem().work.factorizations, gained ? first : first + 1);
-  fixture.converge();
-  EXPECT_GT(fixture.problem().tangent.reuses, 0);
-  EXPECT_LE(fixture.problem().tangent.reuses, parameters.newton.tangent_reuse);
 }
 
 TEST(SinglePrecision, SameSolution) { expect_same_solutions(in_single_precision()); }

@@ -43,7 +43,6 @@ TEST(SolverParameters, AnEmptyListMeansTheDefaults) {
   EXPECT_EQ(read.linear.method, defaults.linear.method);
   EXPECT_EQ(read.linear.residual_tolerance, defaults.linear.residual_tolerance);
   EXPECT_EQ(read.linear.force_stiffness_cap, defaults.linear.force_stiffness_cap);
-  EXPECT_EQ(read.newton.tangent_reuse, 0);
   EXPECT_FALSE(read.linear.single_precision);
   EXPECT_FALSE(read.symmetric_tangent);
   EXPECT_EQ(read.threads, defaults.threads);
@@ -54,15 +53,12 @@ TEST(SolverParameters, AnEmptyListMeansTheDefaults) {
 
 TEST(SolverParameters, CheaperTangentsAreRead) {
   const std::string single = entry("Precision", "string", "single");
-  const SolverParameters read = solver_from(list("Newton", entry("Tangent Reuse", "int", "3")) +
-                                            list("Linear Solver", single) + entry("Symmetric Tangent", "bool", "true"));
-  EXPECT_EQ(read.newton.tangent_reuse, 3);
+  const SolverParameters read = solver_from(list("Linear Solver", single) + entry("Symmetric Tangent", "bool", "true"));
   EXPECT_TRUE(read.linear.single_precision);
   EXPECT_TRUE(read.symmetric_tangent);
   EXPECT_FALSE(solver_from(list("Linear Solver", entry("Precision", "string", "double"))).linear.single_precision);
   const std::string of_chains = list("Linear Solver", single + entry("Method", "string", "KLU2"));
   EXPECT_NE(refusal(of_chains).find("has no meaning for \"Method\" = \"KLU2\""), std::string::npos);
-  EXPECT_NE(refusal(list("Newton", entry("Tangent Reuse", "int", "-1"))), "");
 }
 
 TEST(SolverParameters, AreRead) {
