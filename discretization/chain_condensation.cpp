@@ -147,36 +147,22 @@ ChainLevel ChainStructure::pack(const std::vector<Chain>& chains, const std::vec
   return level;
 }
 
-namespace {
-
-// not initialised: the threads that write them first get their pages
-template <int N, class Number>
-void allocate(const std::vector<ChainLevel>& levels, std::vector<ChainFactors<Number>>& factors) {
-  for (const ChainLevel& level : levels)
-    factors.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                         level.eliminations(), vertex_factor_size(N) * kLanes);
-}
-
-}  // namespace
-
 template <int N>
-ChainCondensation<N>::ChainCondensation(const ChainStructure& structure, FactorPrecision precision)
+ChainCondensation<N>::ChainCondensation(const ChainStructure& structure)
     : structure_(structure),
       run_matrices_("mixbeam::chains::matrices", structure.runs()),
       arrived_("mixbeam::chains::arrived", structure.runs()),
       pivots_("mixbeam::chains::pivots", structure.runs()) {
-  if (precision == FactorPrecision::single)
-    allocate<N>(structure.levels(), single_factors_);
-  else
-    allocate<N>(structure.levels(), factors_);
+  // not initialised: the threads that write them first get their pages
+  for (const ChainLevel& level : structure.levels())
+    factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
+                          level.eliminations(), vertex_factor_size(N) * kLanes);
 }
 
 template <int N>
 typename ChainCondensation<N>::Pivots ChainCondensation<N>::factorize(const ElementMatrices& element_tangents) {
   const LinkMatrices<N> all = matrices(element_tangents);
   for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(structure_.levels()[l], all, factors_[l], pivots_);
-  for (size_t l = 0; l < single_factors_.size(); ++l)
-    condense_runs<N>(structure_.levels()[l], all, single_factors_[l], pivots_);
   Pivots result;
   for (int run = 0; run < structure_.runs(); ++run) {
     result.negative += static_cast<long>(pivots_(run, 0));
@@ -189,14 +175,11 @@ template <int N>
 void ChainCondensation<N>::condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
   for (size_t l = 0; l < factors_.size(); ++l)
     mixbeam::condense_rows<N>(structure_.levels()[l], structure_.elements(), rows, factors_[l], arrived_, x);
-  for (size_t l = 0; l < single_factors_.size(); ++l)
-    mixbeam::condense_rows<N>(structure_.levels()[l], structure_.elements(), rows, single_factors_[l], arrived_, x);
 }
 
 template <int N>
 void ChainCondensation<N>::expand(const KernelView<double*>& x) const {
   for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(structure_.levels()[l], factors_[l], x);
-  for (size_t l = single_factors_.size(); l-- > 0;) expand_runs<N>(structure_.levels()[l], single_factors_[l], x);
 }
 
 template class ChainCondensation<kSpatialDofs>;

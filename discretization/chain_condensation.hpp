@@ -52,17 +52,14 @@ class ChainStructure {
   std::vector<ChainLevel> levels_;
 };
 
-/// Numbers that the factors of an elimination are kept in.
-enum class FactorPrecision { double_, single };
-
 /// The numbers of an elimination with N unknowns for each vertex.
 template <int N>
 class ChainCondensation {
  public:
   using ElementMatrices = KernelView<const double**>;  ///< LinkMatrices::elements
 
-  /// The structure must outlive this. `precision`: of the factors that are kept; all arithmetic is in double.
-  ChainCondensation(const ChainStructure& structure, FactorPrecision precision);
+  /// The structure must outlive this.
+  explicit ChainCondensation(const ChainStructure& structure);
 
   LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
   /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
@@ -81,8 +78,7 @@ class ChainCondensation {
 
  private:
   const ChainStructure& structure_;
-  std::vector<ChainFactors<double>> factors_;        ///< (level)
-  std::vector<ChainFactors<float>> single_factors_;  ///< (level); in place of the others
+  std::vector<ChainFactors> factors_;  ///< (level)
   KernelView<double * [4 * N * N]> run_matrices_;
   KernelView<double * [2 * N]> arrived_;
   ChainPivots pivots_;

@@ -83,11 +83,9 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 
 }  // namespace
 
-CondensedSystem::CondensedSystem(const Assembler& assembler, FactorPrecision precision)
-    : assembler_(assembler),
-      structure_(ends_of(assembler.structure()), kept_vertices(assembler)),
-      chains_(structure_, precision) {
-  if (assembler.plane()) planar_chains_ = std::make_unique<PlanarChains>(assembler, structure_, precision);
+CondensedSystem::CondensedSystem(const Assembler& assembler)
+    : assembler_(assembler), structure_(ends_of(assembler.structure()), kept_vertices(assembler)), chains_(structure_) {
+  if (assembler.plane()) planar_chains_ = std::make_unique<PlanarChains>(assembler, structure_);
   const Structure& structure = assembler.structure();
   std::vector<unsigned char> present = structure_.eliminated();
   for (unsigned char& p : present) p = p == 0 ? 1 : 0;

@@ -11,7 +11,7 @@ namespace mixbeam {
 class CondensedSystem {
  public:
   /// Collective. The assembler must outlive the system.
-  explicit CondensedSystem(const Assembler& assembler, FactorPrecision precision = FactorPrecision::double_);
+  explicit CondensedSystem(const Assembler& assembler);
 
   /// Vertices eliminated in chains, on this rank.
   int eliminated_vertices() const { return structure_.eliminated_vertices(); }

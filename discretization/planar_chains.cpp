@@ -49,8 +49,8 @@ void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
 
 }  // namespace
 
-PlanarChains::PlanarChains(const Assembler& assembler, const ChainStructure& structure, FactorPrecision precision)
-    : assembler_(assembler), structure_(structure), chains_(structure, precision) {
+PlanarChains::PlanarChains(const Assembler& assembler, const ChainStructure& structure)
+    : assembler_(assembler), structure_(structure), chains_(structure) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   const Structure& mesh = assembler.structure();

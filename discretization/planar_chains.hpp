@@ -9,7 +9,7 @@ namespace mixbeam {
 class PlanarChains {
  public:
   /// For an assembler with a plane; both must outlive this.
-  PlanarChains(const Assembler& assembler, const ChainStructure& structure, FactorPrecision precision);
+  PlanarChains(const Assembler& assembler, const ChainStructure& structure);
 
   /// Condenses the planar tangent that the assembler holds and writes the links that remain.
   ChainCondensation<kPlanarDofs>::Pivots condense();

@@ -61,9 +61,9 @@ KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
   }
 }
 
-/// D^-1 b in place. `Kept`, here and below: what factors are kept in, which becomes Real where it is used.
-template <int N, class Kept, class Real>
-KOKKOS_INLINE_FUNCTION void solve_block(const Kept* factor, Real* b) {
+/// D^-1 b in place.
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void solve_block(const Real* factor, Real* b) {
 #pragma GCC unroll 6
   for (int i = 1; i < N; ++i)
 #pragma GCC unroll 6
@@ -122,8 +122,8 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const L
 }
 
 /// b_0 <- b_0 - X^T b_v and b_w <- b_w - Y^T b_v.
-template <int N, class Kept, class Real>
-KOKKOS_INLINE_FUNCTION void pass_on(const Kept (*hanging)[N], const Real* b, Real* neighbour) {
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[N], const Real* b, Real* neighbour) {
 #pragma GCC unroll 6
   for (int k = 0; k < N; ++k)
 #pragma GCC unroll 6
@@ -131,8 +131,8 @@ KOKKOS_INLINE_FUNCTION void pass_on(const Kept (*hanging)[N], const Real* b, Rea
 }
 
 /// x_v <- x_v - X x_0, or the same with Y x_w.
-template <int N, class Kept, class Real>
-KOKKOS_INLINE_FUNCTION void follow(const Kept (*hanging)[N], const Real* neighbour, Real* x) {
+template <int N, class Real>
+KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[N], const Real* neighbour, Real* x) {
 #pragma GCC unroll 6
   for (int k = 0; k < N; ++k)
 #pragma GCC unroll 6

@@ -2,8 +2,6 @@
 
 #include "kernels/chain_elimination.hpp"
 
-#include <type_traits>
-
 namespace mixbeam {
 
 namespace {
@@ -11,46 +9,9 @@ namespace {
 using Real = Pack<kLanes>;
 template <int N>
 using Link = LinkMatrix<N, Real>;
+template <int N>
+using Factors = VertexFactors<N, Real>;
 using Range = Kokkos::RangePolicy<ExecutionSpace>;
-
-/// The numbers of all lanes in single precision.
-struct SingleLanes {
-  typedef float Numbers __attribute__((vector_size(kLanes * sizeof(float))));
-  Numbers v;
-
-  KOKKOS_FORCEINLINE_FUNCTION SingleLanes& operator=(const Real& x) {
-    v = __builtin_convertvector(x.v, Numbers);
-    return *this;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION operator Real() const {  // NOLINT(google-explicit-constructor)
-    return Real(__builtin_convertvector(v, Real::Vector));
-  }
-};
-
-template <int N, class Number>
-using Factors = VertexFactors<N, std::conditional_t<std::is_same_v<Number, float>, SingleLanes, Real>>;
-
-/// The factors of the vertex before link `step` of a pack.
-template <int N, class Number>
-KOKKOS_INLINE_FUNCTION Factors<N, Number>& factors_at(const ChainFactors<Number>& factors, int pack, int step) {
-  return *reinterpret_cast<Factors<N, Number>*>(&factors(step - pack - 1, 0));
-}
-
-/// Eliminates the vertex between two links; the factors are computed where they are kept, or rounded into that place.
-template <int N>
-KOKKOS_INLINE_FUNCTION void eliminate_and_keep(Link<N>& chain, const Link<N>& next, Factors<N, double>& kept,
-                                               PivotWatch<Real>& watch) {
-  eliminate_vertex<N>(chain, next, kept, watch);
-}
-template <int N>
-KOKKOS_INLINE_FUNCTION void eliminate_and_keep(Link<N>& chain, const Link<N>& next, Factors<N, float>& kept,
-                                               PivotWatch<Real>& watch) {
-  Factors<N, double> factors;
-  eliminate_vertex<N>(chain, next, factors, watch);
-  const Real* from = reinterpret_cast<const Real*>(&factors);
-  SingleLanes* to = reinterpret_cast<SingleLanes*>(&kept);
-  for (int i = 0; i < Factors<N, float>::kSize; ++i) to[i] = from[i];
-}
 
 /// Which links the lanes of one step take, and from which end.
 struct StepLinks {
@@ -178,11 +139,11 @@ KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link<N>&
   for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
 }
 
-template <int N, class Number>
+template <int N>
 struct CondenseLoop {
   ChainLevel level;
   LinkMatrices<N> matrices;
-  ChainFactors<Number> factors_of;
+  ChainFactors factors_of;
   ChainPivots pivots;
 
   KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
@@ -191,16 +152,16 @@ struct CondenseLoop {
     PivotWatch<Real> watch;
     for (int step = begin + 1; step < end; ++step) {
       const StepLinks links(level, step);
-      Factors<N, Number>& factors = factors_at<N>(factors_of, pack, step);
+      auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
       if (any<kLanes>(links.rests)) {
         const Link<N> before = chain;
         const PivotWatch<Real> seen = watch;
-        eliminate_and_keep<N>(chain, load_link<N>(matrices, links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
         keep_resting<N>(links.rests, before, chain);
         watch.negative = select(links.rests, seen.negative, watch.negative);
         watch.smallest = select(links.rests, seen.smallest, watch.smallest);
       } else {
-        eliminate_and_keep<N>(chain, load_link<N>(matrices, links), factors, watch);
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
       }
     }
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -214,12 +175,12 @@ struct CondenseLoop {
 };
 
 /// What has arrived at the vertex between two links: the given rows and the shares of the runs on both sides.
-template <int N, class Number>
+template <int N>
 struct RowsLoop {
   ChainLevel level;
   int elements;
   KernelView<const double*> rows;
-  ChainFactors<Number> factors_of;
+  ChainFactors factors_of;
   KernelView<double * [2 * N]> arrived;
   KernelView<double*> x;
 
@@ -252,7 +213,7 @@ struct RowsLoop {
   }
   /// The vertex before link `step`.
   KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
-    const Factors<N, Number>& factors = factors_at<N>(factors_of, pack, step);
+    const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
     Real b[N];
     Real::Mask rests{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -287,10 +248,10 @@ struct RowsLoop {
   }
 };
 
-template <int N, class Number>
+template <int N>
 struct ExpandLoop {
   ChainLevel level;
-  ChainFactors<Number> factors_of;
+  ChainFactors factors_of;
   KernelView<double*> x;
 
   /// Lanes at rest get zeros.
@@ -305,7 +266,7 @@ struct ExpandLoop {
     load(&level.first_vertex(pack, 0), first);
     load(&level.vertex(end - 1, 0), next);
     for (int step = end - 1; step > begin; --step) {
-      const Factors<N, Number>& factors = factors_at<N>(factors_of, pack, step);
+      const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
       Real here[N];
       load(&level.vertex(step - 1, 0), here);
       Real moved[N];
@@ -326,38 +287,34 @@ struct ExpandLoop {
 
 }  // namespace
 
-template <int N, class Number>
-void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors<Number>& factors,
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
                    const ChainPivots& pivots) {
-  static_assert(sizeof(Factors<N, Number>) == vertex_factor_size(N) * kLanes * sizeof(Number), "layout of the factors");
+  static_assert(Factors<N>::kSize == vertex_factor_size(N), "layout of the factors");
   Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
-                       CondenseLoop<N, Number>{level, matrices, factors, pivots});
+                       CondenseLoop<N>{level, matrices, factors, pivots});
 }
 
-template <int N, class Number>
+template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const ChainFactors<Number>& factors, const KernelView<double * [2 * N]>& arrived,
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
                    const KernelView<double*>& x) {
   Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
-                       RowsLoop<N, Number>{level, elements, rows, factors, arrived, x});
+                       RowsLoop<N>{level, elements, rows, factors, arrived, x});
 }
 
-template <int N, class Number>
-void expand_runs(const ChainLevel& level, const ChainFactors<Number>& factors, const KernelView<double*>& x) {
-  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N, Number>{level, factors, x});
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
+  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N>{level, factors, x});
 }
 
-#define MIXBEAM_CHAINS(N, Number)                                                                                \
-  template void condense_runs<N, Number>(const ChainLevel&, const LinkMatrices<N>&, const ChainFactors<Number>&, \
-                                         const ChainPivots&);                                                    \
-  template void condense_rows<N, Number>(const ChainLevel&, int, const KernelView<const double*>&,               \
-                                         const ChainFactors<Number>&, const KernelView<double * [2 * N]>&,       \
-                                         const KernelView<double*>&);                                            \
-  template void expand_runs<N, Number>(const ChainLevel&, const ChainFactors<Number>&, const KernelView<double*>&);
-MIXBEAM_CHAINS(kSpatialDofs, double)
-MIXBEAM_CHAINS(kSpatialDofs, float)
-MIXBEAM_CHAINS(kPlanarDofs, double)
-MIXBEAM_CHAINS(kPlanarDofs, float)
+#define MIXBEAM_CHAINS(N)                                                                                             \
+  template void condense_runs<N>(const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, const ChainPivots&); \
+  template void condense_rows<N>(const ChainLevel&, int, const KernelView<const double*>&, const ChainFactors&,       \
+                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);                    \
+  template void expand_runs<N>(const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
+MIXBEAM_CHAINS(kSpatialDofs)
+MIXBEAM_CHAINS(kPlanarDofs)
 #undef MIXBEAM_CHAINS
 
 }  // namespace mixbeam

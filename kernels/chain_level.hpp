@@ -43,29 +43,27 @@ struct ChainLevel {
   int eliminations() const { return static_cast<int>(link.extent(0)) - packs; }
 };
 
-/// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes). `Number`: double or float;
-/// with float, half the memory, arithmetic is in double all the same.
-template <class Number>
-using ChainFactors = KernelView<Number**>;
+/// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
+using ChainFactors = KernelView<double**>;
 /// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
 /// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
 using ChainPivots = KernelView<double* [2]>;
 
 /// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Only entries of symmetric
 /// matrices are expected: the triangles are not compared.
-template <int N, class Number>
-void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors<Number>& factors,
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
                    const ChainPivots& pivots);
 
 /// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes D^-1 of what has
 /// arrived there; `arrived` (run, 2 N) is what each run adds to the rows of its end vertices.
-template <int N, class Number>
+template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
-                   const ChainFactors<Number>& factors, const KernelView<double * [2 * N]>& arrived,
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
                    const KernelView<double*>& x);
 
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
-template <int N, class Number>
-void expand_runs(const ChainLevel& level, const ChainFactors<Number>& factors, const KernelView<double*>& x);
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
 
 }  // namespace mixbeam

@@ -22,9 +22,7 @@ class BeamProblem {
       : assembler(scene, comm,
                   {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar,
                    parameters.symmetric_tangent}),
-        linear_solver(make_linear_solver(
-            assembler, parameters.linear.method, parameters.linear.residual_tolerance,
-            parameters.linear.single_precision ? FactorPrecision::single : FactorPrecision::double_)) {}
+        linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
 
   Assembler assembler;
   std::unique_ptr<LinearSolver> linear_solver;

@@ -16,11 +16,6 @@ namespace {
 /// more.
 constexpr double kResponseOfRounding = 1e10;
 
-/// Rounding of factors in single precision, 6e-8, times the few dozen products that meet in a row of a run; what they
-/// leave of an increment is measured against |A| |x|, and the next iteration sees it in the residual. (Refining every
-/// solve to the error of double precision was measured to save no iteration.)
-constexpr double kSinglePrecisionError = 1e-5;
-
 /// max |x_i| sqrt(|A_ii|) / max |b_i| / sqrt(|A_ii|): never more than the condition of the matrix scaled to a diagonal
 /// of ones. Collective.
 double response(const DofVector& diagonal, const DofVector& b, const DofVector& x) {
@@ -55,14 +50,11 @@ class WholeSolver : public LinearSolver {
 
 }  // namespace
 
-ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance,
-                         FactorPrecision precision)
+ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance)
     : assembler_(assembler),
       method_(method),
       tolerance_(residual_tolerance),
-      chain_tolerance_(precision == FactorPrecision::single ? std::max(kSinglePrecisionError, residual_tolerance)
-                                                            : residual_tolerance),
-      system_(assembler, precision),
+      system_(assembler),
       remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, assembler.times())),
       diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
       remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
@@ -100,7 +92,7 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
   double remaining_error = 0.0, ignored = 0.0;
   solve_once(b, x, remaining_error);
   double error = system_.chain_error(b, x);
-  if (remaining_error <= tolerance_ && !(error <= chain_tolerance_)) {
+  if (remaining_error <= tolerance_ && !(error <= tolerance_)) {
     system_.chain_residual(b, x, *residual_);
     solve_once(*residual_, *correction_, ignored);
     x.update(1.0, *correction_, 1.0);
@@ -113,7 +105,7 @@ double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
 double ChainSolver::solve(const DofVector& b, DofVector& x) {
   if (!uses_whole_) {
     const double error = solve_condensed(b, x);
-    if (error <= chain_tolerance_) return error;
+    if (error <= tolerance_) return error;
     uses_whole_ = true;
     ++whole_solves_;
     whole().factorize();
@@ -122,8 +114,8 @@ double ChainSolver::solve(const DofVector& b, DofVector& x) {
 }
 
 std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
-                                                 double residual_tolerance, FactorPrecision precision) {
-  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance, precision);
+                                                 double residual_tolerance) {
+  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance);
   return std::make_unique<WholeSolver>(assembler, method, residual_tolerance);
 }
 

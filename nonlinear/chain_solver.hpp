@@ -12,8 +12,7 @@ namespace mixbeam {
 /// for both.
 class ChainSolver : public LinearSolver {
  public:
-  ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance,
-              FactorPrecision precision = FactorPrecision::double_);
+  ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance);
 
   void factorize() override;
   double solve(const DofVector& b, DofVector& x) override;
@@ -30,7 +29,6 @@ class ChainSolver : public LinearSolver {
   const Assembler& assembler_;
   std::string method_;
   double tolerance_;
-  double chain_tolerance_;  ///< of what the precision of the factors allows
   CondensedSystem system_;
   std::unique_ptr<LinearSolver> remaining_, whole_;
   bool uses_whole_ = false;
@@ -40,8 +38,7 @@ class ChainSolver : public LinearSolver {
 
 /// The solver for the tangents of an assembler: "chains", or an Amesos2 name for the whole matrix.
 std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
-                                                 double residual_tolerance,
-                                                 FactorPrecision precision = FactorPrecision::double_);
+                                                 double residual_tolerance);
 
 /// Name of the method that condenses chains, and the Amesos2 solver behind it.
 inline constexpr const char* kChains = "chains";

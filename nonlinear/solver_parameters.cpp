@@ -2,7 +2,6 @@
 
 #include "discretization/number_text.hpp"
 #include "discretization/validate.hpp"
-#include "nonlinear/chain_solver.hpp"
 #include "nonlinear/nox_spec.hpp"
 #include "nonlinear/status_test_check.hpp"
 
@@ -102,12 +101,7 @@ ListSpec linear_solver_spec() {
                .below(1.0)
                .by_default(defaults.residual_tolerance)
                .means("A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger."));
-  spec.add(
-      choice("Precision", {"double", "single"})
-          .by_default(defaults.single_precision ? "single" : "double")
-          .means("chains: numbers in which the factors of chains are kept. single: half the memory, increments good "
-                 "to about six digits, a few more iterations; the residual, and so the result, is as exact as "
-                 "with double."));
+  spec.had_once("Precision");
   spec.add(
       real("Force Stiffness Cap")
           .at_least(1e3)
@@ -168,16 +162,11 @@ NewtonParameters read_newton(const ParameterList& list) {
   return parameters;
 }
 
-LinearSolverParameters read_linear_solver(const ParameterList& list, const ParameterSource& source,
-                                          const ParameterPath& path) {
+LinearSolverParameters read_linear_solver(const ParameterList& list) {
   LinearSolverParameters parameters;
   parameters.method = list.get<std::string>("Method");
   parameters.residual_tolerance = list.get<double>("Residual Tolerance");
-  parameters.single_precision = list.get<std::string>("Precision") == "single";
   parameters.force_stiffness_cap = list.get<double>("Force Stiffness Cap");
-  if (parameters.single_precision && parameters.method != kChains)
-    throw source.error(child(path, "Precision"), R"(given, but has no meaning for "Method" = ")" + parameters.method +
-                                                     R"("; allowed: with ")" + std::string(kChains) + "\"");
   return parameters;
 }
 
@@ -235,7 +224,7 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   SolverParameters parameters;
   parameters.load_path = read_load_path(list.sublist("Load Path"), source, child(path, "Load Path"));
   parameters.newton = read_newton(list.sublist("Newton"));
-  parameters.linear = read_linear_solver(list.sublist("Linear Solver"), source, child(path, "Linear Solver"));
+  parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
   parameters.threads = list.get<int>("Threads");
   parameters.planar = list.get<bool>("Planar");
   parameters.symmetric_tangent = list.get<bool>("Symmetric Tangent");

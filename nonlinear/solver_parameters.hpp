@@ -42,8 +42,7 @@ struct LinearSolverParameters {
   std::string method = "chains";
   double residual_tolerance = 1e-8;  ///< |b - A x| / (|A| |x| + |b|), checked after every solve
   double force_stiffness_cap =
-      1e5;                        ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only
-  bool single_precision = false;  ///< of the factors of chains
+      1e5;  ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only
 };
 
 struct SolverParameters {

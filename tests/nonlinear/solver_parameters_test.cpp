@@ -43,22 +43,11 @@ TEST(SolverParameters, AnEmptyListMeansTheDefaults) {
   EXPECT_EQ(read.linear.method, defaults.linear.method);
   EXPECT_EQ(read.linear.residual_tolerance, defaults.linear.residual_tolerance);
   EXPECT_EQ(read.linear.force_stiffness_cap, defaults.linear.force_stiffness_cap);
-  EXPECT_FALSE(read.linear.single_precision);
   EXPECT_FALSE(read.symmetric_tangent);
   EXPECT_EQ(read.threads, defaults.threads);
   EXPECT_TRUE(read.nox.is_null());
   EXPECT_TRUE(read.status_tests.is_null());
   EXPECT_TRUE(read.loca.is_null());
-}
-
-TEST(SolverParameters, CheaperTangentsAreRead) {
-  const std::string single = entry("Precision", "string", "single");
-  const SolverParameters read = solver_from(list("Linear Solver", single) + entry("Symmetric Tangent", "bool", "true"));
-  EXPECT_TRUE(read.linear.single_precision);
-  EXPECT_TRUE(read.symmetric_tangent);
-  EXPECT_FALSE(solver_from(list("Linear Solver", entry("Precision", "string", "double"))).linear.single_precision);
-  const std::string of_chains = list("Linear Solver", single + entry("Method", "string", "KLU2"));
-  EXPECT_NE(refusal(of_chains).find("has no meaning for \"Method\" = \"KLU2\""), std::string::npos);
 }
 
 TEST(SolverParameters, AreRead) {
