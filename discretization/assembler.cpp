@@ -188,31 +188,16 @@ void Assembler::evaluate_spatial_tangents(const State& state) const {
     evaluate_tangent(block, structure_.views, state.views, equations_);
 }
 
-/// Where elements put their tangents: as they are, or symmetric by choice.
-void Assembler::choose_tangents(bool symmetric) {
-  if (!options_.symmetric_tangent) return;
-  const bool are_symmetric = equations_.condensed_tangent.extent(1) == kSymmetricTangent;
-  if (are_symmetric == symmetric) return;
-  if (other_tangents_.extent(0) == 0) {
-    if (are_symmetric) return;  // all elements have potentials
-    other_tangents_ = allocate_tangents(structure_, kSymmetricTangent);
-  }
-  std::swap(equations_.condensed_tangent, other_tangents_);
-}
-
-void Assembler::spatial_tangent(const State& state, double load_factor, bool symmetric) {
+void Assembler::tangent(const State& state, double load_factor) {
   set_load_factor(load_factor);
   remember_constraint_forces(state, load_factor);
   cap_force_stiffness();
-  choose_tangents(symmetric);
   evaluate_spatial_tangents(state);
   finish_tangent(state, load_factor, false);
 }
 
-void Assembler::tangent(const State& state, double load_factor) { spatial_tangent(state, load_factor, false); }
-
 void Assembler::newton_tangent(const State& state, double load_factor, bool in_space) {
-  if (!state.in_plane || in_space) return spatial_tangent(state, load_factor, options_.symmetric_tangent);
+  if (!state.in_plane || in_space) return tangent(state, load_factor);
   set_load_factor(load_factor);
   remember_constraint_forces(state, load_factor);
   cap_force_stiffness();

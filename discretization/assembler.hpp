@@ -23,7 +23,6 @@ struct AssemblerOptions {
   double force_stiffness_cap = 1e5;   ///< tangent only: force stiffness limited to cap * max(EI / L^2, largest force)
   double residual_tolerance = 1e-11;  ///< see residual_scales
   bool planar = true;                 ///< scenes in a plane have tangents in the plane
-  bool symmetric_tangent = false;     ///< see leaves_newton_symmetric
 };
 
 class Assembler {
@@ -62,12 +61,9 @@ class Assembler {
   /// a tangent below refers to the last one.
   void tangent(const State& state, double load_factor);
   /// The same for Newton's method: where the state lies in the plane of the scene, so does the tangent unless
-  /// `in_space` is asked for, and right-hand sides must. It is symmetric if leaves_newton_symmetric(). What must know
-  /// stiffnesses as they are, also out of the plane (stability), takes tangent().
+  /// `in_space` is asked for, and right-hand sides must. What sees motions out of the plane (stability) takes
+  /// tangent().
   void newton_tangent(const State& state, double load_factor, bool in_space = false);
-  /// Whether newton_tangent() takes the symmetric part alone of what line loads without a potential add to the tangents
-  /// of elements. What works on the mean displacement of an element has no place in symmetric tangents and is left out.
-  bool leaves_newton_symmetric() const { return options_.symmetric_tangent; }
   /// Whether the last tangent is in the plane; matrix() then evaluates the spatial one of the same state.
   bool has_planar_tangent() const { return tangent_.planar; }
   const PlanarTangents& planar_tangents() const { return planar_tangents_; }
@@ -155,8 +151,6 @@ class Assembler {
   void add_load_tangents(const MatrixRows& rows) const;
   void build_plane();
   void evaluate_spatial_tangents(const State& state) const;
-  void spatial_tangent(const State& state, double load_factor, bool symmetric);
-  void choose_tangents(bool symmetric);
   void finish_tangent(const State& state, double load_factor, bool planar);
   void remember_constraint_forces(const State& state, double load_factor);
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
@@ -177,8 +171,6 @@ class Assembler {
     bool exists = false;
     bool planar = false;
   } tangent_;
-  /// Of elements without potential, where Newton's method has symmetric ones: those of equations_ or these are full.
-  KernelView<double**> other_tangents_;
   mutable std::unique_ptr<VertexMatrix> matrix_;  ///< over all vertices, built when it is first asked for
   mutable bool matrix_is_filled_ = false;
   Teuchos::RCP<DofVector> condensed_residual_, ghosted_increment_;

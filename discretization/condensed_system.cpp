@@ -20,9 +20,7 @@ std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
 }
 
 /// Vertices that must not be eliminated for another reason than that members meet there.
-std::vector<unsigned char> kept_vertices(const Assembler& assembler) {
-  const Structure& structure = assembler.structure();
-  const Conditions& conditions = assembler.conditions();
+std::vector<unsigned char> kept_vertices(const Structure& structure, const Conditions& conditions) {
   std::vector<unsigned char> kept(structure.local_vertices(), 0);
   const int owned = structure.owned_vertices;
   for (size_t v = owned; v < kept.size(); ++v) kept[v] = 1;
@@ -32,8 +30,7 @@ std::vector<unsigned char> kept_vertices(const Assembler& assembler) {
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       const int a = block.vertices(e, 0), b = block.vertices(e, 1);
-      const bool unsymmetric = block.is_unsymmetric(e) && !assembler.leaves_newton_symmetric();
-      if (a >= owned || b >= owned || unsymmetric) kept[a] = kept[b] = 1;
+      if (a >= owned || b >= owned || block.is_unsymmetric(e)) kept[a] = kept[b] = 1;
     }
   return kept;
 }
@@ -84,7 +81,9 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 }  // namespace
 
 CondensedSystem::CondensedSystem(const Assembler& assembler)
-    : assembler_(assembler), structure_(ends_of(assembler.structure()), kept_vertices(assembler)), chains_(structure_) {
+    : assembler_(assembler),
+      structure_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())),
+      chains_(structure_) {
   if (assembler.plane()) planar_chains_ = std::make_unique<PlanarChains>(assembler, structure_);
   const Structure& structure = assembler.structure();
   std::vector<unsigned char> present = structure_.eliminated();

@@ -232,12 +232,7 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
   return state;
 }
 
-// Not initialised, as all below: the threads that write them first get their pages.
-KernelView<double**> allocate_tangents(const Structure& structure, int numbers) {
-  return KernelView<double**>(Kokkos::view_alloc("mixbeam::condensed_tangent", Kokkos::WithoutInitializing),
-                              structure.local_elements(), numbers);
-}
-
+// Not initialised: the threads that write them first get their pages.
 ElementEquations allocate_equations(const Structure& structure) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
@@ -248,7 +243,8 @@ ElementEquations allocate_equations(const Structure& structure) {
   ElementEquations equations;
   equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
   equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
-  equations.condensed_tangent = allocate_tangents(structure, some_unsymmetric ? kFullTangent : kSymmetricTangent);
+  equations.condensed_tangent = KernelView<double**>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n,
+                                                     some_unsymmetric ? kFullTangent : kSymmetricTangent);
   equations.response =
       KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
   equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);

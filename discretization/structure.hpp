@@ -76,7 +76,5 @@ State allocate_state(const Structure& structure);
 
 /// Arrays that one evaluation of all elements writes. Residual and condensed residual share their numbers.
 ElementEquations allocate_equations(const Structure& structure);
-/// Room for the condensed tangents of all elements, kFullTangent or kSymmetricTangent numbers each.
-KernelView<double**> allocate_tangents(const Structure& structure, int numbers);
 
 }  // namespace mixbeam

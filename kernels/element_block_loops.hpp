@@ -400,10 +400,7 @@ struct TangentLoop {
     element.build(gather, in, kinematics, section, own_gradient());
     FullSystem<K> system(element.system);
     MeanRows<K> mean_rows;
-    if (gather.has_fields()) {
-      add_field_tangent(gather.fields(e), kinematics, gather.tables, system, mean_rows);
-      if (keeps_symmetric_tangents()) system.keep_symmetric_part();
-    }
+    if (gather.has_fields()) add_field_tangent(gather.fields(e), kinematics, gather.tables, system, mean_rows);
     solve_with_row_pivoting(system, element.response, element.condensed);
     const auto row_of = [&](int i) { return response_row(i); };
     element.store_response(gather, kinematics, section, ElementRows<double>(e, row_of));
@@ -413,7 +410,7 @@ struct TangentLoop {
     else
       full_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, &condensed_tangent(index, 0));
     store_condensed_residual(element.condensed, element.gradient, kinematics, &condensed_residual(index, 0));
-    if (mean_rows.used && !keeps_symmetric_tangents()) {
+    if (mean_rows.used) {
       mean_rows.condense(element.response);
       mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
     }

@@ -92,11 +92,6 @@ struct FullSystem {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) matrix[3 * row + i][3 * column + j] += factor * m(i, j);
   }
-  /// A becomes (A + A^T) / 2.
-  KOKKOS_INLINE_FUNCTION void keep_symmetric_part() {
-    for (int i = 0; i < kSize; ++i)
-      for (int j = 0; j < i; ++j) matrix[i][j] = matrix[j][i] = 0.5 * (matrix[i][j] + matrix[j][i]);
-  }
 };
 
 /// Gaussian elimination with row pivoting of N rows and M columns: the first N columns become upper triangular. A zero

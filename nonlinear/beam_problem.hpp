@@ -20,8 +20,7 @@ class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : assembler(scene, comm,
-                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar,
-                   parameters.symmetric_tangent}),
+                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar}),
         linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
 
   Assembler assembler;

@@ -202,12 +202,7 @@ ListSpec solver_spec() {
           .means(
               "Scenes in a plane are recognised and solved with three unknowns per vertex, about three times as fast; "
               "their last digits are not those of the solution in space."));
-  spec.add(boolean("Symmetric Tangent")
-               .by_default(kSolverDefaults.symmetric_tangent)
-               .means("Line loads without a potential (followers, dead couples) enter the tangent with their symmetric "
-                      "part alone, so that their members are condensed as chains; Newton's method then converges "
-                      "linearly. Results and stability do not depend on it; point loads, which cost nothing, stay as "
-                      "they are."));
+  spec.had_once("Symmetric Tangent");
   spec.add_list("NOX", nox_spec(), Presence::optional);
   spec.add_list(
       "Status Tests",
@@ -227,7 +222,6 @@ SolverParameters read_solver_parameters(ParameterList& list, const ParameterSour
   parameters.linear = read_linear_solver(list.sublist("Linear Solver"));
   parameters.threads = list.get<int>("Threads");
   parameters.planar = list.get<bool>("Planar");
-  parameters.symmetric_tangent = list.get<bool>("Symmetric Tangent");
   parameters.nox = given_list(list, "NOX");
   parameters.status_tests = given_status_tests(list, source, path);
   parameters.loca = given_list(list, "LOCA");

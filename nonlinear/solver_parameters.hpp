@@ -52,7 +52,6 @@ struct SolverParameters {
   LinearSolverParameters linear;
   int threads = 0;     ///< 0: as OMP_NUM_THREADS says
   bool planar = true;  ///< scenes in a plane are solved with three unknowns per vertex; see Assembler::plane()
-  bool symmetric_tangent = false;  ///< of line loads without potential, the symmetric part
   // Null unless the user gave the list; then it holds what was given and nothing else.
   Teuchos::RCP<Teuchos::ParameterList> nox;
   Teuchos::RCP<Teuchos::ParameterList> status_tests;

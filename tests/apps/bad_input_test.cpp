@@ -155,6 +155,21 @@ TEST_F(BadInput, ScenesThatAreInOrder) {  // the twin of all tests above: the un
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_EQ(ended.err, "");
   expect_in(ended.out, {"3 of 3 checks passed"});
+  EXPECT_EQ(ended.out.find("warning"), std::string::npos);
+}
+
+TEST_F(BadInput, RemovedParametersAreWarnedOf) {
+  const std::string scene = scene_with_solver(list("Newton", parameter("Tangent Reuse", "int", "2")) +
+                                              list("Linear Solver", parameter("Precision", "string", "single")) +
+                                              parameter("Symmetric Tangent", "bool", "true"));
+  const Ended ended = run_scene(scene, {"--summary", (folder_ / "summary.json").string()});
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  expect_in(ended.out, {"3 of 3 checks passed", "warning: " + (folder_ / "scene.xml").string() + ":",
+                        "XML path \"Solver / Newton / Tangent Reuse\": this parameter was removed",
+                        "XML path \"Solver / Linear Solver / Precision\"", "XML path \"Solver / Symmetric Tangent\""});
+  EXPECT_EQ(nlohmann::json::parse(text_of(folder_ / "summary.json")).at("warnings").size(), 3);
+  expect_scene_refused(scene_with_solver(list("Newton", parameter("Tangent Reus", "int", "2"))),
+                       {"\"Solver / Newton / Tangent Reus\"", "unknown name"});
 }
 
 TEST_F(BadInput, MissedExpectationsFailTheRun) {

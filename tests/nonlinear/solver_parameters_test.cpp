@@ -1,6 +1,7 @@
 #include "nonlinear/solver_parameters.hpp"
 
 #include "discretization/print_parameters.hpp"
+#include "discretization/validate.hpp"
 #include "tests/discretization/input_text.hpp"
 
 #include <sstream>
@@ -43,11 +44,26 @@ TEST(SolverParameters, AnEmptyListMeansTheDefaults) {
   EXPECT_EQ(read.linear.method, defaults.linear.method);
   EXPECT_EQ(read.linear.residual_tolerance, defaults.linear.residual_tolerance);
   EXPECT_EQ(read.linear.force_stiffness_cap, defaults.linear.force_stiffness_cap);
-  EXPECT_FALSE(read.symmetric_tangent);
   EXPECT_EQ(read.threads, defaults.threads);
   EXPECT_TRUE(read.nox.is_null());
   EXPECT_TRUE(read.status_tests.is_null());
   EXPECT_TRUE(read.loca.is_null());
+}
+
+TEST(SolverParameters, ThatWereRemovedHaveNoEffect) {
+  const auto warnings_of = [](const std::string& inside) {
+    XmlParameters given = parse_xml("<ParameterList name=\"root\">\n" + inside + "</ParameterList>", "scene.xml");
+    return validate(*given.list, solver_spec(), given.source, {});
+  };
+  const std::vector<std::string> warnings = warnings_of(list("Newton", entry("Tangent Reuse", "int", "3")) +
+                                                        list("Linear Solver", entry("Precision", "string", "single")) +
+                                                        entry("Symmetric Tangent", "bool", "true"));
+  ASSERT_EQ(warnings.size(), 3);
+  expect_parts(warnings[0], {"scene.xml:6: XML path \"Symmetric Tangent\": ", "was removed"});
+  expect_parts(warnings[1], {"scene.xml:2: XML path \"Newton / Tangent Reuse\": ", "was removed"});
+  expect_parts(warnings[2], {"scene.xml:4: XML path \"Linear Solver / Precision\": ", "was removed"});
+  EXPECT_TRUE(warnings_of(list("Newton", entry("Maximum Rotation", "double", "0.3"))).empty());
+  expect_parts(refusal(list("Newton", entry("Tangent Reus", "int", "3"))), {"Tangent Reus", "unknown name"});
 }
 
 TEST(SolverParameters, AreRead) {
