@@ -30,6 +30,24 @@ namespace {
 /// stop at 1e-8; the condition of the tangent, which limits the first increments only, is of less importance there.
 constexpr double kCapRaise = 100.0;
 
+/// Raises the cap and keeps it in all increments, for as long as this lives, whatever is thrown meanwhile.
+class RaisedCap {
+ public:
+  explicit RaisedCap(BeamProblem& problem) : problem_(problem) {
+    problem_.keeps_cap = true;
+    problem_.assembler.raise_cap(kCapRaise);
+  }
+  ~RaisedCap() {
+    problem_.assembler.raise_cap(1.0);
+    problem_.keeps_cap = false;
+  }
+  RaisedCap(const RaisedCap&) = delete;
+  RaisedCap& operator=(const RaisedCap&) = delete;
+
+ private:
+  BeamProblem& problem_;
+};
+
 Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                                  const Guess& guess) {
   return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}));
@@ -57,12 +75,8 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
     *extended.getXVec() = BeamVector(*guess.moved);
     constrained->setX(*x);
   }
-  problem_->keeps_cap = true;
-  problem_->assembler.raise_cap(kCapRaise);
-  const Correction result = solve(constrained, most_iterations);
-  problem_->assembler.raise_cap(1.0);
-  problem_->keeps_cap = false;
-  return result;
+  const RaisedCap raised(*problem_);
+  return solve(constrained, most_iterations);
 }
 
 Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations) {
