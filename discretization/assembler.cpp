@@ -220,6 +220,7 @@ void Assembler::finish_tangent(const State& state, double load_factor, bool plan
   subtract_point_loads(conditions_, state, load_factor, false, rows);
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
+  constraints_.keep_for_tangent();
   tangent_ = {state, load_factor, true, planar};
   matrix_is_filled_ = false;
 }

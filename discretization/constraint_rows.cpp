@@ -61,14 +61,14 @@ bool ConstraintRows::remembers(const State& state, double load_factor) const {
 
 void ConstraintRows::turn(const State& state, const MatrixRows& rows) const {
   // the matrix holds second variations; their derivative has this beside them, and loads have added their part
-  for (const Watched& w : watched_) rows.add(w.vertex, kMomentPart, w.vertex, kMomentPart, -0.5 * hat(w.moment));
+  for (const Watched& w : of_tangent_) rows.add(w.vertex, kMomentPart, w.vertex, kMomentPart, -0.5 * hat(w.moment));
   for (const VertexJoint& joint : joints_) {
-    const Watched& slave = watched_[watched_index(joint.slave)];
+    const Watched& slave = of_tangent_[watched_index(joint.slave)];
     join_matrix_rows(joint, state, slave.force, slave.moment, rows);
   }
   for (const VertexSupport& support : supports_) {
     const int w = turns_moment_rows(support) ? watched_index(support.vertex) : -1;
-    turn_matrix_rows(support, state, w < 0 ? Vec{{0.0, 0.0, 0.0}} : watched_[w].joined_moment, rows);
+    turn_matrix_rows(support, state, w < 0 ? Vec{{0.0, 0.0, 0.0}} : of_tangent_[w].joined_moment, rows);
   }
 }
 

@@ -27,8 +27,10 @@ class ConstraintRows {
   /// Keeps the spatial rows of a state (as turn() gets them) for the tangent, whose rows turn with them.
   void remember(const State& state, double load_factor, const KernelView<double*>& rows);
   bool remembers(const State& state, double load_factor) const;
+  /// What is remembered now belongs to the tangent, whatever is remembered later.
+  void keep_for_tangent() { of_tangent_ = watched_; }
 
-  /// The derivative of the equations from that of the spatial rows, at the state of remember().
+  /// The derivative of the equations from that of the spatial rows, at the state of keep_for_tangent().
   void turn(const State& state, const MatrixRows& rows) const;
 
  private:
@@ -43,6 +45,7 @@ class ConstraintRows {
   std::vector<VertexSupport> supports_;
   std::vector<VertexJoint> joints_;
   std::vector<Watched> watched_;  ///< ascending
+  std::vector<Watched> of_tangent_;
   State remembered_;
   double remembered_load_factor_ = 0.0;
 };

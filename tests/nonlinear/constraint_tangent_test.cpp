@@ -72,6 +72,27 @@ TEST(ConstraintTangent, OfSupportsWithOneOrTwoFixedRotations) {
   }
 }
 
+/// Entries of the whole matrix of the tangent at the state of `fixture`, gathered after a residual at `between`.
+std::vector<double> matrix_gathered_after(BeamFixture& fixture, const State& between) {
+  Assembler& assembler = fixture.problem().assembler;
+  MixedVector residual = assembler.create_vector();
+  assembler.tangent(fixture.group().state(), 1.0);
+  assembler.residual(between, 1.0, residual);
+  const auto values = assembler.matrix()->getLocalMatrixHost().values;
+  return std::vector<double>(values.data(), values.data() + values.extent(0));
+}
+
+// The matrix is gathered when it is asked for, maybe after residuals of other states: it keeps the forces of its own.
+TEST(ConstraintTangent, KeepsTheForcesOfItsOwnState) {
+  BeamFixture fixture(portal_of_joints(2, 2), 1.0);
+  fixture.converge();
+  const std::vector<double> own = matrix_gathered_after(fixture, fixture.group().state());
+  const State other = fixture.problem().assembler.reference_state();
+  EXPECT_EQ(own, matrix_gathered_after(fixture, other));
+  BeamFixture at_rest(portal_of_joints(2, 2), 1.0);  // the twin that must fail: at another state it is another matrix
+  EXPECT_NE(own, matrix_gathered_after(at_rest, at_rest.group().state()));
+}
+
 // The twin that must fail: with a stiffer spring the tangent is another one.
 TEST(ConstraintTangent, AWrongTangentWouldBeSeen) {
   Scene scene = portal_of_joints(2, 2);
