@@ -173,6 +173,11 @@ void Assembler::cap_force_stiffness() {
   }
 }
 
+void Assembler::raise_cap(double factor) {
+  if (factor != cap_raise_ && tangent_.number != 0) ++tangent_.number;
+  cap_raise_ = factor;
+}
+
 /// The tangent needs what supports and joints carry, which the condensed residual does not show.
 void Assembler::remember_constraint_forces(const State& state, double load_factor) {
   if (constraints_.remembers(state, load_factor)) return;
@@ -221,7 +226,7 @@ void Assembler::finish_tangent(const State& state, double load_factor, bool plan
   constraints_.turn(state, rows);
   constraints_.set(state, load_factor, rows);
   constraints_.keep_for_tangent();
-  tangent_ = {state, load_factor, true, planar};
+  tangent_ = {state, load_factor, tangent_.number + 1, planar};
   matrix_is_filled_ = false;
 }
 
@@ -278,7 +283,7 @@ const Teuchos::RCP<DofMatrix>& Assembler::matrix() const {
     const std::vector<unsigned char> all(structure_.local_vertices(), 1);
     matrix_ = std::make_unique<VertexMatrix>(structure_, maps_, all, std::move(elements), conditions_.joints);
   }
-  if (tangent_.exists && !matrix_is_filled_) {
+  if (tangent_.number != 0 && !matrix_is_filled_) {
     if (tangent_.planar) evaluate_spatial_tangents(tangent_.state);
     PhaseTimer timer(times_, "assemble");
     fill(*matrix_, LinkMatrices<kSpatialDofs>{equations_.condensed_tangent, {}});

@@ -64,6 +64,9 @@ class Assembler {
   /// `in_space` is asked for, and right-hand sides must. What sees motions out of the plane (stability) takes
   /// tangent().
   void newton_tangent(const State& state, double load_factor, bool in_space = false);
+  /// Another one with each tangent() and newton_tangent(), and with each change of the cap, with which right-hand sides
+  /// would be condensed: who keeps the number of his tangent knows whether it is still the last one. Zero: none yet.
+  long tangent_number() const { return tangent_.number; }
   /// Whether the last tangent is in the plane; matrix() then evaluates the spatial one of the same state.
   bool has_planar_tangent() const { return tangent_.planar; }
   const PlanarTangents& planar_tangents() const { return planar_tangents_; }
@@ -114,7 +117,7 @@ class Assembler {
   KernelView<const unsigned char*> fixed_rows() const { return fixed_; }
 
   /// Caps the force stiffness of the tangents to come at this multiple of the usual cap.
-  void raise_cap(double factor) { cap_raise_ = factor; }
+  void raise_cap(double factor);
 
   /// Row scales of the last residual(), or those of another state that is to be worked on.
   const ResidualScales& scales() const { return scales_; }
@@ -168,7 +171,7 @@ class Assembler {
   struct {
     State state;
     double load_factor = 0.0;
-    bool exists = false;
+    long number = 0;
     bool planar = false;
   } tangent_;
   mutable std::unique_ptr<VertexMatrix> matrix_;  ///< over all vertices, built when it is first asked for

@@ -111,31 +111,23 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
 NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (isJacobian()) return Ok;
   computeF();
-  take_tangent();
-  problem_->tangent_owner = this;
-  valid_jacobian_ = true;
+  ++problem_->work.tangents;
+  problem_->last_failure.clear();
+  try {
+    // borders may leave the plane, and all solves are to be with the same tangent
+    take_tangent(problem_->keeps_cap);
+  } catch (const LinearSolverError& error) {
+    problem_->last_failure = error.what();
+  }
   // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
   // right-hand side can spoil it.
   return solve_newton();
 }
 
-void BeamGroup::take_tangent() {
+void BeamGroup::take_tangent(bool in_space) const {
   problem_->assembler.use_scales(scales_);
-  // borders may leave the plane, and all solves are to be with the same tangent
-  problem_->assembler.newton_tangent(state_, load_factor(), problem_->keeps_cap);
-  ++problem_->work.tangents;
-  ++problem_->work.factorizations;
-  problem_->last_failure.clear();
-  try {
-    problem_->linear_solver->factorize();
-  } catch (const LinearSolverError& error) {
-    problem_->last_failure = error.what();
-  }
-}
-
-void BeamGroup::take_tangent_in_space() const {
-  problem_->assembler.use_scales(scales_);
-  problem_->assembler.newton_tangent(state_, load_factor(), true);
+  problem_->assembler.newton_tangent(state_, load_factor(), in_space);
+  tangent_ = problem_->assembler.tangent_number();
   ++problem_->work.factorizations;
   problem_->linear_solver->factorize();
 }
@@ -226,7 +218,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   BeamVector increment(problem_->assembler.create_vector());
   try {
     if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
-    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) take_tangent_in_space();
+    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) take_tangent(true);
     condense(rhs);
     solve_condensed(increment.values());
     const double cap_ratio = problem_->keeps_cap ? 0.0 : problem_->assembler.least_cap_ratio();

@@ -53,7 +53,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   ReturnType applyJacobianInverse(Teuchos::ParameterList& params, const NOX::Abstract::Vector& input,
                                   NOX::Abstract::Vector& result) const override;
   bool isF() const override { return valid_f_; }
-  bool isJacobian() const override { return valid_jacobian_ && problem_->tangent_owner == this; }
+  bool isJacobian() const override { return tangent_ != 0 && problem_->assembler.tangent_number() == tangent_; }
   bool isGradient() const override { return false; }
   bool isNewton() const override { return valid_newton_; }
   const NOX::Abstract::Vector& getX() const override { return *x_; }
@@ -83,12 +83,13 @@ class BeamGroup : public LOCA::Abstract::Group {
   void scaleVector(NOX::Abstract::Vector& x) const override;
 
  private:
-  void reset() { valid_f_ = valid_jacobian_ = valid_newton_ = false; }
+  void reset() {
+    valid_f_ = valid_newton_ = false;
+    tangent_ = 0;
+  }
   ReturnType solve_newton();
-  /// Takes the tangent here and factorises it; the residual must be valid.
-  void take_tangent();
-  /// The tangent here once more, in space where it was in the plane. Throws LinearSolverError.
-  void take_tangent_in_space() const;
+  /// Takes the tangent here and factorises it; the residual must be valid. Throws LinearSolverError.
+  void take_tangent(bool in_space) const;
   /// Condenses a right-hand side, scaled as F, with the tangent here.
   void condense(const MixedVector& rhs) const;
   /// Solves for the vertex part of `increment` from the condensed residual and recovers the interior part.
@@ -104,8 +105,9 @@ class BeamGroup : public LOCA::Abstract::Group {
   Teuchos::RCP<BeamVector> x_, f_, newton_;
   ResidualScales scales_;
   StepObserver observer_;
-  bool valid_f_ = false, valid_jacobian_ = false, valid_newton_ = false;
-  bool softened_ = true;  ///< the Newton increment is that of the capped tangent
+  bool valid_f_ = false, valid_newton_ = false;
+  mutable long tangent_ = 0;  ///< Assembler::tangent_number() of the tangent taken here; zero: none
+  bool softened_ = true;      ///< the Newton increment is that of the capped tangent
 };
 
 }  // namespace mixbeam

@@ -27,7 +27,6 @@ class BeamProblem {
   std::unique_ptr<LinearSolver> linear_solver;
   WorkCount work;
   AttemptLog attempts;
-  const void* tangent_owner = nullptr;  ///< the group whose state the matrix and the interior responses belong to
   /// Increments are those of the capped tangent, all of them: bordered systems next to a critical point combine several
   /// solves with a nearly singular tangent, whose errors cancel only if it is one and the same.
   bool keeps_cap = false;

@@ -152,7 +152,6 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
                                            const PathEnd& end) {
   Assembler& assembler = problem.assembler;
   try {
-    problem.tangent_owner = nullptr;
     MixedVector residual = assembler.create_vector();
     assembler.residual(end.state, end.load_factor, residual);
     assembler.tangent(end.state, end.load_factor);

@@ -179,7 +179,6 @@ std::optional<UncertainForce> Perturbation::most_uncertain() {
   if (!is_worth_a_look()) return std::nullopt;
   MixedVector residual = assembler_.create_vector();
   assembler_.residual(state_, load_factor_, residual);
-  problem_.tangent_owner = nullptr;  // the matrix no longer belongs to any group
   assembler_.newton_tangent(state_, load_factor_, true);
   problem_.linear_solver->factorize();
   const MixedVector rows = rounding_errors();

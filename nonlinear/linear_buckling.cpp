@@ -33,7 +33,6 @@ class LinearBuckling {
         scales_(assembler_.scales_of(reference_, 0.0)),
         response_(assembler_.create_vector()),
         work_(assembler_.create_vector()) {
-    problem.tangent_owner = nullptr;
     stiffness_ = tangent_at(reference_, 0.0);
     factorize();
     find_response();

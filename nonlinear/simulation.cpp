@@ -67,7 +67,6 @@ double Simulation::condition_estimate() {
   MixedVector residual = equations.create_vector();
   equations.residual(state_, load_factor_, residual);
   equations.tangent(state_, load_factor_);
-  problem_->tangent_owner = nullptr;  // the matrix no longer belongs to any group
   return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method),
                                      equations.structure().length);
 }

@@ -49,7 +49,6 @@ Stability::Stability(BeamProblem& problem) : problem_(problem) {}
 
 void Stability::evaluate_tangent(const State& state, double load_factor) {
   Assembler& assembler = problem_.assembler;
-  problem_.tangent_owner = nullptr;
   MixedVector residual = assembler.create_vector();
   assembler.residual(state, load_factor, residual);
   assembler.tangent(state, load_factor);

@@ -141,6 +141,41 @@ TEST_F(BeamGroupTest, ChangingACopyLeavesTheOriginal) {
   EXPECT_FALSE(group().isJacobian());  // the matrix belongs to the clone now
 }
 
+// Another tangent, or another cap, and the matrix is not that of the group any more; nobody has to tell the group.
+TEST_F(BeamGroupTest, KnowsWhoseTheTangentIs) {
+  Assembler& assembler = problem().assembler;
+  const BeamVector rhs = random_vector(0.1, 5);
+  BeamVector solution = create_vector();
+  const auto take = [&] {
+    newton_step(0.1);
+    group().computeF();
+    group().computeJacobian();
+    EXPECT_TRUE(group().isJacobian());
+    assembler.matrix();  // of the same tangent
+    EXPECT_EQ(group().applyJacobianInverse(no_parameters(), rhs, solution), Group::Ok);
+    EXPECT_TRUE(group().isJacobian());
+  };
+  const auto expect_lost = [&] {
+    EXPECT_FALSE(group().isJacobian());
+    EXPECT_EQ(group().applyJacobianInverse(no_parameters(), rhs, solution), Group::BadDependency);
+  };
+  take();
+  assembler.tangent(assembler.reference_state(), 0.5);
+  expect_lost();
+  take();
+  assembler.newton_tangent(group().state(), group().load_factor());
+  expect_lost();
+  take();
+  assembler.raise_cap(10.0);
+  expect_lost();
+  assembler.raise_cap(1.0);
+  expect_lost();
+  take();
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(assembler.reference_state(), 0.5, residual);  // no tangent
+  EXPECT_TRUE(group().isJacobian());
+}
+
 // What a step control does: try, reject, return, and take a shorter step.
 TEST_F(BeamGroupTest, RejectedStepRestoresAll) {
   newton_step();
