@@ -193,7 +193,7 @@ void Assembler::evaluate_spatial_tangents(const State& state) const {
     evaluate_tangent(block, structure_.views, state.views, equations_);
 }
 
-void Assembler::tangent(const State& state, double load_factor) {
+void Assembler::spatial_tangent(const State& state, double load_factor) {
   set_load_factor(load_factor);
   remember_constraint_forces(state, load_factor);
   cap_force_stiffness();
@@ -201,8 +201,32 @@ void Assembler::tangent(const State& state, double load_factor) {
   finish_tangent(state, load_factor, false);
 }
 
+void Assembler::tangent(const State& state, double load_factor) {
+  if (interior_negative_.extent(0) == 0)
+    interior_negative_ = KernelView<int*>("mixbeam::elements::interior_negative", structure_.local_elements());
+  equations_.interior_negative = interior_negative_;
+  spatial_tangent(state, load_factor);
+  equations_.interior_negative = KernelView<int*>();
+}
+
+Assembler::InteriorCount Assembler::interior_count() const {
+  long mine[2] = {0, 0};
+  for (const ElementBlock& block : structure_.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (block.vertices(e, 0) >= structure_.owned_vertices) continue;  // counted by the rank that owns the vertex
+      const int negative = interior_negative_(block.first_element + e);
+      if (negative == kUncertainCount)
+        mine[1] = 1;
+      else
+        mine[0] += negative;
+    }
+  long all[2] = {mine[0], mine[1]};
+  Teuchos::reduceAll(*map()->getComm(), Teuchos::REDUCE_SUM, 2, mine, all);
+  return {all[0], all[1] > 0};
+}
+
 void Assembler::newton_tangent(const State& state, double load_factor, bool in_space) {
-  if (!state.in_plane || in_space) return tangent(state, load_factor);
+  if (!state.in_plane || in_space) return spatial_tangent(state, load_factor);
   set_load_factor(load_factor);
   remember_constraint_forces(state, load_factor);
   cap_force_stiffness();

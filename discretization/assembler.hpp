@@ -60,6 +60,13 @@ class Assembler {
   /// Element tangents and the condensed residual of `state`; call residual() of the same state first. What is asked of
   /// a tangent below refers to the last one.
   void tangent(const State& state, double load_factor);
+  /// Eigenvalues below zero of the interiors of all elements while their vertices stand still, at the last tangent():
+  /// the J0 of Wittrick and Williams, which the count of the condensed matrix lacks. Collective.
+  struct InteriorCount {
+    long negative = 0;       ///< of elements without a potential their parity
+    bool uncertain = false;  ///< one is zero within rounding
+  };
+  InteriorCount interior_count() const;
   /// The same for Newton's method: where the state lies in the plane of the scene, so does the tangent unless
   /// `in_space` is asked for, and right-hand sides must. What sees motions out of the plane (stability) takes
   /// tangent().
@@ -118,6 +125,11 @@ class Assembler {
 
   /// Caps the force stiffness of the tangents to come at this multiple of the usual cap.
   void raise_cap(double factor);
+  double cap_raise() const { return cap_raise_; }
+  /// Stiffness of forces that the last tangent was capped at.
+  double stiffness_cap() const { return stiffness_cap_; }
+  /// Largest stresses, motions and loads. Collective.
+  StateMagnitude magnitude(const State& state) const;
 
   /// Row scales of the last residual(), or those of another state that is to be worked on.
   const ResidualScales& scales() const { return scales_; }
@@ -146,7 +158,6 @@ class Assembler {
   void set_load_factor(double load_factor);
   void cap_force_stiffness();
   void evaluate_elements(const State& state, MixedVector& out);
-  StateMagnitude magnitude(const State& state) const;
   void gather_rows(const KernelView<double* [12]>& element_rows, const KernelView<double*>& rows) const;
   void gather_planar_rows(const KernelView<double*>& rows) const;
   void scale_vertex_rows(const KernelView<double*>& rows, bool inverse) const;
@@ -154,6 +165,7 @@ class Assembler {
   void add_load_tangents(const MatrixRows& rows) const;
   void build_plane();
   void evaluate_spatial_tangents(const State& state) const;
+  void spatial_tangent(const State& state, double load_factor);
   void finish_tangent(const State& state, double load_factor, bool planar);
   void remember_constraint_forces(const State& state, double load_factor);
   KernelView<const double* [6]> local_increment(const MixedVector& increment) const;
@@ -189,6 +201,7 @@ class Assembler {
   bool line_fields_set_ = false;
   double stiffness_cap_ = 0.0, cap_raise_ = 1.0;
   double least_cap_ratio_ = 0.0;
+  KernelView<int*> interior_negative_;  ///< (element): ElementEquations::interior_negative of the last tangent()
   mutable PhaseTimes times_;
 };
 

@@ -54,7 +54,12 @@ struct ElementEquations {
   KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
   KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
   KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
+  /// (element): eigenvalues below zero of the interior while the vertices stand still, their parity alone where the
+  /// element has no potential; kUncertainCount where a pivot is zero. Not counted where the view is empty.
+  KernelView<int*> interior_negative;
 };
+
+constexpr int kUncertainCount = -1;
 
 /// Constant data of the structure that elements of all blocks share.
 struct StructureViews {

@@ -383,6 +383,7 @@ struct TangentLoop {
   KernelView<double**> condensed_tangent;
   KernelView<double*> response;
   KernelView<const double*> given_rhs;  ///< empty: the residual of the state
+  KernelView<int*> interior_negative;   ///< empty: not counted
   size_t increment_offset, response_offset;
   int response_size;
 
@@ -402,6 +403,7 @@ struct TangentLoop {
     MeanRows<K> mean_rows;
     if (gather.has_fields()) add_field_tangent(gather.fields(e), kinematics, gather.tables, system, mean_rows);
     solve_with_row_pivoting(system, element.response, element.condensed);
+    if (counts()) store_signs(e, interior_signs(system, !gather.has_fields() || !gather.fields(e).have_no_potential()));
     const auto row_of = [&](int i) { return response_row(i); };
     element.store_response(gather, kinematics, section, ElementRows<double>(e, row_of));
     const int index = gather.first_element + e;
@@ -414,6 +416,10 @@ struct TangentLoop {
       mean_rows.condense(element.response);
       mean_rows.expand(kinematics, &condensed_tangent(index, 0), &condensed_residual(index, 0));
     }
+  }
+  KOKKOS_INLINE_FUNCTION bool counts() const { return interior_negative.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION void store_signs(int e, const InteriorSigns& signs) const {
+    interior_negative(gather.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
   }
   KOKKOS_INLINE_FUNCTION bool keeps_symmetric_tangents() const {
     return condensed_tangent.extent(1) == kSymmetricTangent;
@@ -448,7 +454,9 @@ struct TangentLaneLoop {
       add_given_gradient(rhs, kinematics, gather.layout, element.gradient);
     }
     element.build(gather, data.in, kinematics, data.section, loop.own_gradient());
-    solve_in_lanes(element.system, element.response, element.condensed);
+    InteriorSigns signs[kLanes];
+    solve_in_lanes(element.system, element.response, element.condensed, loop.counts() ? signs : nullptr);
+    for (int lane = 0; loop.counts() && lane < lanes.active; ++lane) loop.store_signs(lanes.row[lane], signs[lane]);
     const auto response_of = [&](int e) { return loop.response_row(e); };
     element.store_response(gather, kinematics, data.section, ElementRows<Real>(lanes, response_of));
     store_condensed(element, kinematics, lanes);
@@ -515,6 +523,7 @@ void tangent_loop(const ElementBlock& block, const StructureViews& structure, co
                                      equations.condensed_tangent,
                                      equations.response,
                                      given_rhs,
+                                     equations.interior_negative,
                                      block.increment_offset,
                                      block.response_offset,
                                      block.response_size()};

@@ -150,6 +150,12 @@ constexpr int line_field_points(LineField field, int order, int force_points) {
 struct ElementFields {
   const double* values[kLineFields] = {};
   KOKKOS_INLINE_FUNCTION const double* operator[](LineField field) const { return values[static_cast<int>(field)]; }
+  /// Whether some of them have no potential.
+  KOKKOS_INLINE_FUNCTION bool have_no_potential() const {
+    return values[static_cast<int>(LineField::dead_couple)] != nullptr ||
+           values[static_cast<int>(LineField::follower_force)] != nullptr ||
+           values[static_cast<int>(LineField::follower_couple)] != nullptr;
+  }
 };
 
 }  // namespace mixbeam

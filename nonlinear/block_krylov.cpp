@@ -18,9 +18,13 @@ namespace {
 constexpr double kResidualTolerance = 1e-9;
 /// After orthogonalisation less than this of a vector is rounding: the space holds it already.
 constexpr double kNothingNew = 1e-10;
-constexpr int kMostBlocks = 24;   ///< of one space, before it is begun again with what it has found
-constexpr int kMostSpaces = 40;   ///< far more than clustered modes of a frame need
-constexpr int kGuardVectors = 2;  ///< beyond those asked for: the last one wanted converges as fast as the first
+constexpr int kLongestSpace = 15;  ///< blocks of one space, before it is begun again with what it has found
+constexpr int kGuardVectors = 2;   ///< beyond those asked for: the last one wanted converges as fast as the first
+/// Where rounding keeps residuals above their tolerance they come to a standstill: not a factor of two in three blocks.
+constexpr double kStandstill = 0.5;
+constexpr int kStandstillBlocks = 3;
+/// A standstill above this is a slow start.
+constexpr double kLargestStandstill = 1e-5;
 
 using Vector = std::vector<double>;
 
@@ -177,10 +181,42 @@ std::vector<Vector> start_block(int unknowns, int columns) {
   return block;
 }
 
-bool converged(const std::vector<RitzPair>& pairs, int count) {
-  if (static_cast<int>(pairs.size()) < count) return false;
-  return std::all_of(pairs.begin(), pairs.begin() + count,
-                     [](const RitzPair& p) { return p.residual <= kResidualTolerance; });
+double largest_residual(const std::vector<RitzPair>& pairs, int count) {
+  double largest = static_cast<int>(pairs.size()) < count ? HUGE_VAL : 0.0;
+  for (int i = 0; i < std::min<int>(count, pairs.size()); ++i) largest = std::max(largest, pairs[i].residual);
+  return largest;
+}
+
+/// Residuals of the blocks so far, and whether there is no use in going on.
+class Progress {
+ public:
+  bool is_enough(double residual) {
+    history_.push_back(residual);
+    if (residual <= kResidualTolerance) return true;
+    const size_t n = history_.size();
+    return n > kStandstillBlocks && residual <= kLargestStandstill &&
+           residual > kStandstill * history_[n - 1 - kStandstillBlocks];
+  }
+
+ private:
+  std::vector<double> history_;
+};
+
+/// Errors of the first `count` pairs; all pairs found tell how far others are away.
+std::vector<RitzPair> finished(std::vector<RitzPair> pairs, int count, bool symmetric) {
+  for (RitzPair& pair : pairs) {
+    pair.error = pair.residual;
+    pair.converged = pair.residual <= kLargestStandstill;
+    if (!symmetric) continue;
+    double gap = HUGE_VAL;  // pairs that lie within the residual belong to one eigenspace, whose values are as good
+    for (const RitzPair& other : pairs) {
+      const double distance = std::abs(other.value - pair.value) / std::abs(pair.value);
+      if (&other != &pair && distance > 10.0 * (pair.residual + other.residual)) gap = std::min(gap, distance);
+    }
+    if (gap < HUGE_VAL) pair.error = std::min(pair.error, pair.residual * pair.residual / gap);
+  }
+  pairs.resize(std::min<size_t>(pairs.size(), count));
+  return pairs;
 }
 
 }  // namespace
@@ -190,23 +226,22 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
   const int width = std::min(problem.unknowns, wanted + kGuardVectors);
   std::vector<Vector> start = start_block(problem.unknowns, width);
   std::vector<RitzPair> pairs;
-  for (int space = 0; space < kMostSpaces; ++space) {
+  for (int blocks = 0; blocks < kMostBlocks;) {
     KrylovSpace krylov(problem, width);
     std::vector<Vector> block = start;
-    for (int step = 0; step < kMostBlocks; ++step) {
+    Progress progress;
+    for (int step = 0; step < kLongestSpace && blocks < kMostBlocks; ++step, ++blocks) {
       const size_t first = krylov.size();
       const bool grown = krylov.grow(block);
       pairs = krylov.ritz_pairs();
-      if (!grown || krylov.size() == problem.unknowns || converged(pairs, wanted)) {
-        pairs.resize(std::min<size_t>(pairs.size(), wanted));
-        return pairs;
-      }
+      if (!grown || krylov.size() == problem.unknowns || progress.is_enough(largest_residual(pairs, wanted)))
+        return finished(std::move(pairs), wanted, problem.symmetric);
       block = krylov.newest_images(first);
     }
     start.clear();
     for (const RitzPair& pair : pairs) start.push_back(pair.vector);
   }
-  throw LinearSolverError("the eigenvalues nearest to zero did not converge");
+  return finished(std::move(pairs), wanted, problem.symmetric);
 }
 
 }  // namespace mixbeam

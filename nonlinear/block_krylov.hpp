@@ -24,10 +24,16 @@ struct RitzPair {
   double value = 0.0, imaginary = 0.0;
   std::vector<double> vector;  ///< of unit length in the inner product; real part of a complex one
   double residual = 0.0;       ///< |A x - value x| / |value|
+  /// Of the value, divided by it: the residual or, where the operator is symmetric and other values keep away, its
+  /// square over their distance.
+  double error = 0.0;
+  bool converged = false;  ///< the residual is as small as rounding lets it be
 };
 
 /// Up to `count` pairs of largest magnitude, fewer only when there are not as many unknowns. Deterministic: the start
-/// vectors are always the same. Multiple eigenvalues are found up to multiplicity `count`.
+/// vectors are always the same. Multiple eigenvalues are found up to multiplicity `count`. Applies the operator at most
+/// kMostBlocks times to blocks of count + 2 columns; what has not converged by then comes with its residual.
+constexpr int kMostBlocks = 30;
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count);
 
 }  // namespace mixbeam

@@ -13,6 +13,9 @@ struct EigenMode {
   /// Motion of all vertices, those at the far sides of joints included, and the interior that follows it, as an
   /// increment (Assembler::apply). Largest of |du_i|/L, |dtheta_i| is one, and positive where it occurs first.
   MixedVector mode;
+  /// Estimated error of the eigenvalue: what is left of its equation, and the rounding of the tangent.
+  double error = 0.0;
+  bool converged = true;  ///< false: found within the bounded work, but not to rounding
 };
 
 /// Motion that belongs to independent unknowns (rank 0) at the state of the last tangent and of unknowns.reduce(): of

@@ -163,6 +163,24 @@ const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, cons
   return reduced_;
 }
 
+std::vector<double> IndependentUnknowns::reduced_rows(const DofVector& turned) const {
+  return measured(gather_rows(turned));
+}
+
+std::vector<double> IndependentUnknowns::reduced_remaining_rows(const DofVector& rows) const {
+  std::vector<double> gathered(is_root() ? static_cast<size_t>(kVertexDofs) * vertices_ : 0);
+  root_.gather(rows, gathered.data());
+  return measured(gathered);
+}
+
+/// Of free rows, in the order of the unknowns.
+std::vector<double> IndependentUnknowns::measured(const std::vector<double>& rows) const {
+  std::vector<double> reduced(is_root() ? count_ : 0);
+  for (size_t i = 0; is_root() && i < unknown_.size(); ++i)
+    if (unknown_[i] >= 0) reduced[unknown_[i]] = rows[i] * measure_[i];
+  return reduced;
+}
+
 void IndependentUnknowns::expand(const double* y, DofVector& motion) const {
   std::vector<double> all(unknown_.size(), 0.0);
   for (int v = 0; is_root() && v < vertices_; ++v)

@@ -39,10 +39,16 @@ class IndependentUnknowns {
   /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce();
   /// not for the vertices that chains leave.
   void expand(const double* y, DofVector& motion) const;
+  /// Z^T times forces and moments on all vertices that Assembler::turn_rows() has turned, at the state of reduce();
+  /// rank 0 has the result. Collective.
+  std::vector<double> reduced_rows(const DofVector& turned) const;
+  /// The same for rows of the remaining matrix.
+  std::vector<double> reduced_remaining_rows(const DofVector& rows) const;
 
  private:
   void set_up(const Assembler& assembler);
   std::vector<double> gather_rows(const DofVector& all) const;
+  std::vector<double> measured(const std::vector<double>& rows) const;
   void number(const Assembler& assembler);
   void measure(const Assembler& assembler);
   void build_structure();

@@ -5,7 +5,9 @@
 #include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -18,10 +20,34 @@ namespace {
 constexpr double kSymmetric = 1e-9;
 /// A Ritz value is real when its imaginary part is rounding.
 constexpr double kReal = 1e-8;
-/// Eigenvalues asked for when negative ones of an unsymmetric tangent are counted: at first, and at most.
-constexpr int kFirstCount = 4, kLastCount = 8;
 /// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
 constexpr double kShift = 1e-7;
+/// Raises of the usual cap. Where eigenvalues are only counted it lowers a critical load by about 1e-7 of it; modes are
+/// corrected to the true stiffness, so that the usual cap, which leaves less of rounding, serves them best.
+///
+/// Where the stresses, N L^2/EI or M L/EI with the largest EI of the structure, are below one and so is the stiffness
+/// of the structure, as that of a stiff column on a soft spring, the cap is lower in proportion: what is 1e7 times as
+/// stiff is as good as rigid, and stiffnesses far above would drown those that decide in their rounding.
+constexpr double kCapOfCount = 100.0, kCapOfModes = 1.0;
+/// Parts of it: the second is taken where a pivot inside an element is zero with the first; whether it is depends on
+/// it.
+constexpr std::array<double, 2> kCapParts = {1.0, 0.3};
+/// Below this share of EI the stiffness of the unloaded structure is asked for as well.
+constexpr double kSmallStress = 1e-2;
+/// A cap below this share of the usual one is that of a mechanism without stress.
+constexpr double kLeastCapShare = 1e-12;
+/// An eigenvalue below this share of the stresses at work, N L^2/EI or M L/EI, is zero: states are equilibria to 1e-11.
+constexpr double kZero = 1e-9;
+/// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of what chains leave is a
+/// few dozen times larger.
+constexpr double kNearZero = 1e-4;
+/// The same as a multiple of rounding errors.
+constexpr double kNearRounding = 100.0;
+/// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
+constexpr int kFirstNull = 4, kMostNull = 16;
+/// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
+constexpr int kInverseIterations = 3;
+
 bool is_real(const RitzPair& pair) { return std::abs(pair.imaginary) <= kReal * std::abs(pair.value); }
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
@@ -31,169 +57,357 @@ SparseMatrix shifted(SparseMatrix matrix, double shift) {
   return matrix;
 }
 
-/// (A + A^T) / 2, for matrices whose structure is symmetric.
-SparseMatrix symmetric_part(const SparseMatrix& a) {
-  SparseMatrix result = a;
-  for (int i = 0; i < a.rows(); ++i)
-    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
-      const int j = a.column[k];
-      for (int other = a.row_start[j]; other < a.row_start[j + 1]; ++other)
-        if (a.column[other] == i) result.value[k] = 0.5 * (a.value[k] + a.value[other]);
-    }
-  return result;
+double dot_product(const std::vector<double>& x, const std::vector<double>& y) {
+  return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
 }
+
+/// What the rounding of the entries of A may change in y . A y, for y of unit length.
+double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
+  double sum = 0.0;
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
+      sum += std::abs(y[i]) * std::abs(a.value[k]) * std::abs(y[a.column[k]]);
+  return std::numeric_limits<double>::epsilon() * sum;
+}
+
+/// The size of the eigenvalue of A nearest to zero, not below it, and the rounding in it, by inverse iteration.
+std::pair<double, double> nearest_to_zero(const SparseMatrix& a, InertiaSolver& solver) {
+  std::vector<double> y(a.rows());
+  for (int i = 0; i < a.rows(); ++i) y[i] = 1.0 + 0.5 * std::sin(1.0 + i);  // parallel to no mode
+  double length = std::sqrt(dot_product(y, y)), size = HUGE_VAL;
+  for (int i = 0; i < kInverseIterations; ++i) {
+    for (double& x : y) x /= length;
+    solver.solve(y.data(), 1);
+    length = std::sqrt(dot_product(y, y));
+    size = 1.0 / length;
+  }
+  for (double& x : y) x /= length;
+  return {size, rounding_level(a, y)};
+}
+
+class RaisedCap {
+ public:
+  RaisedCap(Assembler& assembler, double raise) : assembler_(assembler), before_(assembler.cap_raise()) {
+    assembler_.raise_cap(raise);
+  }
+  ~RaisedCap() { assembler_.raise_cap(before_); }
+  RaisedCap(const RaisedCap&) = delete;
+  RaisedCap& operator=(const RaisedCap&) = delete;
+
+ private:
+  Assembler& assembler_;
+  double before_;
+};
+
+}  // namespace
+
+const char* text_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::stable:
+      return "true";
+    case Verdict::unstable:
+      return "false";
+    case Verdict::neutral:
+      return "neutral";
+    case Verdict::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+Verdict StabilityResult::verdict() const {
+  if (negative > 0 || (!symmetric && sign < 0)) return Verdict::unstable;
+  if (!symmetric) return Verdict::unknown;
+  return null > 0 ? Verdict::neutral : Verdict::stable;
+}
+
+namespace {
+
+int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
 
 }  // namespace
 
 Stability::Stability(BeamProblem& problem) : problem_(problem) {}
 
-void Stability::evaluate_tangent(const State& state, double load_factor) {
+/// With a cap at which no pivot inside an element is zero, if there is one.
+void Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
   Assembler& assembler = problem_.assembler;
   MixedVector residual = assembler.create_vector();
+  const Structure& structure = assembler.structure();
+  const StateMagnitude size = assembler.magnitude(state);
+  const double stress =
+      structure.length / structure.bending_reference * std::max(size.force * structure.length, size.moment);
+  zero_ = kZero * stress;
+  const double share = stress >= kSmallStress ? std::min(1.0, stress) : std::max(stress, softness());
   assembler.residual(state, load_factor, residual);
-  assembler.tangent(state, load_factor);
+  for (double part : kCapParts) {
+    const RaisedCap raised(assembler, part * std::min(raise, kCapOfCount * share));
+    assembler.tangent(state, load_factor);
+    interior_ = assembler.interior_count();
+    if (!interior_.uncertain) break;
+  }
+}
+
+/// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
+/// chains leave.
+double Stability::softness() {
+  if (softness_) return *softness_;
+  Assembler& assembler = problem_.assembler;
+  const State reference = assembler.reference_state();
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(reference, 0.0, residual);
+  assembler.tangent(reference, 0.0);
+  const RootResult root = factorized_beside_chains(reference);
+  double size = root.is_reliable ? root.nearest : 0.0;
+  MPI_Bcast(&size, 1, MPI_DOUBLE, 0, unknowns_beside_chains_->root().communicator());
+  softness_ = std::clamp(size, kLeastCapShare, 1.0);
+  return *softness_;
 }
 
 /// The tangent of evaluate_tangent(), all of it.
 void Stability::assemble(const State& state, double load_factor) {
-  evaluate_tangent(state, load_factor);
+  evaluate_tangent(state, load_factor, kCapOfModes);
   if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.assembler);
   unknowns_->reduce(problem_.assembler, state);
 }
 
-/// None where the signs of pivots cannot be relied on, next to a critical point, and where they are not enough: without
-/// symmetry, unless the symmetric part is positive (is_positive_in_its_symmetric_part).
-std::optional<StabilityResult> Stability::inertia_with_chains(const State& state) {
+/// Inertia, or the sign of the determinant.
+Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers) {
+  RootResult root;
+  StabilityResult& result = root.result;
+  result.asymmetry = asymmetry(matrix);
+  result.symmetric = result.asymmetry <= kSymmetric;
+  result.sign = 1;
+  if (matrix.rows() == 0) return root;
+  const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
+  std::unique_ptr<InertiaSolver>& solver = result.symmetric ? solvers.symmetric : solvers.general;
+  if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, matrix);
+  const InertiaSolver::Signs signs = solver->factorize(matrix);
+  result.null = signs.null;
+  result.negative = signs.negative;
+  result.sign = signs.determinant_sign;
+  if (result.null > 0 || !result.symmetric) return root;
+  const auto [size, rounding] = nearest_to_zero(matrix, *solver);
+  root.nearest = size;
+  root.is_near_zero = !(size > std::max(kNearZero / kZero * zero_, kNearRounding * rounding));
+  return root;
+}
+
+/// Adds what interiors and chains have. Collective.
+Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicator, long of_chains) const {
+  StabilityResult& result = root.result;
+  double numbers[6] = {static_cast<double>(result.negative), static_cast<double>(result.null),
+                       result.symmetric ? 1.0 : 0.0,         result.asymmetry,
+                       static_cast<double>(result.sign),     root.is_near_zero ? 1.0 : 0.0};
+  MPI_Bcast(numbers, 6, MPI_DOUBLE, 0, communicator);
+  const long eliminated = interior_.negative + of_chains;
+  result.null = static_cast<int>(numbers[1]);
+  result.symmetric = numbers[2] == 1.0;
+  result.asymmetry = numbers[3];
+  result.negative = static_cast<int>(numbers[0] + eliminated);
+  result.sign = static_cast<int>(numbers[4]) * (eliminated % 2 == 0 ? 1 : -1);
+  root.is_near_zero = numbers[5] == 1.0;
+  if (result.symmetric)
+    result.sign = sign_of(result.negative, result.null);
+  else
+    result.negative = result.sign < 0 ? 1 : 0;
+  return root;
+}
+
+/// The tangent with its chains condensed, and whether their pivots can be relied on.
+Stability::RootResult Stability::factorized_beside_chains(const State& state) {
   if (chains_ == nullptr) {
     chains_ = std::make_unique<CondensedSystem>(problem_.assembler);
     unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.assembler, chains_->remaining());
   }
-  const bool reliable = chains_->condense();
+  int reliable = chains_->condense() ? 1 : 0;
   const SparseMatrix& matrix = unknowns_beside_chains_->reduce(problem_.assembler, state);
-  const RootCopy& root = unknowns_beside_chains_->root();
-  StabilityResult result;
-  on_root(root, [&] {
-    result.asymmetry = asymmetry(matrix);
-    result.symmetric = result.asymmetry <= kSymmetric;
-    if (matrix.rows() == 0) return;
-    // Chains are symmetric, so what they leave of the symmetric part is the symmetric part of what they leave.
-    const SparseMatrix part = result.symmetric ? matrix : symmetric_part(matrix);
-    if (symmetric_beside_chains_ == nullptr)
-      symmetric_beside_chains_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, part);
-    const InertiaSolver::Signs signs = symmetric_beside_chains_->factorize(part);
-    result.null = signs.null;
-    result.negative = signs.negative;
-  });
-  double on_all[4] = {static_cast<double>(result.negative), static_cast<double>(result.null),
-                      result.symmetric ? 1.0 : 0.0, result.asymmetry};
-  MPI_Bcast(on_all, 4, MPI_DOUBLE, 0, root.communicator());
-  double of_chains[2] = {static_cast<double>(chains_->negative_pivots()), reliable ? 0.0 : 1.0};
-  MPI_Allreduce(MPI_IN_PLACE, of_chains, 2, MPI_DOUBLE, MPI_SUM, root.communicator());
-  const int negative = static_cast<int>(on_all[0] + of_chains[0]);
-  const bool symmetric = on_all[2] == 1.0;
-  if (of_chains[1] > 0.0 || on_all[1] > 0.0 || (!symmetric && negative > 0)) return std::nullopt;
-  return StabilityResult{negative, 0, symmetric, on_all[3]};
+  const RootCopy& copy = unknowns_beside_chains_->root();
+  RootResult root;
+  on_root(copy, [&] { root = factorized(matrix, beside_chains_); });
+  long negative = chains_->negative_pivots();
+  MPI_Allreduce(MPI_IN_PLACE, &reliable, 1, MPI_INT, MPI_MIN, copy.communicator());
+  MPI_Allreduce(MPI_IN_PLACE, &negative, 1, MPI_LONG, MPI_SUM, copy.communicator());
+  root = completed(root, copy.communicator(), negative);
+  root.is_reliable = reliable == 1;
+  return root;
 }
 
-/// No real eigenvalue lies below the smallest one of the symmetric part (Bendixson), and that is quickly looked at.
-bool Stability::is_positive_in_its_symmetric_part() {
-  const SparseMatrix part = symmetric_part(unknowns_->matrix());
-  if (symmetric_ == nullptr) symmetric_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, part);
-  const InertiaSolver::Signs signs = symmetric_->factorize(part);
-  return signs.negative == 0 && signs.null == 0;
-}
-
-StabilityResult Stability::inertia(bool keeps_factors) {
-  StabilityResult result;
-  on_root(unknowns_->root(), [&] {
-    result.asymmetry = asymmetry(unknowns_->matrix());
-    result.symmetric = result.asymmetry <= kSymmetric;
-    if (!result.symmetric && !keeps_factors && is_positive_in_its_symmetric_part()) return;
-    const auto kind = result.symmetric ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
-    std::unique_ptr<InertiaSolver>& solver = result.symmetric ? symmetric_ : general_;
-    if (solver == nullptr) solver = std::make_unique<InertiaSolver>(kind, unknowns_->matrix());
-    const InertiaSolver::Signs signs = solver->factorize(unknowns_->matrix());
-    result.null = signs.null;
-    result.negative = signs.negative;
-    if (signs.null > 0) solver->factorize(shifted(unknowns_->matrix(), kShift));
-    if (!result.symmetric) result.negative = signs.determinant_sign < 0 ? 1 : 0;
-    if (!result.symmetric) count_real_negative(result);
-  });
-  double numbers[4] = {static_cast<double>(result.negative), static_cast<double>(result.null),
-                       result.symmetric ? 1.0 : 0.0, result.asymmetry};
-  MPI_Bcast(numbers, 4, MPI_DOUBLE, 0, unknowns_->root().communicator());
-  return {static_cast<int>(numbers[0]), static_cast<int>(numbers[1]), numbers[2] == 1.0, numbers[3]};
-}
-
-/// On entry `negative` is the parity. The eigenvalues nearest to zero are looked through, more of them while their
-/// signs contradict the determinant or the last of them is still negative.
-void Stability::count_real_negative(StabilityResult& result) {
-  const int parity = result.negative;
-  KrylovProblem problem;
-  problem.unknowns = unknowns_->count();
-  problem.symmetric = false;
-  problem.apply = [&](double* block, int columns) { general_->solve(block, columns); };
-  for (int wanted = kFirstCount;; wanted *= 2) {
-    const std::vector<RitzPair> pairs = largest_eigenpairs(problem, wanted);
-    const auto negative = [](const RitzPair& p) { return is_real(p) && p.value < 0.0; };
-    result.negative = static_cast<int>(std::count_if(pairs.begin(), pairs.end(), negative));
-    const bool agrees = result.negative % 2 == parity || result.null > 0;
-    if (agrees && !(negative(pairs.back()) && static_cast<int>(pairs.size()) < problem.unknowns)) return;
-    if (wanted >= std::min(kLastCount, problem.unknowns)) {
-      if (!agrees) ++result.negative;  // one that is far from zero
-      return;
-    }
+/// Size of the eigenvalue nearest to zero of the whole tangent, not below it, by inverse iteration with the factors of
+/// chains and of what they leave: a mode may live in the chains alone.
+double Stability::nearest_with_chains(const State& state) {
+  Assembler& assembler = problem_.assembler;
+  const Structure& structure = assembler.structure();
+  const IndependentUnknowns& remaining = *unknowns_beside_chains_;
+  DofVector x(assembler.map()), b(assembler.map());
+  DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
+  const size_t rows = MixedVector::view_of(x).extent(0);
+  const double L = structure.length, share = structure.bending_reference / (L * assembler.mesh().vertices());
+  const auto weight = [&](size_t i) { return i % kVertexDofs < 3 ? share / (L * L) : share; };
+  const auto length_of = [&](const DofVector& v, bool is_force) {
+    const KernelView<const double*> values = MixedVector::view_of(v);
+    double sum = 0.0;
+    for (size_t i = 0; i < rows; ++i) sum += values(i) * values(i) * (is_force ? 1.0 / weight(i) : weight(i));
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, remaining.root().communicator());
+    return std::sqrt(sum);
+  };
+  for (size_t i = 0; i < rows; ++i)
+    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + assembler.map()->getGlobalElement(i));
+  double size = HUGE_VAL;
+  for (int step = 0; step < kInverseIterations; ++step) {
+    const double scale = 1.0 / length_of(x, false);
+    for (size_t i = 0; i < rows; ++i) MixedVector::view_of(b)(i) = scale * weight(i) * MixedVector::view_of(x)(i);
+    assembler.turn_rows(state, MixedVector::view_of(b));
+    const double force = length_of(b, true);
+    chains_->condense_rows(b, remaining_b, x);
+    std::vector<double> y = remaining.reduced_remaining_rows(remaining_b);
+    on_root(remaining.root(), [&] {
+      if (!y.empty()) beside_chains_.symmetric->solve(y.data(), 1);
+    });
+    remaining.expand(y.data(), remaining_x);
+    chains_->expand(remaining_x, x);
+    size = force / length_of(x, false);
   }
+  return size;
+}
+
+/// None where the signs of pivots cannot be relied on, next to a critical point.
+std::optional<StabilityResult> Stability::inertia_with_chains(const State& state) {
+  const RootResult root = factorized_beside_chains(state);
+  if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || interior_.uncertain) return std::nullopt;
+  if (root.result.symmetric && !(nearest_with_chains(state) > kNearZero / kZero * zero_)) return std::nullopt;
+  return root.result;
+}
+
+/// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero.
+StabilityResult Stability::inertia() {
+  RootResult root;
+  on_root(unknowns_->root(), [&] {
+    root = factorized(unknowns_->matrix(), all_);
+    if (root.result.null > 0) solver(root.result).factorize(shifted(unknowns_->matrix(), kShift));
+  });
+  return completed(root, unknowns_->root().communicator(), 0).result;
+}
+
+InertiaSolver& Stability::solver(const StabilityResult& result) {
+  return result.symmetric ? *all_.symmetric : *all_.general;
 }
 
 StabilityResult Stability::count(const State& state, double load_factor) {
-  evaluate_tangent(state, load_factor);
+  evaluate_tangent(state, load_factor, kCapOfCount);
   if (const auto result = inertia_with_chains(state)) return *result;
+  for (int modes = kFirstNull;; modes *= 2) {
+    const StabilityResult result = spectrum(state, load_factor, modes).stability;
+    if (result.null < modes || modes >= kMostNull) return result;
+  }
+}
+
+/// With K of the tangent and the row e of the motion, n(K) where e . dx = 0 is n(K), less one where e . K^-1 e < 0.
+StabilityResult Stability::count_held(const State& state, double load_factor, const MixedVector& motion) {
   assemble(state, load_factor);
-  return inertia(false);
+  StabilityResult result = inertia();
+  MixedVector forces = motion.clone(true);
+  problem_.assembler.turn_rows(state, forces.vertex());
+  const std::vector<double> row = unknowns_->reduced_rows(forces.vertex_dofs());
+  double compliance = 0.0;
+  on_root(unknowns_->root(), [&] {
+    std::vector<double> moved = row;
+    solver(result).solve(moved.data(), 1);
+    compliance = dot_product(row, moved);
+  });
+  MPI_Bcast(&compliance, 1, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  if (compliance == 0.0) return result;
+  const int sign = compliance < 0.0 ? -1 : 1;
+  if (result.null > 0) {  // beside a zero pivot, on its positive side
+    --result.null;
+    if (result.null == 0) result.sign = sign_of(result.negative, 0);
+    return result;
+  }
+  result.sign *= sign;
+  if (result.symmetric)
+    result.negative -= sign < 0 ? 1 : 0;
+  else
+    result.negative = result.sign < 0 ? 1 : 0;
+  return result;
 }
 
 /// Uses the factors that inertia() left.
 Stability::Reduced Stability::nearest(const StabilityResult& stability, int count) {
   Reduced reduced;
   on_root(unknowns_->root(), [&] {
-    InertiaSolver& solver = stability.symmetric ? *symmetric_ : *general_;
+    InertiaSolver& factors = solver(stability);
     const double shift = stability.null > 0 ? kShift : 0.0;
     KrylovProblem problem;
     problem.unknowns = unknowns_->count();
     problem.symmetric = stability.symmetric;
-    problem.apply = [&](double* block, int columns) { solver.solve(block, columns); };
+    problem.apply = [&](double* block, int columns) { factors.solve(block, columns); };
     std::vector<RitzPair> right = largest_eigenpairs(problem, count);
     right.erase(std::remove_if(right.begin(), right.end(), [](const RitzPair& p) { return !is_real(p); }), right.end());
     for (const RitzPair& pair : right) {
       reduced.eigenvalue.push_back(1.0 / pair.value - shift);
+      reduced.error.push_back(pair.error / std::abs(pair.value) + rounding_level(unknowns_->matrix(), pair.vector));
+      reduced.converged.push_back(pair.converged ? 1 : 0);
       reduced.vector.push_back(pair.vector);
     }
     if (stability.symmetric) return;
-    problem.apply = [&](double* block, int columns) { solver.solve(block, columns, true); };
+    problem.apply = [&](double* block, int columns) { factors.solve(block, columns, true); };
     const std::vector<RitzPair> left = largest_eigenpairs(problem, count);
     for (const RitzPair& pair : right)
       reduced.left.push_back(std::min_element(left.begin(), left.end(), [&](const RitzPair& a, const RitzPair& b) {
                                return std::abs(a.value - pair.value) < std::abs(b.value - pair.value);
                              })->vector);
+    for (size_t i = 0; i < right.size(); ++i)
+      reduced.error[i] /= std::max(kReal, std::abs(dot_product(reduced.left[i], reduced.vector[i])));
   });
+  MPI_Comm communicator = unknowns_->root().communicator();
   int found = static_cast<int>(reduced.eigenvalue.size());
-  MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_->root().communicator());
+  MPI_Bcast(&found, 1, MPI_INT, 0, communicator);
   reduced.eigenvalue.resize(found);
+  reduced.error.resize(found);
+  reduced.converged.resize(found);
   reduced.vector.resize(found);
   if (!stability.symmetric) reduced.left.resize(found);
-  MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  MPI_Bcast(reduced.eigenvalue.data(), found, MPI_DOUBLE, 0, communicator);
+  MPI_Bcast(reduced.error.data(), found, MPI_DOUBLE, 0, communicator);
+  MPI_Bcast(reduced.converged.data(), found, MPI_INT, 0, communicator);
   return reduced;
 }
 
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
   assemble(state, load_factor);
-  Spectrum result{inertia(true), {}};
+  Spectrum result{inertia(), {}};
   const Reduced reduced = nearest(result.stability, count);
   result.modes = corrected_modes(state, result.stability, reduced);
-  for (double before : reduced.eigenvalue) result.stability.negative -= before < 0.0 ? 1 : 0;
-  for (const EigenMode& mode : result.modes) result.stability.negative += mode.eigenvalue < 0.0 ? 1 : 0;
+  if (result.stability.symmetric)
+    recount(reduced, result);
+  else
+    recount_unsymmetric(result);
   return result;
+}
+
+/// Eigenvalues as corrected in place of those of the capped tangent, and those that are zero apart.
+void Stability::recount(const Reduced& reduced, Spectrum& spectrum) const {
+  StabilityResult& stability = spectrum.stability;
+  if (std::any_of(reduced.converged.begin(), reduced.converged.end(), [](int c) { return c == 0; })) return;
+  for (double before : reduced.eigenvalue) stability.negative -= before < 0.0 ? 1 : 0;
+  stability.null = 0;
+  for (const EigenMode& mode : spectrum.modes) {
+    if (std::abs(mode.eigenvalue) <= std::max(zero_, mode.error))
+      ++stability.null;
+    else if (mode.eigenvalue < 0.0)
+      ++stability.negative;
+  }
+  stability.sign = sign_of(stability.negative, stability.null);
+}
+
+/// The real eigenvalues known to be negative; the sign of the determinant tells whether one is missing.
+void Stability::recount_unsymmetric(Spectrum& spectrum) {
+  StabilityResult& stability = spectrum.stability;
+  stability.negative = 0;
+  for (const EigenMode& mode : spectrum.modes)
+    if (mode.eigenvalue < -mode.error) ++stability.negative;
+  const bool is_odd = stability.negative % 2 == 1;
+  if (stability.sign != 0 && is_odd != (stability.sign < 0)) ++stability.negative;
 }
 
 namespace {
@@ -229,8 +443,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
     for (int i = 0; i < m; ++i) {
       weights[i * (m + 1)] = 1.0;
       double overlap = 0.0;
-      if (unknowns_->is_root())
-        overlap = std::inner_product(reduced.left[i].begin(), reduced.left[i].end(), reduced.vector[i].begin(), 0.0);
+      if (unknowns_->is_root()) overlap = dot_product(reduced.left[i], reduced.vector[i]);
       MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_->root().communicator());
       values[i] +=
           added_compliance(assembler, complete_motion(assembler, *unknowns_, state, reduced.left[i]), found[i]) /
@@ -244,7 +457,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
   for (int k : order) {
     MixedVector mode = combination(found, &weights[static_cast<size_t>(k) * m]);
     normalize_mode(assembler, mode);
-    modes.push_back({values[k], std::move(mode)});
+    modes.push_back({values[k], std::move(mode), reduced.error[k], reduced.converged[k] != 0});
   }
   return modes;
 }

@@ -4,15 +4,18 @@
 /// K phi = mu S phi with the reduced tangent K and S as IndependentUnknowns measures motions: EI/L times l_v/L for
 /// rotations, that over L^2 for displacements. Eigenvalues have no unit.
 ///
-/// Under loads with a potential K is symmetric and an equilibrium is stable when no eigenvalue is negative. Under
-/// follower loads and spatial moments K is not symmetric: real eigenvalues below zero mean divergence, and their parity
-/// is the sign of the determinant; flutter is a matter of dynamics and not seen here.
+/// Under loads with a potential K is symmetric and an equilibrium is stable when no eigenvalue is negative. The count
+/// is complete: interiors of elements are condensed, and by Wittrick and Williams J = J0 (eigenvalues below zero of the
+/// interiors while vertices stand still) + those of the condensed matrix. An eigenvalue that is zero within its error
+/// is counted apart: such a state is neutral.
 ///
-/// The tangent of Newton's method caps the stiffness of forces (Assembler), which lowers eigenvalues by about 1e-5 of
-/// the loads. Modes are corrected to the true stiffness, to second order in the cap.
+/// Under follower loads and spatial moments K is not symmetric: real eigenvalues below zero mean divergence, and their
+/// parity is the sign of the determinant; flutter is a matter of dynamics and not seen here, so that a state that has
+/// not diverged is unknown, also where the symmetric part of K is positive (which excludes divergence alone).
 ///
-/// Only vertices are looked at: an element that buckles between vertices that stand still (beyond four times the Euler
-/// load of a hinged column of its length) goes unnoticed.
+/// The tangent caps the stiffness of forces (Assembler), which lowers critical loads by about 1e-5 of them, 1e-7 where
+/// eigenvalues are only counted. Modes are corrected to the true stiffness, to second order in the cap, and next to
+/// zero the corrected eigenvalues are counted.
 #pragma once
 
 #include "discretization/condensed_system.hpp"
@@ -27,11 +30,21 @@
 
 namespace mixbeam {
 
+/// What is known of an equilibrium. Neutral: no eigenvalue is negative, but one is zero.
+enum class Verdict { stable, unstable, neutral, unknown };
+
+/// "true", "false", "neutral" or "unknown": the value of `stable` in files and messages.
+const char* text_of(Verdict verdict);
+
 struct StabilityResult {
-  int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones
-  int null = 0;            ///< pivots that are exactly zero; a mechanism often leaves tiny ones instead
+  int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones that are known, at least the parity
+  int null = 0;            ///< eigenvalues that are zero within their errors; not among `negative`
   bool symmetric = true;   ///< the tangent was treated as symmetric
   double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj)
+  int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
+
+  /// Without symmetry an equilibrium that has not diverged is unknown: it may flutter.
+  Verdict verdict() const;
 };
 
 struct Spectrum {
@@ -45,40 +58,62 @@ class Stability {
  public:
   explicit Stability(BeamProblem& problem);
 
-  /// Inertia of the tangent as it is, capped: one factorisation, most of it that of chains, in parallel. Within about
-  /// 1e-5 of a critical load the count may differ from that of spectrum().
+  /// Inertia of the tangent: one factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero
+  /// the nearest ones are looked at, by spectrum(). Unsymmetric: the sign of the determinant alone.
   StabilityResult count(const State& state, double load_factor);
 
-  /// The `count` eigenvalues nearest to zero (or all there are), with modes, and the number of negative ones.
+  /// The same while a motion is held, that of a controlled displacement: <motion, dx> = 0. `motion`: rows of vertices,
+  /// as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the whole tangent.
+  StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
+
+  /// The `count` eigenvalues nearest to zero (or all there are), with modes and errors, and the number of negative
+  /// ones. The work is bounded: modes that did not converge say so.
   Spectrum spectrum(const State& state, double load_factor, int count);
   std::vector<EigenMode> modes_near_zero(const State& state, double load_factor, int count) {
     return spectrum(state, load_factor, count).modes;
   }
 
  private:
-  /// Eigenvectors of the reduced matrix on rank 0, eigenvalues everywhere.
+  /// Eigenvectors of the reduced matrix on rank 0, the rest everywhere.
   struct Reduced {
-    std::vector<double> eigenvalue;
+    std::vector<double> eigenvalue, error;
+    std::vector<int> converged;
     std::vector<std::vector<double>> vector, left;  ///< left: unsymmetric only
   };
+  /// Of rank 0; the structure of the matrix is analysed once.
+  struct Solvers {
+    std::unique_ptr<InertiaSolver> symmetric, general;
+  };
+  struct RootResult {
+    StabilityResult result;
+    double nearest = 0.0;  ///< size of the eigenvalue nearest to zero, not below it; rank 0
+    bool is_near_zero = false;
+    bool is_reliable = true;
+  };
 
-  void evaluate_tangent(const State& state, double load_factor);
+  void evaluate_tangent(const State& state, double load_factor, double raise);
   void assemble(const State& state, double load_factor);
+  double softness();
+  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers);
+  RootResult completed(RootResult root, MPI_Comm communicator, long of_chains) const;
+  RootResult factorized_beside_chains(const State& state);
+  double nearest_with_chains(const State& state);
   std::optional<StabilityResult> inertia_with_chains(const State& state);
-  /// `keeps_factors`: those of the tangent itself are wanted afterwards.
-  StabilityResult inertia(bool keeps_factors);
-  bool is_positive_in_its_symmetric_part();
-  void count_real_negative(StabilityResult& result);
+  StabilityResult inertia();
+  InertiaSolver& solver(const StabilityResult& result);
   Reduced nearest(const StabilityResult& stability, int count);
+  void recount(const Reduced& reduced, Spectrum& spectrum) const;
+  static void recount_unsymmetric(Spectrum& spectrum);
   std::vector<EigenMode> corrected_modes(const State& state, const StabilityResult& stability, const Reduced& reduced);
 
   BeamProblem& problem_;
+  Assembler::InteriorCount interior_;  ///< of the last tangent
+  double zero_ = 0.0;                  ///< eigenvalues up to this size are zero at the last state
+  std::optional<double> softness_;
   // When first needed:
-  std::unique_ptr<IndependentUnknowns> unknowns_;
-  std::unique_ptr<InertiaSolver> symmetric_, general_;  ///< rank 0
+  std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;
+  Solvers all_, beside_chains_;
   std::unique_ptr<CondensedSystem> chains_;
-  std::unique_ptr<IndependentUnknowns> unknowns_beside_chains_;
-  std::unique_ptr<InertiaSolver> symmetric_beside_chains_;  ///< rank 0
 };
 
 }  // namespace mixbeam
