@@ -2,6 +2,7 @@
 
 #include "discretization/state_difference.hpp"
 #include "discretization/state_transfer.hpp"
+#include "nonlinear/linear_solver.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -17,7 +18,8 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kMostMeshes = 6;
+/// Meshes that are estimated; those that may be left before because their elements turn too far.
+constexpr int kMostMeshes = 6, kMostTurned = 5;
 /// Meshes on which a path may fail to arrive before that is the scene's own fault.
 constexpr int kMostFailures = 2;
 /// Elements of a start mesh may turn this much further than they should: the estimate will tell.
@@ -26,6 +28,11 @@ constexpr double kTurningMargin = 1.5;
 constexpr double kFirstAim = 0.1, kNextAim = 0.2;
 /// Below this an estimate that a finer mesh does not halve is that of rounding errors.
 constexpr double kRoundingMayShow = 1e-7, kLeastGain = 0.5;
+/// What is left of a load may turn the elements this much further: where a path starts infinitely steep (a buckled
+/// member that is shortened) its first step tells nothing about the last.
+constexpr double kLargestPreview = 10.0;
+/// Critical load factors of less are measured against this one.
+constexpr double kLeastLoadFactor = 1e-3;
 /// A corrected state that moves by more than this many times the estimated error has gone to another equilibrium.
 constexpr double kLargestCorrection = 20.0;
 
@@ -39,16 +46,22 @@ class AccurateSolver {
         observer_(observer),
         accuracy_(*scene.accuracy),
         keeps_path_(keeps_path || parameters.analysis.control.has_value()),
+        compares_(std::none_of(scene.members.begin(), scene.members.end(),
+                               [](const Member& member) { return member.keeps_order && member.keeps_elements; })),
         choice_(start_mesh(scene, accuracy_)) {}
 
   AccurateRun run();
 
  private:
   std::unique_ptr<Simulation> simulation_of_choice() const;
+  bool stops() { return stopped_ = stopped_ || (observer_.stop && observer_.stop()); }
   bool solve();
   bool follow();
   bool settle(const Simulation& last, const StepReport& last_report);
   void estimate();
+  void compare_critical_points();
+  bool is_reached(double error) const { return error <= kShareOfAccuracy * accuracy_; }
+  bool shows_rounding(double MeshRound::*error) const;
   bool turns_too_far(const Simulation& simulation, double load_factor);
   std::optional<AccuracyEnd> judge();
   bool choose_finer();
@@ -59,15 +72,24 @@ class AccurateSolver {
   const Communicator& comm_;
   const AccurateRunObserver& observer_;
   const double accuracy_;
-  bool keeps_path_;  ///< or some path had critical points
+  bool keeps_path_;      ///< or some path had critical points
+  const bool compares_;  ///< critical load factors: no member keeps its mesh
   MeshChoice choice_;
   double aim_ = kFirstAim;
   int failures_ = 0;
   std::unique_ptr<Simulation> simulation_;  ///< of `choice_`, or the mesh before
   StepReport report_{};                     ///< its last step
   ErrorEstimate estimate_{};
-  double largest_load_factor_ = 0.0;  ///< on the path of the start mesh
+  double least_displacement_ = 0.0;  ///< see least_displacement()
+  /// Critical load factors of the last path, as often as eigenvalues vanish there, and those of the path before on a
+  /// mesh that the last one contains.
+  std::vector<double> critical_{};
+  std::optional<std::vector<double>> critical_before_{};
+  MeshChoice followed_{};             ///< mesh of the last path that arrived
+  double largest_load_factor_ = 0.0;  ///< on this path
   bool turned_ = false;               ///< the path was left because elements turn too far
+  bool stopped_ = false;              ///< from outside
+  int estimated_ = 0, turned_meshes_ = 0;
   std::vector<MeshRound> rounds_{};
   std::chrono::steady_clock::time_point start_{};
 };
@@ -102,7 +124,7 @@ bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_fac
     turning = element_turning(simulation.scene(), simulation.assembler().mesh(), snapshot.vertex_rotation);
   Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
   if (goes_on)
-    for (double& angle : turning) angle *= scene_.stages / load_factor;
+    for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
   std::vector<double> tolerated = turning;
   for (double& angle : tolerated) angle /= kTurningMargin;
   if (mesh_for_turning(scene_, choice_, tolerated, accuracy_) == choice_) return false;
@@ -110,27 +132,54 @@ bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_fac
   return true;
 }
 
+/// The step at the end is kept for its estimate; where it is followed by one that is closer to the end, it is one of
+/// the way after all.
 bool AccurateSolver::follow() {
   simulation_ = simulation_of_choice();
   if (observer_.begin) observer_.begin(*simulation_);
-  const bool is_first = rounds_.size() == 1;
+  const bool may_turn = estimated_ == 0 && turned_meshes_ < kMostTurned;
   turned_ = false;
-  bool critical = false;
+  largest_load_factor_ = 0.0;
+  std::vector<double> critical;
+  std::optional<Simulation> at_end;
   PathControl control;
-  control.stop = [&] { return turned_ || (observer_.stop && observer_.stop()); };
+  control.stop = [&] { return turned_ || stops(); };
   control.step_failed = observer_.step_failed;
   Simulation& running = *simulation_;
+  const auto give = [&](const Simulation& step) {
+    if (observer_.step) observer_.step(step, report_);
+  };
   running.run(
-      [&](const StepReport& report, const State&) {
+      [&](const StepReport& report, const State& state) {
+        if (at_end) give(*at_end);
+        at_end.reset();
         report_ = report;
-        critical = critical || !report.critical_points.empty();
-        if (running.is_end_of_path(report.load_factor)) return;
-        if (observer_.step) observer_.step(running, report);
-        if (is_first) turned_ = turns_too_far(running, report.load_factor);
+        keeps_path_ = keeps_path_ || !report.critical_points.empty();
+        for (const CriticalPoint& point : report.critical_points)
+          if (point.located) critical.insert(critical.end(), point.modes, point.load_factor);
+        if (running.is_end_of_path(report.load_factor)) {
+          at_end = running.at(state, report.load_factor);
+          return;
+        }
+        give(running);
+        if (may_turn) turned_ = turns_too_far(running, report.load_factor);
       },
       control);
-  keeps_path_ = keeps_path_ || critical;
-  return running.result().finished;
+  if (turned_) ++turned_meshes_;
+  if (!running.result().finished) {
+    if (at_end) give(*at_end);
+    return false;
+  }
+  // a point at the very end may be met or not
+  const auto is_at_end = [&](double load_factor) {
+    return std::abs(load_factor - report_.load_factor) <= accuracy_ * std::abs(report_.load_factor);
+  };
+  critical.erase(std::remove_if(critical.begin(), critical.end(), is_at_end), critical.end());
+  critical_before_.reset();
+  if (!followed_.empty() && contains(choice_, followed_)) critical_before_ = critical_;
+  critical_ = std::move(critical);
+  followed_ = choice_;
+  return true;
 }
 
 /// Newton's method from the state of the mesh before; false where the path must tell which equilibrium is meant.
@@ -145,9 +194,11 @@ bool AccurateSolver::settle(const Simulation& last, const StepReport& last_repor
     const StateDifference moved = difference(running.assembler(), carried, running.state());
     double largest = 0.0;
     for (const Vector3& u : moved.vertex_displacement) largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
-    if (largest > kLargestCorrection * std::max(judged_error(estimate_), accuracy_) * moved.largest_displacement)
-      return false;
+    const double size = std::max(moved.largest_displacement, least_displacement_);
+    if (largest > kLargestCorrection * std::max(judged_error(estimate_), accuracy_) * size) return false;
   } catch (const std::invalid_argument&) {  // the state turns too far inside the new elements
+    return false;
+  } catch (const LinearSolverError&) {  // its eigenvalues cannot be counted
     return false;
   }
   const auto count = [](const StepReport& report) { return report.stability ? report.stability->negative : 0; };
@@ -157,7 +208,7 @@ bool AccurateSolver::settle(const Simulation& last, const StepReport& last_repor
 bool AccurateSolver::solve() {
   start_ = std::chrono::steady_clock::now();
   rounds_.push_back({choice_});
-  rounds_.back().error = std::numeric_limits<double>::quiet_NaN();
+  rounds_.back().error = rounds_.back().critical_error = std::numeric_limits<double>::quiet_NaN();
   const bool carries = !keeps_path_ && simulation_ != nullptr && simulation_->result().finished && estimate_.exists();
   bool solved = false;
   if (carries) {
@@ -170,23 +221,53 @@ bool AccurateSolver::solve() {
   return solved;
 }
 
-void AccurateSolver::estimate() {
-  estimate_ = simulation_->estimate_error();
-  if (estimate_.exists()) rounds_.back().error = judged_error(estimate_);
-  finish_round(estimate_.not_estimated);
-  if (observer_.end) observer_.end(*simulation_, report_, estimate_);
+/// Takes the difference of two paths for the error of the coarser one.
+void AccurateSolver::compare_critical_points() {
+  MeshRound& round = rounds_.back();
+  round.critical_points = static_cast<int>(critical_.size());
+  if (critical_.empty() && (!critical_before_ || critical_before_->empty())) round.critical_error = 0.0;
+  if (!critical_before_ || !compares_) return;
+  if (critical_before_->size() != critical_.size()) {
+    round.remark = "another number of critical points than on the mesh before";
+    return;
+  }
+  round.critical_error = 0.0;
+  for (size_t i = 0; i < critical_.size(); ++i)
+    round.critical_error = std::max(round.critical_error, std::abs(critical_[i] - (*critical_before_)[i]) /
+                                                              std::max(std::abs(critical_[i]), kLeastLoadFactor));
 }
 
-/// Whether the estimate ends the run.
+void AccurateSolver::estimate() {
+  ++estimated_;
+  least_displacement_ = least_displacement(simulation_->assembler().structure().length, accuracy_);
+  compare_critical_points();
+  ErrorEstimate estimate;
+  if (stops())
+    estimate.not_estimated = "the run was stopped";
+  else
+    estimate = simulation_->estimate_error();
+  estimate_ = with_least_displacement(estimate, least_displacement_);
+  if (estimate.exists()) rounds_.back().error = judged_error(estimate_);
+  finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
+  if (observer_.end) observer_.end(*simulation_, report_, estimate);
+}
+
+/// Whether a finer mesh did not make a small error smaller.
+bool AccurateSolver::shows_rounding(double MeshRound::*error) const {
+  if (rounds_.size() < 2) return false;
+  const double now = rounds_.back().*error, before = rounds_[rounds_.size() - 2].*error;
+  return !is_reached(now) && now < kRoundingMayShow && now > kLeastGain * before;
+}
+
+/// Whether the estimates end the run.
 std::optional<AccuracyEnd> AccurateSolver::judge() {
-  const double error = rounds_.back().error;
-  if (error <= kShareOfAccuracy * accuracy_) return AccuracyEnd::reached;
-  if (estimate_.exists() &&
-      error_of_kept(scene_, simulation_->assembler().mesh(), estimate_) > kShareOfAccuracy * accuracy_)
+  const MeshRound& round = rounds_.back();
+  const bool is_known = is_reached(round.critical_error) || !compares_;
+  if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
+  if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->assembler().mesh(), estimate_)))
     return AccuracyEnd::kept_meshes;
-  if (rounds_.size() >= 2 && error < kRoundingMayShow && error > kLeastGain * rounds_[rounds_.size() - 2].error)
-    return AccuracyEnd::rounding;
-  if (rounds_.size() >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
+  if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
+  if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
   return std::nullopt;
 }
 
@@ -201,6 +282,10 @@ bool AccurateSolver::try_finer() {
 bool AccurateSolver::choose_finer() {
   if (!estimate_.exists()) return try_finer();
   const MeshChoice before = choice_;
+  if (is_reached(rounds_.back().error)) {  // but not that of critical load factors
+    choice_ = richer(scene_, choice_);
+    return !(choice_ == before);
+  }
   choice_ = next_mesh(scene_, simulation_->assembler().mesh(), choice_, estimate_, aim_ * accuracy_);
   aim_ *= kNextAim;
   return !(choice_ == before);
@@ -211,11 +296,14 @@ AccurateRun AccurateSolver::run() {
   for (;;) {
     if (solve()) {
       estimate();
+      if (stopped_) return done(AccuracyEnd::interrupted);
       std::optional<AccuracyEnd> end = judge();
       if (!end && !choose_finer()) end = estimate_.exists() ? AccuracyEnd::kept_meshes : AccuracyEnd::not_estimated;
+      if (!end && stops()) end = AccuracyEnd::interrupted;
       if (end) return done(*end);
     } else if (turned_) {
       finish_round("elements turn too far");
+      if (stops()) return done(AccuracyEnd::interrupted);
     } else if (simulation_->result().interrupted) {
       finish_round("stopped");
       return done(AccuracyEnd::interrupted);

@@ -2,7 +2,9 @@
 ///
 /// The whole path is followed on a start mesh, the error of its end estimated, the next mesh chosen from that. The
 /// state is carried over to it and Newton's method goes on from there, until the estimate is small enough. A path that
-/// turns the elements of a start mesh too far is left early, for a finer one.
+/// turns the elements of a start mesh too far is left early, for a finer one. Where the path has critical points it is
+/// followed on a second mesh, which tells how far their load factors are from right, and so on until that is small
+/// enough.
 #pragma once
 
 #include "nonlinear/mesh_choice.hpp"
@@ -20,8 +22,12 @@ struct MeshRound {
   int elements = 0;       ///< of all members
   bool followed = false;  ///< the whole path; else corrected from the mesh before
   int steps = 0, failed_steps = 0, iterations = 0;
-  double seconds = 0.0;  ///< wall time, error estimate included
-  double error = 0.0;    ///< estimated, relative, see judged_error(); not a number: none
+  double seconds = 0.0;     ///< wall time, error estimate included
+  double error = 0.0;       ///< estimated, relative, see judged_error(); not a number: none
+  int critical_points = 0;  ///< of the path that was followed, multiple ones as often
+  /// Largest relative difference of their load factors from those of the mesh before, which this one contains: the
+  /// error there, and more than the error here. Zero without critical points; not a number: not known.
+  double critical_error = 0.0;
   std::string remark{};  ///< why it was left, where that is not the estimate
 };
 

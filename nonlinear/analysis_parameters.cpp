@@ -31,19 +31,26 @@ ListSpec control_spec() {
   return spec;
 }
 
+int component_of(const std::string& name) {
+  return static_cast<int>(std::find(kComponents.begin(), kComponents.end(), name) - kComponents.begin());
+}
+
+void require_point(const std::string& name, const Scene& scene, const ParameterSource& source,
+                   const ParameterPath& path) {
+  std::vector<std::string> points;
+  for (const Point& point : scene.points) points.push_back(point.name);
+  if (std::find(points.begin(), points.end(), name) == points.end())
+    throw source.error(
+        path, "value \"" + name + "\" is no point of the scene; did you mean \"" + nearest_name(name, points) + "\"?");
+}
+
 MonitoredComponent read_control(const Teuchos::ParameterList& list, const Scene& scene, const ParameterSource& source,
                                 const ParameterPath& path) {
   MonitoredComponent control;
   control.point = list.get<std::string>("Point");
   control.target = list.get<double>("Target");
-  const auto place = std::find(kComponents.begin(), kComponents.end(), list.get<std::string>("Component"));
-  control.component = static_cast<int>(place - kComponents.begin());
-  std::vector<std::string> points;
-  for (const Point& point : scene.points) points.push_back(point.name);
-  if (std::find(points.begin(), points.end(), control.point) == points.end())
-    throw source.error(child(path, "Point"), "value \"" + control.point +
-                                                 "\" is no point of the scene; did you mean \"" +
-                                                 nearest_name(control.point, points) + "\"?");
+  control.component = component_of(list.get<std::string>("Component"));
+  require_point(control.point, scene, source, child(path, "Point"));
   if (scene.stages > 1)
     throw source.error(path, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
   return control;
@@ -57,17 +64,19 @@ ListSpec analysis_spec() {
                .means("Count the negative eigenvalues of the tangent in every converged state (zero: stable), and find "
                       "limit points and bifurcations where the count changes. Default: true up to 100,000 vertices, "
                       "false beyond, where it costs more than the rest of a load step."));
-  spec.add(
-      boolean("Trace")
-          .by_default(kDefaults.trace)
-          .means("Follow the path closely from the start. Without, large load steps are taken as long as they "
-                 "succeed; where a structure snaps, such a step may end on the far side of the snap without having "
-                 "seen its limit points."));
+  spec.add(boolean("Trace")
+               .by_default(kDefaults.trace)
+               .means("Follow the path closely from the start, by its length. Without, load steps are as large as the "
+                      "test of a step lets them be."));
   spec.add(
       choice("Branch", {"primary", "positive", "negative"})
           .by_default("primary")
           .means("Path after the first bifurcation: primary: straight on; positive, negative: the branch along the "
-                 "buckling mode or against it (the mode's first largest component counts as positive)."));
+                 "buckling mode or against it. The mode counts as positive where it moves \"Branch Point\" along "
+                 "\"Branch Component\"; where these are not given, in its mean displacement over the structure (the "
+                 "first component x, y, z that is nearly the largest), or that of the first half of a member."));
+  spec.add(text("Branch Point").means("Name of the point whose displacement is positive on the positive branch."));
+  spec.add(choice("Branch Component", kComponents).means("Component of that displacement; default: y."));
   spec.add(integer("Buckling Modes")
                .at_least(0)
                .at_most(kMostBucklingModes)
@@ -93,6 +102,18 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
   parameters.error_estimate = kErrorEstimation.at(list.get<std::string>("Error Estimate"));
   if (list.isSublist("Control"))
     parameters.control = read_control(list.sublist("Control"), scene, source, child(path, "Control"));
+  for (const std::string name : {"Branch Point", "Branch Component"}) {
+    if (!list.isParameter(name)) continue;
+    if (parameters.branch == Branch::primary)
+      throw source.error(child(path, name), "given, but has no meaning for \"Branch\" = \"primary\"");
+    if (!list.isParameter("Branch Point")) throw source.error(child(path, name), "given without \"Branch Point\"");
+  }
+  if (list.isParameter("Branch Point")) {
+    parameters.branch_point = MonitoredComponent{list.get<std::string>("Branch Point"), 1, 0.0};
+    if (list.isParameter("Branch Component"))
+      parameters.branch_point->component = component_of(list.get<std::string>("Branch Component"));
+    require_point(parameters.branch_point->point, scene, source, child(path, "Branch Point"));
+  }
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
     throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");
   return parameters;

@@ -32,6 +32,8 @@ struct AnalysisParameters {
   std::optional<bool> stability{};
   bool trace = false;  ///< follow the path by its length from the start, never with a load step of any size
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
+  /// Whose displacement is positive on the positive branch; `target` is not used. Not said: by rule (branch_direction).
+  std::optional<MonitoredComponent> branch_point{};
   int buckling_modes = 0;           ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};
   ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate

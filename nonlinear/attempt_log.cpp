@@ -49,6 +49,10 @@ NotFinite origin_of(const BeamGroup& group, const BeamGroup* previous, int itera
   const Assembler& assembler = group.problem().assembler;
   NotFinite origin;
   origin.iteration = iteration;
+  if (!std::isfinite(group.load_factor())) {
+    origin.source = NotFinite::Source::load_factor;
+    return origin;
+  }
   origin.what = load_not_finite(assembler.scene(), group.load_factor());
   if (!origin.what.empty()) {
     origin.source = NotFinite::Source::load;
@@ -72,6 +76,8 @@ std::string where_not_finite(const NotFinite& origin) {
   const std::string iteration =
       origin.iteration == 0 ? "before the first iteration" : "in iteration " + std::to_string(origin.iteration);
   switch (origin.source) {
+    case NotFinite::Source::load_factor:
+      return "no load factor to go to: the direction of the path could not be computed";
     case NotFinite::Source::load:
       return origin.what + " is not a finite number";
     case NotFinite::Source::tangent:

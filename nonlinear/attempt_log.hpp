@@ -29,10 +29,11 @@ enum class AttemptEnd {
 /// Where a number that is not finite arose first.
 struct NotFinite {
   enum class Source {
-    load,       ///< value of a load or of its amplitude; `what` says which
-    tangent,    ///< condensed tangent of an element
-    increment,  ///< Newton's correction
-    residual    ///< the equations at the new state
+    load_factor,  ///< at which equilibrium was sought: the path had no direction
+    load,         ///< value of a load or of its amplitude; `what` says which
+    tangent,      ///< condensed tangent of an element
+    increment,    ///< Newton's correction
+    residual      ///< the equations at the new state
   };
   Source source = Source::residual;
   int iteration = 0;  ///< 0: at the state where the attempt started

@@ -115,7 +115,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   problem_->last_failure.clear();
   try {
     // borders may leave the plane, and all solves are to be with the same tangent
-    take_tangent(problem_->keeps_cap);
+    take_tangent(problem_->leaves_plane);
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();
   }
@@ -199,6 +199,14 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList
   return computeJacobian();
 }
 
+namespace {
+
+/// Where every stiffness that is cut off is infinite, in place of the ratio to the largest finite one: an increment
+/// that equilibrium determines loses all of what the cap adds, one that closed rigid frames share stays as it is.
+constexpr double kRigidRatio = 1e-2;
+
+}  // namespace
+
 NOX::Abstract::Group::ReturnType BeamGroup::applyJacobian(const NOX::Abstract::Vector& input,
                                                           NOX::Abstract::Vector& result) const {
   if (!valid_newton_ || !valid_f_ || !BeamVector::of(input).same_values(newton_->values())) return NotDefined;
@@ -221,11 +229,11 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) take_tangent(true);
     condense(rhs);
     solve_condensed(increment.values());
-    const double cap_ratio = problem_->keeps_cap ? 0.0 : problem_->assembler.least_cap_ratio();
-    if (cap_ratio > 0.0) {
+    if (!problem_->keeps_cap) {
       MixedVector left_out = problem_->assembler.create_vector();
       problem_->assembler.softening_rows(increment.values(), left_out);
-      remove_softening(softening_operators(), left_out, cap_ratio, increment.values());
+      const double cap_ratio = problem_->assembler.least_cap_ratio();
+      remove_softening(softening_operators(), left_out, cap_ratio > 0.0 ? cap_ratio : kRigidRatio, increment.values());
     }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();

@@ -72,16 +72,24 @@ void ChainSolver::factorize() {
   uses_whole_ = !reliable;
   if (reliable) {
     system_.matrix()->getLocalDiagCopy(*diagonal_);
-    remaining_->factorize();
-  } else {
-    ++whole_solves_;
-    whole().factorize();
+    try {
+      remaining_->factorize();
+      return;
+    } catch (const LinearSolverError&) {
+      uses_whole_ = true;
+    }
   }
+  ++whole_solves_;
+  whole().factorize();
 }
 
 void ChainSolver::solve_once(const DofVector& b, DofVector& x, double& remaining_error) {
   system_.condense_rows(b, *remaining_b_, x);
-  remaining_error = remaining_->solve(*remaining_b_, *remaining_x_);
+  try {
+    remaining_error = remaining_->solve(*remaining_b_, *remaining_x_);
+  } catch (const LinearSolverError&) {  // the whole matrix may be solvable all the same
+    remaining_error = std::numeric_limits<double>::infinity();
+  }
   if (!(response(*diagonal_, *remaining_b_, *remaining_x_) <= kResponseOfRounding))
     remaining_error = std::numeric_limits<double>::infinity();
   system_.expand(*remaining_x_, x);

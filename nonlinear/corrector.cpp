@@ -1,6 +1,8 @@
 #include "nonlinear/corrector.hpp"
 
 #include "nonlinear/beam_group.hpp"
+#include "nonlinear/path_measure.hpp"
+#include "nonlinear/rotation_limited_line_search.hpp"
 
 #include <LOCA_MultiContinuation_ConstrainedGroup.H>
 #include <LOCA_Parameter_SublistParser.H>
@@ -13,10 +15,11 @@
 
 namespace mixbeam {
 
-Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record)
-    : problem_(problem), parameters_(parameters), record_(record) {
+Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
+                     NewtonPurpose purpose)
+    : problem_(problem), parameters_(parameters), record_(record), purpose_(purpose) {
   lists_ = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
-  lists_->sublist("NOX") = nox_list(problem, parameters, record);
+  lists_->sublist("NOX") = nox_list(problem, parameters, record, purpose);
   lists_->sublist("LOCA").sublist("Stepper");
   lists_->sublist("LOCA").sublist("Constraints").set("Bordered Solver Method", "Bordering");
   global_ = LOCA::createGlobalData(lists_);
@@ -25,28 +28,6 @@ Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParam
 Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 
 namespace {
-
-/// Next to a critical point the cap of the tangent is felt more, and with the usual one Newton's method comes to a
-/// stop at 1e-8; the condition of the tangent, which limits the first increments only, is of less importance there.
-constexpr double kCapRaise = 100.0;
-
-/// Raises the cap and keeps it in all increments, for as long as this lives, whatever is thrown meanwhile.
-class RaisedCap {
- public:
-  explicit RaisedCap(BeamProblem& problem) : problem_(problem) {
-    problem_.keeps_cap = true;
-    problem_.assembler.raise_cap(kCapRaise);
-  }
-  ~RaisedCap() {
-    problem_.assembler.raise_cap(1.0);
-    problem_.keeps_cap = false;
-  }
-  RaisedCap(const RaisedCap&) = delete;
-  RaisedCap& operator=(const RaisedCap&) = delete;
-
- private:
-  BeamProblem& problem_;
-};
 
 Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                                  const Guess& guess) {
@@ -59,6 +40,19 @@ Correction Corrector::at_load(const Guess& guess, int most_iterations) {
   const auto group = group_at(global_, problem_, guess);
   if (guess.moved != nullptr) group->setX(BeamVector(*guess.moved));
   return solve(group, most_iterations);
+}
+
+Correction Corrector::at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations) {
+  const auto start = group_at(global_, problem_, guess);
+  // Where forces are shared by stiffnesses that the cap cuts off, a prediction shares them less well than iterations
+  // do.
+  if (prediction == nullptr || problem_->assembler.least_cap_ratio() > 0.0) return solve(start, most_iterations);
+  start->computeF();
+  const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
+  step_within_rotation(*group, *start, BeamVector(*prediction), parameters_.newton.maximum_rotation);
+  // Where the rate at the start says nothing of the whole way (loads by formula), Newton's method starts without it.
+  const bool helps = group->getNormF() < start->getNormF() || group->equilibrium_norm() < start->equilibrium_norm();
+  return helps ? solve(group, most_iterations, true) : solve(start, most_iterations);
 }
 
 Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most_iterations) {
@@ -75,13 +69,41 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
     *extended.getXVec() = BeamVector(*guess.moved);
     constrained->setX(*x);
   }
-  const RaisedCap raised(*problem_);
+  const Assembler& assembler = problem_->assembler;
+  const bool in_plane = guess.state.in_plane && assembler.is_in_plane(row.weights) &&
+                        (guess.moved == nullptr || assembler.is_in_plane(*guess.moved));
+  const NearCritical near(*problem_, !in_plane);
   return solve(constrained, most_iterations);
 }
 
-Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations) {
+namespace {
+
+/// A prediction is that of a capped tangent: only an iteration of its own tells what the cap has left out.
+class AfterOneIteration : public NOX::StatusTest::Generic {
+ public:
+  explicit AfterOneIteration(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
+  NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
+                                          NOX::StatusTest::CheckType type) override {
+    status_ = later_->checkStatus(solver, type);
+    if (solver.getNumIterations() == 0 && status_ == NOX::StatusTest::Converged) status_ = NOX::StatusTest::Unconverged;
+    return status_;
+  }
+  NOX::StatusTest::StatusType getStatus() const override { return status_; }
+  std::ostream& print(std::ostream& stream, int indent = 0) const override { return later_->print(stream, indent); }
+
+ private:
+  Teuchos::RCP<NOX::StatusTest::Generic> later_;
+  NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
+};
+
+}  // namespace
+
+Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations,
+                            bool from_prediction) {
   using NOX::StatusTest::Combo;
-  const auto tests = Teuchos::rcp(new Combo(Combo::OR, guarded_status_tests(parameters_, *global_->locaUtils)));
+  Teuchos::RCP<NOX::StatusTest::Generic> given = guarded_status_tests(parameters_, *global_->locaUtils);
+  if (from_prediction) given = Teuchos::rcp(new AfterOneIteration(given));
+  const auto tests = Teuchos::rcp(new Combo(Combo::OR, given));
   tests->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(most_iterations)));
   const auto list = Teuchos::rcp(new Teuchos::ParameterList(lists_->sublist("NOX")));
   problem_->last_failure.clear();
@@ -90,7 +112,7 @@ Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int
   try {
     converged = solver->solve() == NOX::StatusTest::Converged;
   } catch (const std::logic_error&) {  // LOCA's bordering does not go on with numbers that are none
-    problem_->attempts.failed(BeamGroup::of(*group), solver->getNumIterations());
+    if (purpose_ == NewtonPurpose::step) problem_->attempts.failed(BeamGroup::of(*group), solver->getNumIterations());
   }
   const BeamGroup& last = BeamGroup::of(solver->getSolutionGroup());
   Correction result{converged,

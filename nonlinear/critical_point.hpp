@@ -22,6 +22,11 @@ struct CriticalPoint {
   State state{};                                ///< there
   MixedVector mode;                             ///< as EigenMode::mode
   int modes = 1;                                ///< eigenvalues that vanish here together; `mode` is one of theirs
+  /// Of the load factor. Where only the first of many points of a step is located the others are one entry: somewhere
+  /// within load_factor +- error `modes` eigenvalues change their sign, and state and mode are those of its far end.
+  double error = 0.0;
+  bool located = true;
+  std::vector<MixedVector> eigenspace{};  ///< all `modes` of them
 };
 
 }  // namespace mixbeam

@@ -1,12 +1,10 @@
 #include "nonlinear/critical_point_finder.hpp"
 
-#include "discretization/errors.hpp"
+#include "nonlinear/linear_solver.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 namespace mixbeam {
 
@@ -16,19 +14,33 @@ namespace {
 
 /// Next to known points Newton's method takes three or four iterations.
 constexpr int kMostIterations = 15;
-/// Next to a bifurcation the equations are nearly singular, so the root is interpolated from points beside it: six of
-/// them at multiples of this share of the segment leave an error of its sixth power.
-constexpr double kSpacing = 0.005;
-constexpr std::array<int, 6> kPlaces = {-3, -2, -1, 1, 2, 3};
-/// A change of the load factor along the path, per length, that is rounding at a limit point: there it is quadratic in
-/// the error of the place, which is 1e-9.
-constexpr double kStationary = 1e-6;
-/// Two eigenvalues whose roots are closer (share of the segment) vanish together.
-constexpr double kTogether = 1e-5;
+/// Samples of one step, far more than a few critical points need.
+constexpr int kMostSamples = 120;
+/// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
+constexpr int kMostSeparated = 6;
+/// Points closer together than this share of the step are one multiple point.
+constexpr double kTogether = 1e-6;
+/// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that
+/// reaches from there by kCloser of it to both sides.
+constexpr double kNearlyTogether = 1e-2, kCloser = 0.02;
+/// Next to a bifurcation the equations are nearly singular, so the root is interpolated from six points beside it: at
+/// multiples of this share of the bracket they leave an error of its sixth power.
+constexpr double kDistance = 0.01;
+/// Where polynomials of two degrees differ by more than this share of the distance, the samples lie on no one smooth
+/// path.
+constexpr double kWorstRoot = 1e-2;
+constexpr int kMostRootSamples = 30;
+/// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
+/// to a critical point those of neighbours differ by no more than 0.05 rad.
+constexpr double kSmallestCosine = 0.5, kSmoothCosine = 0.999;
+/// Where no eigenvalue of the vertices passes zero, an element is unstable inside: the place is that where the count
+/// changes, to this share of the step.
+constexpr double kCountedPlace = 1e-10;
 /// Deflated iterations: the state is known to 1e-6 or better from its neighbours, and each squares the error.
 constexpr int kDeflatedIterations = 4;
 
-/// The k-th smallest eigenvalue, k from 1, or one beyond all known ones on the right side of zero.
+/// The k-th smallest eigenvalue, k from 1. Throws where it is not among those known: a number in its place would be
+/// taken for one.
 double eigenvalue(const Spectrum& spectrum, int k) {
   std::vector<double> below, above;  // each with the nearest to zero first
   for (const EigenMode& mode : spectrum.modes) (mode.eigenvalue < 0.0 ? below : above).push_back(mode.eigenvalue);
@@ -39,81 +51,215 @@ double eigenvalue(const Spectrum& spectrum, int k) {
   const std::vector<double>& side = is_below ? below : above;
   const size_t place = static_cast<size_t>(is_below ? negative - k : k - negative - 1);
   if (place < side.size()) return side[place];
-  return is_below ? (below.empty() ? -1.0 : below.back()) : (above.empty() ? 1.0 : above.back());
+  throw NotLocated("a critical point could not be located: its eigenvalue is not among those nearest to zero");
 }
 
-/// The mode of the k-th smallest eigenvalue, null if it is not among those known.
-const EigenMode* mode_of_rank(const Spectrum& spectrum, int k) {
-  const double value = eigenvalue(spectrum, k);
-  for (const EigenMode& mode : spectrum.modes)
-    if (mode.eigenvalue == value) return &mode;
-  return nullptr;
+struct Sampled {
+  double at, passing, load_factor;
+};
+
+/// Value at x of the polynomial through the first `count` samples (Neville's scheme).
+double interpolate(const std::vector<Sampled>& samples, size_t count, double x, double Sampled::*value) {
+  std::vector<double> p;
+  for (size_t i = 0; i < count; ++i) p.push_back(samples[i].*value);
+  for (size_t k = 1; k < count; ++k)
+    for (size_t i = 0; i + k < count; ++i)
+      p[i] = ((x - samples[i + k].at) * p[i] + (samples[i].at - x) * p[i + 1]) / (samples[i].at - samples[i + k].at);
+  return p[0];
 }
 
-/// Lagrange's polynomial through (kPlaces, y), and its slope.
-std::pair<double, double> interpolate(const std::array<double, kPlaces.size()>& y, double x) {
-  double value = 0.0, slope = 0.0;
-  for (size_t i = 0; i < y.size(); ++i) {
+/// Slope of that polynomial at x.
+double slope_of(const std::vector<Sampled>& samples, size_t count, double x, double Sampled::*value) {
+  double slope = 0.0;
+  for (size_t i = 0; i < count; ++i) {
     double basis = 1.0, basis_slope = 0.0;
-    for (size_t j = 0; j < y.size(); ++j) {
+    for (size_t j = 0; j < count; ++j) {
       if (j == i) continue;
-      const double width = kPlaces[i] - kPlaces[j];
-      basis_slope = basis_slope * (x - kPlaces[j]) / width + basis / width;
-      basis *= (x - kPlaces[j]) / width;
+      const double width = samples[i].at - samples[j].at;
+      basis_slope = basis_slope * (x - samples[j].at) / width + basis / width;
+      basis *= (x - samples[j].at) / width;
     }
-    value += y[i] * basis;
-    slope += y[i] * basis_slope;
+    slope += samples[i].*value * basis_slope;
   }
-  return {value, slope};
+  return slope;
 }
 
-/// Zero of the polynomial in [-4, 4], by Newton's method from the root of its secant.
-double root_of(const std::array<double, kPlaces.size()>& y) {
-  double x = 0.0;
-  for (int i = 0; i < 20; ++i) {
-    const auto [value, slope] = interpolate(y, x);
-    const double next = std::clamp(x - value / slope, -4.0, 4.0);
-    if (next == x) break;
-    x = next;
+/// Zero of a function in [low, high], by secants that keep the bracket (Illinois).
+template <class Function>
+double root_of(const Function& function, double low, double high) {
+  double a = low, b = high, fa = function(a), fb = function(b);
+  if ((fa < 0.0) == (fb < 0.0)) return 0.5 * (low + high);
+  for (int i = 0; i < 60 && std::abs(b - a) > 1e-15; ++i) {
+    const double next = b - fb * (b - a) / (fb - fa), f = function(next);
+    if (f == 0.0 || next == b) return next;
+    if ((f < 0.0) != (fb < 0.0)) {
+      a = b;
+      fa = fb;
+    } else {
+      fa *= 0.5;
+    }
+    b = next;
+    fb = f;
   }
-  return x;
+  return b;
+}
+
+/// Where the polynomial through the first `count` samples passes zero; at a limit point where that of the load factor,
+/// which is known to more digits than its rate, is stationary.
+double root_of_samples(const std::vector<Sampled>& samples, size_t count, bool is_limit, double low, double high) {
+  const bool by_load = is_limit && count >= 4;
+  return root_of(
+      [&](double x) {
+        return by_load ? slope_of(samples, count, x, &Sampled::load_factor)
+                       : interpolate(samples, count, x, &Sampled::passing);
+      },
+      low, high);
 }
 
 }  // namespace
 
-Correction CriticalPointFinder::correct(const PathSegment& segment, double at) {
-  const PathDirection guess = scaled(segment.moved, at);
-  ControlRow row = segment.row;
-  row.target *= at;
-  Correction result =
-      corrector_.on_row({segment.start, segment.load_factor + guess.load, &guess.x}, row, kMostIterations);
-  if (!result.converged)
-    throw ConvergenceError("a critical point could not be located: near load factor " +
-                           std::to_string(segment.load_factor + guess.load) + ", " + result.cause);
+CriticalPointFinder::Sample CriticalPointFinder::sample(const PathPiece& piece, double at) {
+  if (++samples_ > kMostSamples) throw NotLocated("critical points could not be told apart");
+  const double chord = measure_.length(piece.moved);
+  const PathDirection guess = judge_.cubic(piece, at);
+  const ControlRow row = measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, at * chord);
+  const Correction found =
+      corrector_.on_row({piece.start.state, piece.start.load_factor + guess.load, &guess.x}, row, kMostIterations);
+  if (!found.converged)
+    throw NotLocated("a critical point could not be located: near load factor " +
+                     std::to_string(piece.start.load_factor + guess.load) + ", " + found.cause);
+  Sample result{at, judge_.station(found.state, found.load_factor, &piece.moved)};
+  if (measure_.motion(piece.moved.x) > kNoMotion && result.station.has_tangent() &&
+      measure_.cosine(result.station.tangent.x, piece.moved.x) < kSmallestCosine)
+    throw NotLocated("the path leaves the direction of the step: another one may have been met");
+  if (!result.station.stability) throw NotLocated("the eigenvalues could not be counted");
   return result;
 }
 
-CriticalPointFinder::Sample CriticalPointFinder::sample(const PathSegment& segment, double at, int modes) {
-  const Correction found = correct(segment, at);
-  Sample result{at, found.load_factor, found.state, stability_.spectrum(found.state, found.load_factor, modes)};
-  if (result.spectrum.modes.empty())
-    throw ConvergenceError("a critical point could not be located: at load factor " +
-                           std::to_string(found.load_factor) + " no real eigenvalue lies near zero");
-  return result;
+/// Whether the tangents of samples beside a critical point are those of one smooth path: an imperfect structure turns
+/// aside there, and the other side of its corner belongs to another path.
+void CriticalPointFinder::require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const {
+  if (measure_.motion(piece.moved.x) <= kNoMotion || !a.has_tangent() || !b.has_tangent()) return;
+  if (measure_.cosine(a.tangent.x, b.tangent.x) < kSmoothCosine)
+    throw NotLocated("the path turns aside close to a critical point: it is that of another path");
 }
 
-/// Regula falsi (Illinois) until the place hardly moves.
-double CriticalPointFinder::coarse_root(const PathSegment& segment, int k, int modes, const Sample& first,
-                                        const Sample& last) {
-  constexpr int kMostSteps = 30;
-  double a = first.at, b = last.at;
-  double fa = eigenvalue(first.spectrum, k), fb = eigenvalue(last.spectrum, k);
+/// Eigenvalues number first .. first + count - 1 in the order of their size.
+std::vector<double> CriticalPointFinder::critical_eigenvalues(const Sample& sample, int first, int count) {
+  constexpr int kMore = 2;
+  const Spectrum spectrum = stability_.spectrum(sample.station.state, sample.station.load_factor, count + kMore);
+  std::vector<double> values;
+  for (int k = first; k < first + count; ++k) values.push_back(eigenvalue(spectrum, k));
+  return values;
+}
+
+bool CriticalPointFinder::turns(const Bracket& bracket) const {
+  return (bracket.low.station.tangent.load > 0.0) != (bracket.high.station.tangent.load > 0.0);
+}
+
+/// Where the eigenvalues that change sign between two samples vanish by their secants: first and last place, as shares
+/// of the bracket.
+std::array<double, 2> CriticalPointFinder::secant_roots(const Bracket& bracket) {
+  const int before = bracket.low.negative(), after = bracket.high.negative();
+  const int first = std::min(before, after) + 1, count = std::abs(after - before);
+  const std::vector<double> a = critical_eigenvalues(bracket.low, first, count),
+                            b = critical_eigenvalues(bracket.high, first, count);
+  std::array<double, 2> range{1.0, 0.0};
+  for (int i = 0; i < count; ++i) {
+    const double root = a[i] / (a[i] - b[i]);
+    range = {std::min(range[0], root), std::max(range[1], root)};
+  }
+  return range;
+}
+
+/// Whether these eigenvalues vanish at one place: their secants say so, and once more close to that place.
+bool CriticalPointFinder::vanish_together(const PathPiece& piece, const Bracket& bracket) {
+  const double width = bracket.high.at - bracket.low.at;
+  if (width < kTogether) return true;
+  if (turns(bracket)) return false;
+  if (needs_counting(bracket)) return true;
+  const auto [first, last] = secant_roots(bracket);
+  if (!(last - first < kNearlyTogether)) return false;
+  const double root = bracket.low.at + 0.5 * (first + last) * width;
+  const Bracket closer{sample(piece, root - kCloser * width), sample(piece, root + kCloser * width)};
+  if (closer.low.negative() != bracket.low.negative() || closer.high.negative() != bracket.high.negative())
+    return false;
+  const auto [closer_first, closer_last] = secant_roots(closer);
+  return closer_last - closer_first < kNearlyTogether;
+}
+
+/// Halves brackets until one critical point is left in each.
+void CriticalPointFinder::isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found) {
+  const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
+  if (changes == 0) {
+    if (turns(bracket) && bracket.high.at - bracket.low.at > kTogether) {  // a limit point and another one
+      const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));
+      isolate(piece, {bracket.low, middle}, found);
+      isolate(piece, {middle, bracket.high}, found);
+    }
+    return;
+  }
+  const bool first_only = !found.empty() && !separates_;
+  if (changes == 1 || first_only || (changes <= kMostSeparated && vanish_together(piece, bracket))) {
+    found.push_back(bracket);
+    return;
+  }
+  const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));
+  isolate(piece, {bracket.low, middle}, found);
+  isolate(piece, {middle, bracket.high}, found);
+}
+
+/// What passes zero at the critical point of the bracket: the load's rate along the path at a limit point, else the
+/// mean of the eigenvalues that vanish together, which is smooth even where they cross.
+double CriticalPointFinder::passing(const Bracket& bracket, const Sample& sample) {
+  if (turns(bracket)) return sample.station.tangent.load;
+  const int before = bracket.low.negative(), after = bracket.high.negative();
+  const std::vector<double> values =
+      critical_eigenvalues(sample, std::min(before, after) + 1, std::abs(after - before));
+  double sum = 0.0;
+  for (double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Newton's method at the load factor of the root with the critical modes taken out of every increment: regular where
+/// the path crosses other ones.
+State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
+                                                const std::vector<EigenMode>& critical) {
+  const PathDirection guess = judge_.cubic(piece, at);
+  BeamGroup group(corrector_.global(), problem_, piece.start.state, load_factor, {});
+  group.setX(BeamVector(guess.x));
+  std::vector<MixedVector> orthogonal;
+  for (const EigenMode& mode : critical) {
+    MixedVector v = mode.mode.clone(true);
+    for (const MixedVector& o : orthogonal) v.update(-measure_.motion(v, o), o, 1.0);
+    const double size = measure_.motion(v);
+    if (!(size > 0.0)) continue;
+    v.scale(1.0 / size);
+    orthogonal.push_back(std::move(v));
+  }
+  for (int i = 0; i < kDeflatedIterations; ++i) {
+    group.computeJacobian();
+    MixedVector increment = BeamVector::of(group.getNewton()).clone(true);
+    for (const MixedVector& o : orthogonal) increment.update(-measure_.motion(increment, o), o, 1.0);
+    if (!std::isfinite(increment.maximum_norm())) break;
+    BeamVector x(BeamVector::of(group.getX()).clone(true));
+    x.values().update(1.0, increment, 1.0);
+    group.setX(x);
+  }
+  return group.state();
+}
+
+/// The place by the rule of false position (Illinois), to a quarter of `distance`.
+double CriticalPointFinder::coarse_root(const PathPiece& piece, const Bracket& bracket, double distance) {
+  double a = bracket.low.at, b = bracket.high.at, fa = passing(bracket, bracket.low),
+         fb = passing(bracket, bracket.high);
+  if ((fa < 0.0) == (fb < 0.0)) throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
   double at = a;
-  for (int i = 0; i < kMostSteps; ++i) {
-    const double next = fb == fa ? 0.5 * (a + b) : b - fb * (b - a) / (fb - fa);
-    if (std::abs(next - at) < 0.25 * kSpacing && i > 0) return next;
+  for (int i = 0; i < kMostRootSamples; ++i) {
+    const double next = std::clamp(b - fb * (b - a) / (fb - fa), std::min(a, b), std::max(a, b));
+    if (std::abs(next - at) < 0.25 * distance && i > 0) return next;
     at = next;
-    const double f = eigenvalue(sample(segment, at, modes).spectrum, k);
+    const double f = passing(bracket, sample(piece, at));
     if (f == 0.0) return at;
     if ((f < 0.0) != (fb < 0.0)) {
       a = b;
@@ -127,107 +273,120 @@ double CriticalPointFinder::coarse_root(const PathSegment& segment, int k, int m
   return at;
 }
 
-/// The mode that is most nearly parallel to another one.
-const EigenMode* CriticalPointFinder::most_like(const Spectrum& spectrum, const MixedVector& other) const {
-  const EigenMode* best = nullptr;
-  double largest = -1.0;
-  for (const EigenMode& mode : spectrum.modes) {
-    const PathDirection a{mode.mode.clone(true), 0.0}, b{other.clone(true), 0.0};
-    const double cosine = std::abs(measure_.inner(a, b)) / (measure_.length(a) * measure_.length(b));
-    if (!(cosine > largest)) continue;
-    largest = cosine;
-    best = &mode;
+/// Whether elements become unstable inside, between vertices that stand still, or the tangent has no symmetry and its
+/// count only tells the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
+bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
+  if (turns(bracket)) return false;
+  if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric) return true;
+  try {
+    if ((passing(bracket, bracket.low) < 0.0) != (passing(bracket, bracket.high) < 0.0)) return false;
+  } catch (const NotLocated&) {
+    // the vertices have no such eigenvalue
   }
-  return best;
+  const auto interior = [&](const Sample& sample) {
+    stability_.count(sample.station.state, sample.station.load_factor);
+    return problem_->assembler.interior_count().negative;
+  };
+  return interior(bracket.low) != interior(bracket.high);
 }
 
-CriticalPointFinder::Root CriticalPointFinder::refined_root(const PathSegment& segment, int k, int modes, double near) {
-  std::array<double, kPlaces.size()> value{}, load{};
-  Root root;
-  // Eigenvalues that meet at the root change their order there: the curve of one is followed by its mode.
-  std::optional<MixedVector> followed;
-  for (size_t i = 0; i < kPlaces.size(); ++i) {
-    Sample here = sample(segment, near + kSpacing * kPlaces[i], modes);
-    const EigenMode* mode = followed ? most_like(here.spectrum, *followed) : mode_of_rank(here.spectrum, k);
-    value[i] = mode == nullptr ? eigenvalue(here.spectrum, k) : mode->eigenvalue;
-    if (mode != nullptr) followed = mode->mode.clone(true);
-    load[i] = here.load_factor;
-    if (kPlaces[i] == 1) root.beside = std::move(here);
+CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const Bracket& bracket) {
+  Sample low = bracket.low, high = bracket.high;
+  while (high.at - low.at > kCountedPlace) {
+    Sample middle = sample(piece, 0.5 * (low.at + high.at));
+    if (middle.negative() != low.negative() && middle.negative() != high.negative())
+      throw NotLocated("a critical point could not be located: the count changes to and fro");
+    (middle.negative() == low.negative() ? low : high) = std::move(middle);
   }
-  const double x = root_of(value);
-  const auto [load_factor, slope] = interpolate(load, x);
-  root.at = near + kSpacing * x;
-  root.load_factor = load_factor;
-  root.load_slope = slope / (kSpacing * measure_.length(segment.moved));
-  return root;
-}
-
-/// Newton's method in the plane of the root with the critical mode taken out of every increment: regular where the path
-/// crosses another one.
-State CriticalPointFinder::state_at_bifurcation(const PathSegment& segment, const Root& root, const MixedVector& mode) {
-  const PathDirection guess = scaled(segment.moved, root.at);
-  BeamGroup group(corrector_.global(), problem_, segment.start, root.load_factor, {});
-  group.setX(BeamVector(guess.x));
-  const PathDirection critical{mode.clone(true), 0.0};
-  const double square = measure_.inner(critical, critical);
-  for (int i = 0; i < kDeflatedIterations; ++i) {
-    group.computeJacobian();
-    PathDirection increment{BeamVector::of(group.getNewton()).clone(true), 0.0};
-    increment.x.update(-measure_.inner(increment, critical) / square, mode, 1.0);
-    if (!std::isfinite(increment.x.maximum_norm())) break;
-    BeamVector x(BeamVector::of(group.getX()).clone(true));
-    x.values().update(1.0, increment.x, 1.0);
-    group.setX(x);
-  }
-  return group.state();
-}
-
-CriticalPoint CriticalPointFinder::point_at(const PathSegment& segment, const Root& root) {
-  CriticalPoint point{
-      CriticalKind::bifurcation, root.load_factor, 0, 0, root.beside.state, root.beside.spectrum.modes.front().mode, 1};
-  if (std::abs(root.load_slope) < kStationary) {
-    point.kind = CriticalKind::limit_point;
-    const Correction there = correct(segment, root.at);
-    point.state = there.state;
-    point.load_factor = there.load_factor;
-  } else {
-    point.state = state_at_bifurcation(segment, root, point.mode);
-  }
-  const std::vector<EigenMode> there = stability_.modes_near_zero(point.state, point.load_factor, 1);
-  if (!there.empty()) point.mode = there.front().mode;
+  require_smoothness(piece, low.station, high.station);
+  CriticalPoint point{CriticalKind::bifurcation, high.station.load_factor, low.negative(),
+                      high.negative(),           high.station.state,       problem_->assembler.create_vector()};
+  point.mode.fill(0.0);
+  point.modes = std::abs(high.negative() - low.negative());
+  if (!high.station.stability->symmetric) find_modes(point);
+  point.error = std::abs(high.station.load_factor - low.station.load_factor);
   return point;
 }
 
-std::vector<CriticalPoint> CriticalPointFinder::find(const PathSegment& segment) {
-  constexpr int kFewModes = 4;
-  Sample first{0.0, segment.load_factor, segment.start,
-               stability_.spectrum(segment.start, segment.load_factor, kFewModes)};
-  Sample last = sample(segment, 1.0, kFewModes);
-  const int before = first.spectrum.stability.negative, after = last.spectrum.stability.negative;
-  const int modes = kFewModes + std::abs(after - before);
-  if (modes > 2 * kFewModes) {
-    first.spectrum = stability_.spectrum(first.state, first.load_factor, modes);
-    last.spectrum = stability_.spectrum(last.state, last.load_factor, modes);
+CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, const Bracket& bracket) {
+  const bool is_limit = turns(bracket);
+  const double distance = kDistance * (bracket.high.at - bracket.low.at);
+  if (needs_counting(bracket)) return locate_by_count(piece, bracket);
+  const double near = coarse_root(piece, bracket, distance);
+  std::vector<Sampled> samples;
+  std::optional<Sample> beside, other_side;
+  for (const int place : {1, -1, 2, -2, 3, -3}) {
+    Sample here = sample(piece, near + place * distance);
+    samples.push_back({here.at, passing(bracket, here), here.station.load_factor});
+    std::optional<Sample>& nearest = place > 0 ? beside : other_side;
+    if (!nearest)
+      nearest = std::move(here);
+    else
+      require_smoothness(piece, nearest->station, here.station);
   }
-  std::vector<Root> roots;
+  require_smoothness(piece, beside->station, other_side->station);
+  const size_t all = samples.size();
+  const double low = near - 4.0 * distance, high = near + 4.0 * distance;
+  const double root = root_of_samples(samples, all, is_limit, low, high);
+  const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
+  if (!(error < kWorstRoot * distance))
+    throw NotLocated("a critical point could not be located: its place is not certain");
+  CriticalPoint point{is_limit ? CriticalKind::limit_point : CriticalKind::bifurcation,
+                      0.0,
+                      bracket.low.negative(),
+                      bracket.high.negative(),
+                      beside->station.state,
+                      problem_->assembler.create_vector()};
+  point.modes = std::abs(bracket.high.negative() - bracket.low.negative());
+  point.load_factor = interpolate(samples, all, root, &Sampled::load_factor);
+  if (is_limit) {
+    const Sample there = sample(piece, root);
+    point.state = there.station.state;
+    point.load_factor = there.station.load_factor;
+  } else {
+    const std::vector<EigenMode> modes =
+        stability_.modes_near_zero(beside->station.state, beside->station.load_factor, point.modes);
+    point.state = state_at_bifurcation(piece, root, point.load_factor, modes);
+    point.error = error * std::abs(slope_of(samples, all, root, &Sampled::load_factor));
+  }
+  find_modes(point);
+  return point;
+}
+
+void CriticalPointFinder::find_modes(CriticalPoint& point) {
+  for (EigenMode& mode : stability_.modes_near_zero(point.state, point.load_factor, point.modes))
+    point.eigenspace.push_back(std::move(mode.mode));
+  if (!point.eigenspace.empty()) point.mode = point.eigenspace.front().clone(true);
+}
+
+std::vector<CriticalPoint> CriticalPointFinder::find(const PathPiece& piece) {
+  try {
+    return find_all(piece);
+  } catch (const LinearSolverError& error) {
+    throw NotLocated(error.what());
+  }
+}
+
+std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece) {
+  samples_ = 0;
+  separates_ = std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated;
+  std::vector<Bracket> brackets;
+  isolate(piece, {{0.0, piece.start}, {1.0, piece.end}}, brackets);
   std::vector<CriticalPoint> points;
-  for (int k = std::min(before, after) + 1; k <= std::max(before, after); ++k) {
-    const double near = coarse_root(segment, k, modes, first, last);
-    const bool again = !roots.empty() && std::abs(near - roots.back().at) < kSpacing;
-    const Root root = refined_root(segment, k, modes, near);
-    if (again && std::abs(root.at - roots.back().at) < kTogether) {
-      ++points.back().modes;
+  for (const Bracket& bracket : brackets) {
+    const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
+    if (separates_ || points.empty()) {
+      points.push_back(locate(piece, bracket));
       continue;
     }
-    roots.push_back(root);
-    points.push_back(point_at(segment, root));
-  }
-  if (after < before) std::reverse(points.begin(), points.end());
-  int negative = before;
-  for (CriticalPoint& point : points) {
-    point.negative_before = negative;
-    negative += after > before ? point.modes : -point.modes;
-    point.negative_after = negative;
+    CriticalPoint point{
+        CriticalKind::bifurcation,  0.5 * (bracket.low.station.load_factor + bracket.high.station.load_factor),
+        bracket.low.negative(),     bracket.high.negative(),
+        bracket.high.station.state, problem_->assembler.create_vector()};
+    point.modes = changes;
+    point.error = 0.5 * std::abs(bracket.high.station.load_factor - bracket.low.station.load_factor);
+    point.located = false;
+    points.push_back(std::move(point));
   }
   return points;
 }

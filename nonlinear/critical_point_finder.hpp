@@ -1,54 +1,66 @@
-/// Finds the points between two converged states of a path at which eigenvalues of the tangent pass zero.
+/// Finds the points within a step at which eigenvalues of the tangent pass zero.
 #pragma once
 
-#include "nonlinear/corrector.hpp"
 #include "nonlinear/critical_point.hpp"
-#include "nonlinear/path_measure.hpp"
+#include "nonlinear/step_judge.hpp"
+
+#include <array>
+#include <stdexcept>
 
 namespace mixbeam {
 
-/// A piece of a path, and the row by which its points are found: each share of the row's target is met once.
-struct PathSegment {
-  const State& start;
-  double load_factor;   ///< at the start
-  PathDirection moved;  ///< from start to end
-  ControlRow row;       ///< holds at the end
+/// The change of the count within a step is not explained by critical points of one path.
+class NotLocated : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 class CriticalPointFinder {
  public:
   CriticalPointFinder(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, Stability& stability,
-                      const PathMeasure& measure)
-      : problem_(problem), corrector_(corrector), stability_(stability), measure_(measure) {}
+                      const PathMeasure& measure, const StepJudge& judge)
+      : problem_(problem), corrector_(corrector), stability_(stability), measure_(measure), judge_(judge) {}
 
-  /// In the order of the path, load factors to 1e-9 of the change over the segment or better. Throws ConvergenceError
-  /// when a point of the segment cannot be computed. Collective.
-  std::vector<CriticalPoint> find(const PathSegment& segment);
+  /// In the order of the path. Points of a step with more than a few are not located one by one but the first, see
+  /// CriticalPoint::located. Throws NotLocated. Collective.
+  std::vector<CriticalPoint> find(const PathPiece& piece);
 
  private:
+  /// A point of the path within the step.
   struct Sample {
-    double at = 0.0;  ///< share of the segment
-    double load_factor = 0.0;
-    State state;
-    Spectrum spectrum;
+    double at = 0.0;  ///< share of the chord
+    Station station;
+    int negative() const { return station.stability->negative; }
+  };
+  /// Two samples between which eigenvalues pass zero together.
+  struct Bracket {
+    Sample low, high;
   };
 
-  Correction correct(const PathSegment& segment, double at);
-  Sample sample(const PathSegment& segment, double at, int modes);
-  double coarse_root(const PathSegment& segment, int k, int modes, const Sample& first, const Sample& last);
-  struct Root {
-    double at = 0.0, load_factor = 0.0, load_slope = 0.0;
-    Sample beside;
-  };
-  const EigenMode* most_like(const Spectrum& spectrum, const MixedVector& other) const;
-  Root refined_root(const PathSegment& segment, int k, int modes, double near);
-  CriticalPoint point_at(const PathSegment& segment, const Root& root);
-  State state_at_bifurcation(const PathSegment& segment, const Root& root, const MixedVector& mode);
+  std::vector<CriticalPoint> find_all(const PathPiece& piece);
+  Sample sample(const PathPiece& piece, double at);
+  void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
+  std::vector<double> critical_eigenvalues(const Sample& sample, int first, int count);
+  std::array<double, 2> secant_roots(const Bracket& bracket);
+  bool vanish_together(const PathPiece& piece, const Bracket& bracket);
+  void isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found);
+  bool turns(const Bracket& bracket) const;
+  double passing(const Bracket& bracket, const Sample& sample);
+  double coarse_root(const PathPiece& piece, const Bracket& bracket, double distance);
+  bool needs_counting(const Bracket& bracket);
+  void find_modes(CriticalPoint& point);
+  CriticalPoint locate_by_count(const PathPiece& piece, const Bracket& bracket);
+  CriticalPoint locate(const PathPiece& piece, const Bracket& bracket);
+  State state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
+                             const std::vector<EigenMode>& critical);
 
   Teuchos::RCP<BeamProblem> problem_;
   Corrector& corrector_;
   Stability& stability_;
   const PathMeasure& measure_;
+  const StepJudge& judge_;
+  int samples_ = 0;        ///< taken in this step
+  bool separates_ = true;  ///< its critical points are few enough to be located one by one
 };
 
 }  // namespace mixbeam

@@ -7,6 +7,7 @@
 #include "discretization/state_transfer.hpp"
 #include "nonlinear/beam_group.hpp"
 #include "nonlinear/corrector.hpp"
+#include "nonlinear/linear_solver.hpp"
 #include "nonlinear/richer_scene.hpp"
 
 #include <algorithm>
@@ -187,6 +188,8 @@ ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters&
   } catch (const NotEstimated& cause) {
     none.not_estimated = cause.reason;
   } catch (const std::invalid_argument& error) {  // of the transfer
+    none.not_estimated = error.what();
+  } catch (const LinearSolverError& error) {  // of a tangent that is singular
     none.not_estimated = error.what();
   } catch (const InputError& error) {  // of the richer scene
     none.not_estimated = error.what();

@@ -11,6 +11,9 @@ namespace mixbeam {
 
 namespace {
 
+/// Of the path, after all steps that are permitted.
+constexpr double kShareOfACrawl = 1e-2;
+
 std::string number(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g", value);
@@ -103,10 +106,12 @@ class Adviser {
     add(AdviceKind::smaller_minimum_step,
         "A smaller \"Minimum Step\" in \"Load Path\": " + number(0.01 * now) + " (now " + number(now) + ").");
   }
+  /// Whether the steps permitted have brought the path next to nowhere: more of them will not do.
+  bool crawls() const { return report_.last_load_factor < kShareOfACrawl * report_.stages; }
   void more_steps() {
     const int now = parameters_.load_path.maximum_steps;
     const double done = report_.last_load_factor / report_.stages;
-    const double needed = done > 0.0 ? now / done : 10.0 * now;
+    const double needed = crawls() ? 10.0 * now : now / done;
     const double at_least = std::min(1e9, std::max(2.0 * now, std::ceil(needed)));
     add(AdviceKind::more_steps,
         "A larger \"Maximum Steps\" in \"Load Path\": " + std::to_string(static_cast<int>(at_least)) + " (now " +
@@ -153,6 +158,7 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
       to.correct_load();
       break;
     case FailureCause::steps_used_up:
+      if (to.crawls()) to.check_units(), to.check_sections();
       to.more_steps();
       break;
     case FailureCause::mechanism:

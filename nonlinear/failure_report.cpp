@@ -187,6 +187,7 @@ FailureCause cause_of(const FailureReport& report, const Assembler& assembler) {
   if (report.tangent.known && report.tangent.mechanism) return FailureCause::mechanism;
   if (!report.wide_angles.empty() && report.wide_angles.front().converged) return FailureCause::end_angle;
   if (report.tangent.known && report.tangent.nearly_singular) return FailureCause::critical_point;
+  if (lost && last.not_finite->source == NotFinite::Source::load_factor) return FailureCause::linear_solver;
   if (lost) return FailureCause::overflow;
   if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
   if (last.end == AttemptEnd::refused) return FailureCause::path_lost;

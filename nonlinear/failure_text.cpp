@@ -29,8 +29,15 @@ void write_attempts(std::ostream& out, const FailureReport& report) {
   const std::size_t shown = std::min(kAttemptsShown, report.attempts.size());
   out << "Failed attempts since then: " << report.failures
       << (static_cast<std::size_t>(report.failures) > shown ? ", of which the last are" : "") << "\n";
-  for (std::size_t i = report.attempts.size() - shown; i < report.attempts.size(); ++i)
-    out << "  at load factor " << report.attempts[i].load_factor << ": " << cause_text(report.attempts[i]) << "\n";
+  for (std::size_t i = report.attempts.size() - shown; i < report.attempts.size(); ++i) {
+    const FailedAttempt& attempt = report.attempts[i];
+    out << "  at ";
+    if (std::isfinite(attempt.load_factor))
+      out << "load factor " << attempt.load_factor;
+    else
+      out << "an unknown load factor";
+    out << ": " << cause_text(attempt) << "\n";
+  }
   if (report.step_at_minimum) out << "  The step was reduced to its minimum of " << report.minimum_step << ".\n";
   if (report.steps_used_up) out << "  Then all steps that are permitted were used up.\n";
   if (!report.attempts.back().linear_solver.empty())

@@ -106,6 +106,13 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
   LoadPathResult result;
   PathRecorder recorder(problem, parameters, state, observer, control, result);
   problem->attempts.start_path(result.steps, control.step_failed);
+  const struct Interruption {
+    BeamProblem& problem;
+    ~Interruption() { problem.leave_if_asked = {}; }
+  } interruption{*problem};
+  problem->leave_if_asked = [&control] {
+    if (control.stop && control.stop()) throw PathInterrupted();
+  };
   const int stages = problem->assembler.scene().stages, finished = finished_stages(control);
   bool goes_on = finished == 0 || is_trustworthy(problem, state, recorder);
   for (int stage = finished + 1; goes_on && stage <= stages; ++stage) {

@@ -21,7 +21,9 @@ struct StepReport {
   double residual = 0.0;      ///< scaled maximum norm
   bool converged = true;
   PathPoint point{};
-  std::optional<StabilityResult> stability{};    ///< of the state; none: not asked for
+  std::optional<StabilityResult> stability{};  ///< of the state under its loads; none: not asked for
+  /// Under a controlled displacement: of the state with that displacement held in place of the load. None: not known.
+  std::optional<StabilityResult> held_stability{};
   std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
   std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
 };

@@ -105,6 +105,7 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
       }
       ConvergedStep step{group.state(), load_factor, group.isF() ? group.getNormF() : 0.0};
       step.step_size = strategy == nullptr ? 0.0 : strategy->size();
+      if (recorder.reports_stability()) step.stability = recorder.counts()->count(group.state(), load_factor);
       recorder.converged(step);
     };
     const auto group = Teuchos::rcp(new BeamGroup(global, problem, start, range.from, observer));

@@ -32,10 +32,13 @@ constexpr int kPack = 4;
 
 /// Elements of a member of a start mesh: a low order that is kept would take any number for a high accuracy.
 constexpr int kMostStartElements = 20'000;
-/// Elements of a member change by at most this from mesh to mesh: further away nothing is known.
-constexpr int kLargestRefinement = 8, kLargestCoarsening = 2;
+/// Elements of a member become fewer by at most this from mesh to mesh.
+constexpr int kLargestCoarsening = 2;
 /// Numbers of elements that are looked at grow by this factor.
 constexpr double kElementRatio = 1.15;
+/// Where nothing moves rounding leaves displacements of 1e-14 to 1e-12 of the length of the structure (columns, rings
+/// turned by 4 pi): a relative error has no meaning there. Above a thousandth of the length they are what is asked for.
+constexpr double kRoundedDisplacement = 1e-11, kSmallDisplacement = 1e-3;
 /// An error that has not begun to fall does so with this q h at best.
 constexpr double kUnresolved = 0.7;
 
@@ -188,6 +191,16 @@ Scene on_mesh(const Scene& scene, const MeshChoice& choice) {
   return changed;
 }
 
+double least_displacement(double length, double accuracy) {
+  return length * std::min(kSmallDisplacement, kRoundedDisplacement / accuracy);
+}
+
+ErrorEstimate with_least_displacement(ErrorEstimate estimate, double least) {
+  for (EstimatedError* quantity : {&estimate.largest_displacement, &estimate.displacement})
+    quantity->size = std::max(quantity->size, least);
+  return estimate;
+}
+
 double judged_error(const ErrorEstimate& estimate) {
   return std::max(estimate.largest_displacement.relative(), estimate.displacement.relative());
 }
@@ -250,7 +263,8 @@ MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const
   for (size_t m = 0; m < choice.size(); ++m) {
     const double growth = turning[m] / allowed_turning(choice[m].order, accuracy);
     if (growth > 1.0 && !scene.members[m].keeps_elements)
-      choice[m].elements = static_cast<int>(std::ceil(choice[m].elements * growth));
+      choice[m].elements =
+          static_cast<int>(std::ceil(choice[m].elements * std::min<double>(kLargestRefinement, growth)));
   }
   return choice;
 }
@@ -260,6 +274,22 @@ MeshChoice doubled(const Scene& scene, const MeshChoice& present) {
   for (size_t m = 0; m < choice.size(); ++m)
     if (!scene.members[m].keeps_elements) choice[m].elements *= 2;
   return choice;
+}
+
+MeshChoice richer(const Scene& scene, const MeshChoice& present) {
+  MeshChoice choice = present;
+  for (size_t m = 0; m < choice.size(); ++m)
+    if (!scene.members[m].keeps_order && choice[m].order < kMaximumOrder)
+      ++choice[m].order;
+    else if (!scene.members[m].keeps_elements)
+      choice[m].elements *= 2;
+  return choice;
+}
+
+bool contains(const MeshChoice& larger, const MeshChoice& smaller) {
+  return std::equal(larger.begin(), larger.end(), smaller.begin(), [](const MemberMesh& a, const MemberMesh& b) {
+    return a.order >= b.order && a.elements >= b.elements;
+  });
 }
 
 double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {

@@ -19,15 +19,22 @@ namespace {
 /// Counts Newton iterations, also those of failed attempts, and keeps the norm of each.
 class IterationRecorder : public NOX::Observer {
  public:
-  IterationRecorder(BeamProblem& problem, SolveRecord& record) : problem_(problem), record_(record) {}
+  IterationRecorder(BeamProblem& problem, SolveRecord& record, NewtonPurpose purpose)
+      : problem_(problem), record_(record), is_check_(purpose == NewtonPurpose::check) {}
   void runPreSolve(const NOX::Solver::Generic&) override {
     ++record_.attempt;
     record_.iterations = 0;
     problem_.last_failure.clear();
-    problem_.attempts.start_attempt();
+    if (!is_check_) problem_.attempts.start_attempt();
   }
-  void runPreLineSearch(const NOX::Solver::Generic&) override { ++problem_.work.newton_iterations; }
+  void runPreIterate(const NOX::Solver::Generic&) override {
+    if (problem_.leave_if_asked) problem_.leave_if_asked();
+  }
+  void runPreLineSearch(const NOX::Solver::Generic&) override {
+    ++(is_check_ ? problem_.work.check_iterations : problem_.work.newton_iterations);
+  }
   void runPostIterate(const NOX::Solver::Generic& solver) override {
+    if (is_check_) return;
     record_.iterations = solver.getNumIterations();
     if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
     add(record_.iterations, solver.getSolutionGroup());
@@ -35,7 +42,7 @@ class IterationRecorder : public NOX::Observer {
     problem_.attempts.iterated(BeamGroup::of(solver.getSolutionGroup()), previous, record_.iterations);
   }
   void runPostSolve(const NOX::Solver::Generic& solver) override {
-    if (solver.getStatus() != NOX::StatusTest::Failed) return;
+    if (is_check_ || solver.getStatus() != NOX::StatusTest::Failed) return;
     problem_.attempts.failed(BeamGroup::of(solver.getSolutionGroup()), solver.getNumIterations());
   }
 
@@ -47,6 +54,7 @@ class IterationRecorder : public NOX::Observer {
 
   BeamProblem& problem_;
   SolveRecord& record_;
+  bool is_check_;
 };
 
 /// By the norm that the other tests ask for too; not-a-number counts as infinity there.
@@ -91,7 +99,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::Statu
 }  // namespace
 
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                                SolveRecord& record) {
+                                SolveRecord& record, NewtonPurpose purpose) {
   Teuchos::ParameterList nox = default_nox(parameters.newton);
   if (!parameters.nox.is_null()) {
     if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
@@ -104,7 +112,7 @@ Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const 
     search.set("Method", "User Defined");
     search.set("User Defined Line Search Factory", factory);
   }
-  const Teuchos::RCP<NOX::Observer> observer = Teuchos::rcp(new IterationRecorder(*problem, record));
+  const Teuchos::RCP<NOX::Observer> observer = Teuchos::rcp(new IterationRecorder(*problem, record, purpose));
   nox.sublist("Solver Options").set("Observer", observer);
   return nox;
 }

@@ -21,10 +21,13 @@ struct SolveRecord {
   void clear() { *this = SolveRecord{}; }
 };
 
+/// What Newton's method is used for: a step of the path, or a look at one.
+enum class NewtonPurpose { step, check };
+
 /// The user's list, or the default, with our own objects put where their names stand; what Newton's method does goes to
 /// `record`, which must outlive the list.
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
-                                SolveRecord& record);
+                                SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
 
 /// The user's tests, or the default ones, and two that always end an iteration that wanders or leaves the numbers.
 /// Throws what NOX throws for lists that it refuses.

@@ -7,46 +7,21 @@ namespace {
 
 ListSpec backtrack_spec() {
   ListSpec spec("Shorten the step until the residual decreases.");
-  spec.add(real("Default Step").above(0.0).means("First length tried (NOX: 1)."));
   spec.add(real("Minimum Step").above(0.0).means("Shortest length tried (NOX: 1e-12)."));
-  spec.add(real("Recovery Step").above(0.0).means("Length taken when the search fails (NOX: Default Step)."));
+  spec.add(real("Recovery Step").above(0.0).means("Length taken when the search fails (NOX: 1)."));
   spec.add(integer("Max Iters").at_least(1).means("Lengths tried at most (NOX: 100)."));
   spec.add(real("Reduction Factor").above(0.0).below(1.0).means("From one length to the next (NOX: 0.5)."));
   return spec;
 }
 
-ListSpec polynomial_spec() {
-  ListSpec spec("Shorten the step to the minimum of an interpolating polynomial.");
-  spec.add(real("Default Step").above(0.0).means("First length tried (NOX: 1)."));
-  spec.add(real("Minimum Step").above(0.0).means("Shortest length tried (NOX: 1e-12)."));
-  spec.add(
-      choice("Recovery Step Type", {"Constant", "Last Computed Step"}).means("When the search fails (NOX: Constant)."));
-  spec.add(real("Recovery Step").above(0.0).means("Length for the type Constant (NOX: Default Step)."));
-  spec.add(integer("Max Iters").at_least(1).means("Lengths tried at most (NOX: 100)."));
-  spec.add(choice("Interpolation Type", {"Cubic", "Quadratic", "Quadratic3"}).means("Polynomial (NOX: Cubic)."));
-  spec.add(real("Min Bounds Factor").above(0.0).below(1.0).means("Least reduction of the length (NOX: 0.1)."));
-  spec.add(real("Max Bounds Factor").above(0.0).below(1.0).means("Greatest remaining share of the length (NOX: 0.5)."));
-  spec.add(choice("Sufficient Decrease Condition", {"Armijo-Goldstein", "Ared/Pred", "None"})
-               .means("When a length is accepted (NOX: Armijo-Goldstein)."));
-  spec.add(real("Alpha Factor").above(0.0).below(1.0).means("Of that condition (NOX: 1e-4)."));
-  spec.add(boolean("Force Interpolation").means("Interpolate at least once (NOX: false)."));
-  spec.add(integer("Maximum Iteration for Increase")
-               .at_least(0)
-               .means("Iterations that may increase the residual (NOX: 0)."));
-  spec.add(real("Allowed Relative Increase").above(0.0).means("How much they may (NOX: 100)."));
-  return spec;
-}
-
 ListSpec line_search_spec() {
   ListSpec spec("How much of Newton's step is taken.");
-  spec.add(choice("Method", {kRotationLimited, "Full Step", "Backtrack", "Polynomial"})
+  // "Polynomial", "More'-Thuente" and the like ask for J d of any direction d, and the mixed tangent J is never
+  // formed. Lengths other than 1 for every first step have no quadratic convergence and use up all steps.
+  spec.add(choice("Method", {kRotationLimited, "Full Step", "Backtrack"})
                .means("The program's own is Rotation Limited: the full step, shortened so that no vertex turns by more "
                       "than Newton / Maximum Rotation."));
-  ListSpec full_step("The same length always.");
-  full_step.add(real("Full Step").above(0.0).means("That length (NOX: 1)."));
-  spec.add_list("Full Step", full_step, Presence::optional);
   spec.add_list("Backtrack", backtrack_spec(), Presence::optional);
-  spec.add_list("Polynomial", polynomial_spec(), Presence::optional);
   return spec;
 }
 
@@ -126,7 +101,7 @@ ListSpec nox_spec() {
   spec.add_list("Direction", direction_spec(), Presence::optional);
   spec.add_list("Printing", printing_spec(), Presence::optional);
   ListSpec options("General options.");
-  options.add(choice("Status Test Check Type", {"Complete", "Minimal", "None"}).means("How far tests are evaluated."));
+  options.add(choice("Status Test Check Type", {"Complete", "Minimal"}).means("How far tests are evaluated."));
   spec.add_list("Solver Options", options, Presence::optional);
   return spec;
 }

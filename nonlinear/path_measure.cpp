@@ -1,8 +1,20 @@
 #include "nonlinear/path_measure.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
+
+namespace {
+
+/// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size is
+/// measured by its load, all others by their motion.
+constexpr double kLoadWeight = 1e-6;
+/// With the usual cap Newton's method comes to a stop at 1e-8 next to a critical point; the condition of the tangent,
+/// which limits the first increments only, is of less importance there.
+constexpr double kCapRaise = 100.0;
+
+}  // namespace
 
 PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create_vector()) {
   weights_.fill(0.0);
@@ -15,10 +27,21 @@ PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create
       KOKKOS_LAMBDA(size_t i) { w(i) = i % kVertexDofs < 3 ? displacement : rotation; });
 }
 
-double PathMeasure::inner(const PathDirection& a, const PathDirection& b) const {
-  MixedVector weighted = a.x.clone(true);
+double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const {
+  MixedVector weighted = a.clone(true);
   weighted.multiply_by(weights_);
-  return weighted.inner_product(b.x) + a.load * b.load;
+  return weighted.inner_product(b);
+}
+
+double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion(a, a)); }
+
+double PathMeasure::cosine(const MixedVector& a, const MixedVector& b) const {
+  const double lengths = motion(a) * motion(b);
+  return lengths > 0.0 ? motion(a, b) / lengths : 0.0;
+}
+
+double PathMeasure::inner(const PathDirection& a, const PathDirection& b) const {
+  return motion(a.x, b.x) + kLoadWeight * kLoadWeight * a.load * b.load;
 }
 
 double PathMeasure::length(const PathDirection& a) const { return std::sqrt(inner(a, a)); }
@@ -26,7 +49,7 @@ double PathMeasure::length(const PathDirection& a) const { return std::sqrt(inne
 ControlRow PathMeasure::row(const PathDirection& direction, double load_start, double length) const {
   MixedVector weights = direction.x.clone(true);
   weights.multiply_by(weights_);
-  return {weights, direction.load, load_start, length};
+  return {weights, kLoadWeight * kLoadWeight * direction.load, load_start, length};
 }
 
 PathDirection scaled(const PathDirection& a, double factor) {
@@ -35,17 +58,19 @@ PathDirection scaled(const PathDirection& a, double factor) {
   return result;
 }
 
-PathDirection path_tangent(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
-                           const PathMeasure& measure, const State& state, double load_factor) {
-  BeamGroup group(global, problem, state, load_factor, {});
-  group.computeJacobian();
-  BeamVector slope(problem->assembler.create_vector());
-  problem->assembler.load_derivative(state, load_factor, slope.values());
-  BeamVector x(problem->assembler.create_vector());
-  Teuchos::ParameterList none;
-  group.applyJacobianInverse(none, slope, x);
-  const PathDirection rate{x.values().clone(true), -1.0};
-  return scaled(rate, -1.0 / measure.length(rate));
+NearCritical::NearCritical(BeamProblem& problem, bool leaves_plane) : problem_(problem) {
+  problem_.leaves_plane = leaves_plane;
+  problem_.keeps_cap = true;
+  problem_.assembler.raise_cap(kCapRaise);
+}
+
+NearCritical::~NearCritical() {
+  problem_.assembler.raise_cap(1.0);
+  problem_.keeps_cap = problem_.leaves_plane = false;
+}
+
+double within_stage(double load_factor, double stage_end) {
+  return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
 }
 
 }  // namespace mixbeam

@@ -10,8 +10,9 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
                            const PathObserver& observer, const PathControl& control, LoadPathResult& result)
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
   is_controlled_ = parameters.analysis.control.has_value();
-  if (looks_at_stability(parameters.analysis, problem->assembler.mesh().vertices()))
-    stability_ = std::make_unique<Stability>(*problem);
+  const int vertices = problem->assembler.mesh().vertices();
+  reports_stability_ = looks_at_stability(parameters.analysis, vertices);
+  if (reports_stability_ || vertices <= kVerticesForStability) stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
   started_ = true;
   result.steps = control.resume->step;
@@ -45,10 +46,12 @@ void PathRecorder::converged(const ConvergedStep& step) {
   report.load_factor = result_.load_factor = step.load_factor;
   report.newton_iterations = problem_->work.newton_iterations - counted_;
   report.residual = step.residual;
-  report.stability = step.stability;
-  if (stability_ != nullptr && !report.stability) report.stability = stability_->count(state_, step.load_factor);
-  report.critical_points = step.critical_points;
-  critical_points_ += static_cast<int>(step.critical_points.size());
+  if (reports_stability_) {
+    report.stability = step.stability;
+    report.held_stability = step.held_stability;
+    report.critical_points = step.critical_points;
+    critical_points_ += static_cast<int>(step.critical_points.size());
+  }
   report.point = point(step, report.stability);
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;

@@ -36,12 +36,13 @@ struct PathInterrupted {};
 struct ConvergedStep {
   const State& state;
   double load_factor = 0.0, residual = 0.0;
-  double step_size = 0.0;                        ///< see PathPoint
-  double path_length = 0.0;                      ///< likewise
-  int direction = 1;                             ///< likewise
-  bool branched = false;                         ///< likewise
-  std::optional<StabilityResult> stability{};    ///< where it is known already
-  std::vector<CriticalPoint> critical_points{};  ///< passed since the last step
+  double step_size = 0.0;                           ///< see PathPoint
+  double path_length = 0.0;                         ///< likewise
+  int direction = 1;                                ///< likewise
+  bool branched = false;                            ///< likewise
+  std::optional<StabilityResult> stability{};       ///< where it is known already
+  std::optional<StabilityResult> held_stability{};  ///< see StepReport
+  std::vector<CriticalPoint> critical_points{};     ///< passed since the last step
 };
 
 class PathRecorder {
@@ -51,8 +52,10 @@ class PathRecorder {
 
   SolveRecord& record() { return record_; }
   double load_factor() const { return result_.load_factor; }
-  /// Null when the stability of states is not asked for.
-  Stability* stability() { return stability_.get(); }
+  /// Counts negative eigenvalues to check steps, whether or not stability is asked for; null where that is not
+  /// affordable.
+  Stability* counts() { return stability_.get(); }
+  bool reports_stability() const { return reports_stability_; }
 
   void enter_stage(int stage, int attempts);
   void leave_stage();
@@ -81,6 +84,7 @@ class PathRecorder {
   LoadPathResult& result_;
   SolveRecord record_;
   std::unique_ptr<Stability> stability_;
+  bool reports_stability_ = false;
   int stage_ = 1;
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;

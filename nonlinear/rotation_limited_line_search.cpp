@@ -17,19 +17,22 @@ constexpr double kBalanceGain = 0.1;
 
 }  // namespace
 
+double step_within_rotation(NOX::Abstract::Group& group, const NOX::Abstract::Group& from,
+                            const NOX::Abstract::Vector& direction, double largest_rotation) {
+  const double spin = BeamVector::of(direction).largest_vertex_spin();
+  group.computeX(from, direction, 1.0);
+  group.computeF();
+  if (spin <= largest_rotation || !std::isfinite(spin)) return 1.0;  // the finite-value test reports the latter
+  if (BeamGroup::of(group).equilibrium_norm() <= kBalanceGain * BeamGroup::of(from).equilibrium_norm()) return 1.0;
+  const double step = largest_rotation / spin;
+  group.computeX(from, direction, step);
+  group.computeF();
+  return step;
+}
+
 bool RotationLimitedLineSearch::compute(NOX::Abstract::Group& group, double& step,
                                         const NOX::Abstract::Vector& direction, const NOX::Solver::Generic& solver) {
-  const NOX::Abstract::Group& old_group = solver.getPreviousSolutionGroup();
-  const double spin = BeamVector::of(direction).largest_vertex_spin();
-  step = 1.0;
-  group.computeX(old_group, direction, step);
-  group.computeF();
-  if (spin <= maximum_rotation_ || !std::isfinite(spin)) return true;  // the finite-value test reports the latter
-  if (BeamGroup::of(group).equilibrium_norm() <= kBalanceGain * BeamGroup::of(old_group).equilibrium_norm())
-    return true;
-  step = maximum_rotation_ / spin;
-  group.computeX(old_group, direction, step);
-  group.computeF();
+  step = step_within_rotation(group, solver.getPreviousSolutionGroup(), direction, maximum_rotation_);
   return true;
 }
 

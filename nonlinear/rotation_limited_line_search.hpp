@@ -23,6 +23,10 @@ class RotationLimitedLineSearch : public NOX::LineSearch::Generic {
   double maximum_rotation_;
 };
 
+/// Moves `group` from `from` along `direction` as that line search does, and returns the share of the step.
+double step_within_rotation(NOX::Abstract::Group& group, const NOX::Abstract::Group& from,
+                            const NOX::Abstract::Vector& direction, double largest_rotation);
+
 class RotationLimitedFactory : public NOX::LineSearch::UserDefinedFactory {
  public:
   explicit RotationLimitedFactory(double maximum_rotation) : maximum_rotation_(maximum_rotation) {}

@@ -18,6 +18,17 @@ constexpr double kModeAmplitude = 1e-5;
 /// Load factors are sums of rounded steps.
 constexpr double kSameLoadFactor = 1e-9;
 
+RecordedStability recorded(const StepReport& report) {
+  RecordedStability stability;
+  if (report.stability) {
+    stability.stable = text_of(report.stability->verdict());
+    stability.negative = report.stability->negative;
+    stability.has_potential = report.stability->symmetric;
+  }
+  if (report.held_stability) stability.held = text_of(report.held_stability->verdict());
+  return stability;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
@@ -30,6 +41,7 @@ Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, c
 const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {
   const PathObserver remember = [&](const StepReport& report, const State& state) {
     load_factor_ = report.load_factor;
+    stability_ = recorded(report);
     if (observer) observer(report, state);
   };
   result_ = follow_load_path(problem_, parameters_, state_, remember, control);
@@ -39,8 +51,18 @@ const LoadPathResult& Simulation::run(const PathObserver& observer, const PathCo
 const LoadPathResult& Simulation::settle(const State& start, const PathObserver& observer) {
   state_ = start;
   load_factor_ = scene().stages;
-  result_ = settle_at_end(problem_, parameters_, state_, observer);
+  const PathObserver remember = [&](const StepReport& report, const State& settled) {
+    stability_ = recorded(report);
+    if (observer) observer(report, settled);
+  };
+  result_ = settle_at_end(problem_, parameters_, state_, remember);
   return result_;
+}
+
+double Simulation::share_done() const {
+  if (!parameters_.analysis.control) return load_factor_ / scene().stages;
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  return displacement(control.point)[control.component] / control.target;
 }
 
 bool Simulation::is_end_of_path(double load_factor) const {
@@ -50,15 +72,17 @@ bool Simulation::is_end_of_path(double load_factor) const {
   return std::abs(rest) <= kSameLoadFactor * assembler().structure().length;
 }
 
-void Simulation::restore(const StateSnapshot& snapshot, double load_factor) {
+void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known) {
   state_ = mixbeam::restore(assembler(), snapshot);
   load_factor_ = load_factor;
+  stability_ = known;
 }
 
 Simulation Simulation::at(const State& state, double load_factor) const {
   Simulation other = *this;
   other.state_ = state;
   other.load_factor_ = load_factor;
+  other.stability_ = {};
   return other;
 }
 
@@ -115,7 +139,7 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
   record.monitored = motions(monitored_points);
-  if (report.stability) record.negative_eigenvalues = report.stability->negative;
+  record.stability = stability_;
   for (const CriticalPoint& point : report.critical_points)
     record.critical_points.push_back(
         at(point.state, point.load_factor).record(point, points_per_element, monitored_points));
@@ -166,7 +190,8 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
   std::vector<RecordedBucklingMode> recorded;
   try {
     for (const EigenMode& mode : linear_buckling(*problem_, count))
-      recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element)});
+      recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element), mode.error,
+                          mode.converged});
   } catch (const LinearSolverError&) {
     return {};
   }

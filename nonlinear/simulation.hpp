@@ -26,9 +26,10 @@ class Simulation {
   /// Whether a path arrives with state() at this load factor.
   bool is_end_of_path(double load_factor) const;
 
-  /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. Throws
-  /// std::invalid_argument when the snapshot is not one of this mesh. Collective.
-  void restore(const StateSnapshot& snapshot, double load_factor);
+  /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. `known`: the
+  /// stability of that state as it was recorded. Throws std::invalid_argument when the snapshot is not one of this
+  /// mesh. Collective.
+  void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {});
 
   /// The same structure in another state, with the same result().
   Simulation at(const State& state, double load_factor) const;
@@ -37,6 +38,10 @@ class Simulation {
   const State& state() const { return state_; }
   /// Load factor of state(), also inside an observer.
   double load_factor() const { return load_factor_; }
+  /// Whether state() is stable, as far as the path or a stored run has told; the words of files.
+  const RecordedStability& stability() const { return stability_; }
+  /// Share of the path that is behind state(): of its load factor, or of the way of the controlled displacement.
+  double share_done() const;
   const Scene& scene() const { return problem_->assembler.scene(); }
   const Assembler& assembler() const { return problem_->assembler; }
   const PhaseTimes& times() const { return problem_->assembler.times(); }
@@ -99,6 +104,7 @@ class Simulation {
   Teuchos::RCP<BeamProblem> problem_;
   State state_;
   double load_factor_ = 0.0;
+  RecordedStability stability_{};
   LoadPathResult result_;
 };
 

@@ -234,6 +234,32 @@ TEST(FailureReport, OfTooFewSteps) {
   EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::more_steps);
 }
 
+/// The twin of the test above: steps of a thousandth, three of which are permitted.
+TEST(FailureReport, OfStepsThatGetNowhere) {
+  SolverParameters parameters;
+  parameters.load_path.method = LoadPathMethod::adaptive;
+  parameters.load_path.initial_step = parameters.load_path.maximum_step = 1e-3;
+  parameters.load_path.maximum_steps = 3;
+  const Outcome outcome = follow(elastica(10.0), parameters);
+  ASSERT_TRUE(outcome.result.report.has_value());
+  EXPECT_EQ(outcome.result.report->cause, FailureCause::steps_used_up);
+  EXPECT_EQ(outcome.result.report->next.front().kind, AdviceKind::check_units);
+  EXPECT_TRUE(advises(*outcome.result.report, AdviceKind::more_steps));
+}
+
+TEST(FailureReport, APathWithoutDirectionIsNotTheFaultOfALoad) {
+  FailedAttempt attempt;
+  attempt.load_factor = kNaN;
+  attempt.end = AttemptEnd::not_finite;
+  attempt.not_finite.emplace();
+  attempt.not_finite->source = NotFinite::Source::load_factor;
+  FailureReport report;
+  report.attempts = {attempt};
+  report.failures = 1;
+  expect_in(text_of(report), {"at an unknown load factor: ", "the direction of the path could not be computed"});
+  EXPECT_EQ(text_of(report).find("nan"), std::string::npos);
+}
+
 TEST(FailureReport, OfTooFewIterations) {
   const Outcome outcome = follow(elastica(10.0), in_steps(1.0, 0.9, 4));
   ASSERT_TRUE(outcome.result.report.has_value());

@@ -166,5 +166,42 @@ TEST(MeshChoice, TurningOfElements) {
   EXPECT_EQ(mesh_for_turning(scene, {{3, 4}}, {0.9 * allowed}, 1e-6)[0].elements, 4);
 }
 
+TEST(MeshChoice, ElementsGrowByABoundedFactor) {
+  const Scene scene = chain(1);
+  EXPECT_EQ(mesh_for_turning(scene, {{3, 4}}, {1e6}, 1e-6)[0].elements, 4 * kLargestRefinement);
+  Scene kept = scene;
+  kept.members[0].keeps_order = true;
+  kept.members[0].order = 2;
+  const int elements = next(kept, {{2, 10}}, {1e-2}, 1e-12)[0].elements;
+  EXPECT_GT(elements, 2 * 10);
+  EXPECT_LE(elements, kLargestRefinement * 10);
+}
+
+TEST(MeshChoice, RicherContainsWhatWasThere) {
+  Scene scene = chain(3);
+  scene.members[1].keeps_order = scene.members[2].keeps_order = scene.members[2].keeps_elements = true;
+  const MeshChoice present = {{3, 4}, {3, 4}, {3, 4}};
+  EXPECT_EQ(richer(scene, present), (MeshChoice{{4, 4}, {3, 8}, {3, 4}}));
+  EXPECT_EQ(richer(scene, {{8, 4}, {3, 4}, {3, 4}})[0], (MemberMesh{8, 8}));
+  EXPECT_TRUE(contains(richer(scene, present), present));
+  EXPECT_FALSE(contains(present, richer(scene, present)));
+}
+
+// A displacement of rounding has an error of its own size; against the length of the structure it has none.
+TEST(MeshChoice, ErrorsOfNoMotionAreMeasuredAgainstTheStructure) {
+  constexpr double kLength = 40.0, kAccuracy = 1e-8;
+  ErrorEstimate estimate;
+  estimate.displacement = estimate.largest_displacement = {4e-12, 7e-12};
+  EXPECT_GT(judged_error(estimate), 0.5);
+  const double least = least_displacement(kLength, kAccuracy);
+  EXPECT_LT(judged_error(with_least_displacement(estimate, least)), kAccuracy);
+  // the twins: an error that is seen at this length, and a structure that moves
+  estimate.displacement.error = 1e-7;
+  EXPECT_GT(judged_error(with_least_displacement(estimate, least)), kAccuracy);
+  estimate.displacement = {1e-3, 1.0};
+  EXPECT_EQ(with_least_displacement(estimate, least).displacement.relative(), 1e-3);
+  EXPECT_LT(least_displacement(kLength, 1e-3), 1e-6 * kLength);  // stiff structures keep their relative error
+}
+
 }  // namespace
 }  // namespace mixbeam
