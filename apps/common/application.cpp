@@ -73,15 +73,15 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
   chosen.threads = threads_for(solved, parameters);
   Simulation simulation(solved, chosen, communicator);
   if (prepare) prepare(simulation);
-  const double from = control.resume ? control.resume->load_factor : 0.0;
   const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
   const int steps_before = control.resume ? control.resume->step : 0;
-  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages, from);
+  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages,
+                    control.resume ? simulation.share_done() : 0.0);
   PathControl watched = control;
   watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
   simulation.run(
       [&](const StepReport& report, const State&) {
-        progress.report(report);
+        progress.report(report, simulation.share_done());
         if (observer) observer(simulation, report);
       },
       watched);
@@ -132,7 +132,7 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
     report.load_factor = point.load_factor;
     report.point = point;
     if (is_expected && is_critical) report.critical_points = stored_critical_points(simulation, run, i);
-    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor);
+    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i]);
     if (is_expected && observer) observer(simulation, report);
   }
 }
@@ -304,11 +304,11 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
     if (recording.restart) recording.restart();
   };
   observer.step = [&](const Simulation& running, const StepReport& report) {
-    progress->report(report);
+    progress->report(report, running.share_done());
     recorder->keep(running, report);
   };
   observer.end = [&](const Simulation& running, const StepReport& report, const ErrorEstimate& estimate) {
-    progress->report(report);
+    progress->report(report, running.share_done());
     recorder->keep(running, report, &estimate);
   };
   observer.stop = recording.stop;
@@ -341,6 +341,11 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
 }
 
 void Application::compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity) {
+  if (!value.word.empty()) {
+    compared_.insert(value.name);
+    summary.check_word(value.name, simulation.stability().stable, value.word, value.source);
+    return;
+  }
   std::optional<double> actual = present_value(simulation, value);
   if (!actual && own_quantity) actual = own_quantity(value);
   if (!actual) return;

@@ -13,11 +13,19 @@ namespace {
 
 volatile std::sig_atomic_t requested = 0;
 
-/// Only what is allowed in a signal handler: a flag, the default for the next signal, and a plain write.
+/// A factorisation inside a library cannot be asked to stop: then the program leaves. The last step is on disk.
+constexpr unsigned kPatience = 2;  // seconds
+
+void leave(int) { _exit(kInterruptedExitCode); }
+
+/// Only what is allowed in a signal handler: a flag, the default for the next signal, an alarm and a plain write.
 void on_signal(int signal) {
   requested = 1;
   std::signal(signal, SIG_DFL);
-  static constexpr char kText[] = "\nThe present step is finished and written; once more to end at once.\n";
+  std::signal(SIGALRM, leave);
+  alarm(kPatience);
+  static constexpr char kText[] =
+      "\nStopping after the last completed step, which is on disk; once more to end at once.\n";
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
 }
 
@@ -35,6 +43,7 @@ void watch_for_interrupts() {
 
 bool interrupt_requested(const Communicator& communicator) {
   const int here = requested;
+  if (here != 0) alarm(0);  // the end is an orderly one
   if (communicator->getSize() == 1) return here != 0;
   int anywhere = 0;
   Teuchos::reduceAll(*communicator, Teuchos::REDUCE_MAX, here, Teuchos::outArg(anywhere));

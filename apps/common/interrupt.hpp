@@ -1,4 +1,5 @@
-/// Ctrl-C (SIGINT) and SIGTERM ask for an orderly end after the present step; a second one ends the program at once.
+/// Ctrl-C (SIGINT) and SIGTERM ask for an orderly end at the last completed step, within the iteration; where nobody asks
+/// for two seconds (inside a library) the program leaves with the same exit code. A second one ends it at once.
 #pragma once
 
 #include "discretization/tpetra_types.hpp"

@@ -23,7 +23,7 @@ void MonitorTable::add(const StoredRun& run) {
       const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(step * series.columns);
       row[series.name].assign(begin, begin + static_cast<std::ptrdiff_t>(series.columns));
     }
-    write(row);
+    write(row, run.stability()[step].stable);
   }
 }
 
@@ -36,10 +36,10 @@ void MonitorTable::add(const StepRecord& record) {
              {"force_energy", {record.force_energy}},
              {"moment_energy", {record.moment_energy}}};
   for (const MonitoredQuantity& quantity : record.monitored) row[quantity.name] = quantity.components;
-  write(row);
+  write(row, record.stability.stable);
 }
 
-void MonitorTable::write(const Row& row) {
+void MonitorTable::write(const Row& row, const std::string& stable) {
   std::vector<std::string> names(kLeading.begin(), kLeading.end());
   for (const auto& [name, values] : row)
     if (!is_leading(name)) names.push_back(name);
@@ -52,6 +52,8 @@ void MonitorTable::write(const Row& row) {
       cells.emplace_back(values[i]);
     }
   }
+  columns.emplace_back("stable");
+  cells.emplace_back(stable);
   if (!table_) table_.emplace(path_, columns);
   table_->add_row(cells);
 }

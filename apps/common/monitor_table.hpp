@@ -1,5 +1,6 @@
 /// What is followed over a run, as a CSV file with one row for each completed step: number of the step, load factor,
-/// iterations, residual, energies, then every monitored quantity by its name, vectors as <name>.x, .y, .z.
+/// iterations, residual, energies, then every monitored quantity by its name, vectors as <name>.x, .y, .z,
+/// and whether the state is stable: true, false, neutral, unknown.
 #pragma once
 
 #include "apps/common/csv_table.hpp"
@@ -21,7 +22,7 @@ class MonitorTable {
  private:
   /// Quantities by name, in alphabetical order.
   using Row = std::map<std::string, std::vector<double>>;
-  void write(const Row& row);
+  void write(const Row& row, const std::string& stable);
 
   std::filesystem::path path_;
   std::optional<CsvTable> table_;

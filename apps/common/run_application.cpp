@@ -54,7 +54,7 @@ void compute(Application& app, const CommandLine& line, const ApplicationDefinit
     definition.single(app);
   else
     run_single(app);
-  require_all_compared(app);
+  fail_what_was_missed(app);
 }
 
 int run(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
@@ -64,6 +64,7 @@ int run(Application& app, const CommandLine& line, const ApplicationDefinition& 
     if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
   };
   set_up(app, line, definition);
+  require_reachable(app, app.scene.load_cases.empty() ? std::vector<std::string>{""} : app.scene.load_cases);
   try {
     compute(app, line, definition);
   } catch (const ConvergenceError& error) {

@@ -9,6 +9,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace mixbeam {
 
 ListSpec root_spec(const ApplicationDefinition& definition) {
@@ -89,18 +92,54 @@ void prepare_summary(const std::filesystem::path& file) {
   if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
 }
 
-void require_all_compared(const Application& app, const std::vector<std::string>& cases) {
+namespace {
+
+bool is_of(const ExpectedValue& value, const std::vector<std::string>& cases) {
+  return std::find(cases.begin(), cases.end(), value.load_case) != cases.end();
+}
+
+/// Length of the load steps as long as none fails; 1: nothing is known but the ends of stages.
+double regular_step(const SolverParameters& parameters) {
+  const LoadPathParameters& path = parameters.load_path;
+  if (path.method == LoadPathMethod::fixed) return 1.0 / path.steps;
+  const bool grows = path.initial_step < path.maximum_step;
+  return grows || parameters.analysis.trace ? 1.0 : path.maximum_step;
+}
+
+/// Load factors to which a path with these parameters takes a step, unless one before it fails.
+bool is_end_of_some_step(const SolverParameters& parameters, double load_factor) {
+  constexpr double kRounding = 1e-9;  // steps are sums of rounded numbers
+  if (parameters.analysis.control) return load_factor == 0.0;
+  const auto is_whole = [](double number) {
+    return std::abs(number - std::round(number)) <= kRounding * (1.0 + number);
+  };
+  return is_whole(load_factor) || is_whole((load_factor - std::floor(load_factor)) / regular_step(parameters));
+}
+
+}  // namespace
+
+void require_reachable(const Application& app, const std::vector<std::string>& cases) {
+  for (const ExpectedValue& value : app.expected) {
+    if (!value.load_factor || !is_of(value, cases) || is_end_of_some_step(app.solver, *value.load_factor)) continue;
+    const std::string allowed = app.solver.analysis.control
+                                    ? "none, for with \"Control\" a path ends at a displacement, whatever the load"
+                                    : "ends of stages, and in \"Solver / Load Path\" with \"Method\" = \"fixed\" the "
+                                      "multiples of 1 / \"Steps\", else those of \"Maximum Step\"";
+    throw app.xml.source.error({"Expected", value.name, "Load Factor"},
+                               "value " + shortest(*value.load_factor) +
+                                   "; a run would find that no load step ended there; allowed: " + allowed);
+  }
+}
+
+void fail_what_was_missed(Application& app, const std::vector<std::string>& cases) {
   for (const ExpectedValue& value : app.not_compared()) {
-    if (std::find(cases.begin(), cases.end(), value.load_case) == cases.end()) continue;
+    if (!is_of(value, cases)) continue;
+    std::string remark = "the run did not compare this value";
+    if (value.load_factor) remark = "no load step ended at load factor " + shortest(*value.load_factor);
     if (value.critical_point)
-      throw app.xml.source.error({"Expected", value.name, "Critical Point"},
-                                 "value " + std::to_string(*value.critical_point) + "; critical points on the path: " +
-                                     std::to_string(app.critical_points(value.load_case)));
-    const ParameterPath path = {"Expected", value.name, "Load Factor"};
-    if (!value.load_factor) throw app.xml.source.error(path, "the run did not compare this value");
-    throw app.xml.source.error(path, "value " + shortest(*value.load_factor) +
-                                         "; no load step ended there; allowed: ends of stages, and with \"Method\" = "
-                                         "\"fixed\" in \"Solver / Load Path\" the multiples of 1 / \"Steps\"");
+      remark = "critical point " + std::to_string(*value.critical_point) +
+               " did not come; critical points on the path: " + std::to_string(app.critical_points(value.load_case));
+    app.summary.fail(value.name, value.word.empty() ? shortest(value.value) : value.word, value.source, remark);
   }
 }
 

@@ -23,8 +23,12 @@ void prepare_output_folder(const std::filesystem::path& folder);
 /// a script might otherwise take for that of a run that failed.
 void prepare_summary(const std::filesystem::path& file);
 
-/// Throws InputError for an expected value of these load cases ("": of a scene without any) at whose load factor no
-/// step ended.
-void require_all_compared(const Application& app, const std::vector<std::string>& cases = {""});
+/// Before a run: throws InputError for an expected value of these load cases ("": of a scene without any) at whose load
+/// factor no step will end.
+void require_reachable(const Application& app, const std::vector<std::string>& cases = {""});
+
+/// After a run that arrived: what it did not compare, such as a value at a critical point that did not come, is a
+/// failed check.
+void fail_what_was_missed(Application& app, const std::vector<std::string>& cases = {""});
 
 }  // namespace mixbeam

@@ -19,11 +19,12 @@
 namespace mixbeam {
 namespace {
 
-constexpr std::array<std::pair<Comparison, const char*>, 4> kComparisonNames = {
+constexpr std::array<std::pair<Comparison, const char*>, 5> kComparisonNames = {
     {{Comparison::absolute, "absolute"},
      {Comparison::relative, "relative"},
      {Comparison::upper_bound, "upper bound"},
-     {Comparison::printed_digits, "printed digits"}}};
+     {Comparison::printed_digits, "printed digits"},
+     {Comparison::word, "word"}}};
 
 // Shortest text that reads back as the same double.
 std::string exact_text(double value) {
@@ -72,19 +73,36 @@ nlohmann::ordered_json json_errors(const EstimatedErrors& errors) {
 }
 
 nlohmann::ordered_json json_check(const CheckedQuantity& quantity) {
-  return {{"name", quantity.name},
-          {"value", json_number(quantity.value)},
-          {"reference", printed_value(quantity.reference)},
-          {"printed_reference", quantity.reference},
-          {"source", quantity.source},
-          {"comparison", name_of(quantity.comparison)},
-          {"tolerance", json_number(quantity.tolerance)},
-          {"pass", quantity.pass}};
+  const bool is_word = quantity.comparison == Comparison::word;
+  nlohmann::ordered_json json = {{"name", quantity.name},
+                                 {"value", json_number(quantity.value)},
+                                 {"reference", quantity.reference},
+                                 {"printed_reference", quantity.reference},
+                                 {"source", quantity.source},
+                                 {"comparison", name_of(quantity.comparison)},
+                                 {"tolerance", json_number(quantity.tolerance)},
+                                 {"pass", quantity.pass}};
+  if (is_word && quantity.remark.empty()) json["value"] = quantity.word;
+  if (!is_word) json["reference"] = printed_value(quantity.reference);
+  if (!quantity.remark.empty()) json["remark"] = quantity.remark;
+  return json;
+}
+
+nlohmann::ordered_json json_end(const EndOfRun& end) {
+  nlohmann::ordered_json json = {
+      {"run", end.run}, {"load_factor", json_number(end.load_factor)}, {"stable", end.stable}};
+  if (!end.held.empty()) json["stable_held"] = end.held;
+  if (end.negative >= 0) json["negative_eigenvalues"] = end.negative;
+  return json;
 }
 
 std::string check_line(const CheckedQuantity& quantity) {
   const bool digits = quantity.comparison == Comparison::printed_digits;
   std::string line = quantity.pass ? "  pass  " : "  FAIL  ";
+  if (!quantity.remark.empty())
+    return line + quantity.name + ": " + quantity.remark + ", reference " + quantity.reference;
+  if (quantity.comparison == Comparison::word)
+    return line + quantity.name + " = " + quantity.word + ", reference " + quantity.reference;
   line +=
       quantity.name + " = " + (digits ? in_style_of(quantity.value, quantity.reference) : exact_text(quantity.value));
   if (quantity.comparison == Comparison::upper_bound) return line + ", at most " + quantity.reference;
@@ -127,6 +145,8 @@ Comparison comparison_from_name(const std::string& name) {
 }
 
 bool agrees(const CheckedQuantity& quantity) {
+  if (!quantity.remark.empty()) return false;
+  if (quantity.comparison == Comparison::word) return quantity.word == quantity.reference;
   const double reference = printed_value(quantity.reference);
   if (!std::isfinite(quantity.tolerance) || quantity.tolerance < 0.0) {
     throw std::invalid_argument("the tolerance of '" + quantity.name + "' must be a finite number of at least 0");
@@ -142,6 +162,8 @@ bool agrees(const CheckedQuantity& quantity) {
       return quantity.value <= reference;
     case Comparison::printed_digits:
       return agrees_in_printed_digits(quantity.value, quantity.reference, static_cast<int>(quantity.tolerance));
+    case Comparison::word:
+      break;
   }
   return false;
 }
@@ -173,14 +195,39 @@ bool Summary::check_printed_digits(const std::string& name, double value, const 
       {name, value, printed, source, static_cast<double>(units_in_last_place), Comparison::printed_digits, false});
 }
 
+bool Summary::check_word(const std::string& name, const std::string& word, const std::string& reference,
+                         const std::string& source) {
+  return check({name, 0.0, reference, source, 0.0, Comparison::word, false, word});
+}
+
+void Summary::fail(const std::string& name, const std::string& reference, const std::string& source,
+                   const std::string& remark) {
+  check({name, std::nan(""), reference, source, 0.0, Comparison::word, false, "", remark});
+}
+
+std::string Summary::stable() const {
+  for (const char* word : {"false", "unknown", "neutral", "true"}) {
+    const auto found = stable_cases.find(word);
+    const auto is_word = [word](const EndOfRun& end) { return end.stable == word; };
+    if ((found != stable_cases.end() && found->second > 0) || std::any_of(ends.begin(), ends.end(), is_word))
+      return word;
+  }
+  return "";
+}
+
 bool Summary::all_passed() const {
   return failure.empty() &&
          std::all_of(checks_.begin(), checks_.end(), [](const CheckedQuantity& quantity) { return quantity.pass; });
 }
 
 void Summary::print_checks(std::ostream& stream, bool every_check) const {
+  const auto warned = [this] {
+    if (warnings.empty()) return std::string();
+    return std::to_string(warnings.size()) + (warnings.size() == 1 ? " warning" : " warnings");
+  };
   if (checks_.empty()) {
-    stream << "Nothing was checked: the scene gives no expected values.\n";
+    stream << "Nothing was checked: " << (unchecked.empty() ? "the scene gives no expected values" : unchecked) << "."
+           << (warnings.empty() ? "" : " " + warned() + ".") << "\n";
     return;
   }
   std::size_t failed = 0;
@@ -190,7 +237,7 @@ void Summary::print_checks(std::ostream& stream, bool every_check) const {
   }
   stream << checks_.size() - failed << " of " << checks_.size() << " checks passed";
   if (failed > 0) stream << ", " << failed << " FAILED";
-  stream << ".\n";
+  stream << (warnings.empty() ? "" : ", " + warned()) << ".\n";
 }
 
 void Summary::write_json(const std::filesystem::path& path) const {
@@ -204,6 +251,9 @@ void Summary::write_json(const std::filesystem::path& path) const {
   json["seconds"] = nlohmann::ordered_json::object();
   for (const auto& [phase, time] : seconds) json["seconds"][phase] = json_number(time);
   if (!failure.empty()) json["failure"] = failure;
+  if (!stable().empty()) json["stable"] = stable();
+  for (const auto& end : ends) json["ends"].push_back(json_end(end));
+  if (!stable_cases.empty()) json["stable_cases"] = stable_cases;
   if (!warnings.empty()) json["warnings"] = warnings;
   if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
   for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));

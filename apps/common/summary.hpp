@@ -12,13 +12,14 @@ namespace mixbeam {
 
 /// How a value is held against its reference.
 enum class Comparison {
-  absolute,       ///< |value - reference| <= tolerance
-  relative,       ///< |value - reference| <= tolerance * |reference|
-  upper_bound,    ///< value <= reference; the tolerance is not used
-  printed_digits  ///< equal in every digit that the source prints; the tolerance counts units of the last one
+  absolute,        ///< |value - reference| <= tolerance
+  relative,        ///< |value - reference| <= tolerance * |reference|
+  upper_bound,     ///< value <= reference; the tolerance is not used
+  printed_digits,  ///< equal in every digit that the source prints; the tolerance counts units of the last one
+  word             ///< the word and the reference are the same
 };
 
-/// "absolute", "relative", "upper bound", "printed digits": the names used in scenes, prints and JSON.
+/// "absolute", "relative", "upper bound", "printed digits", "word": the names used in scenes, prints and JSON.
 std::string name_of(Comparison comparison);
 
 /// The comparison of that name; std::invalid_argument, listing the names, for any other text.
@@ -33,6 +34,8 @@ struct CheckedQuantity {
   double tolerance = 0.0;
   Comparison comparison = Comparison::absolute;
   bool pass = false;
+  std::string word{};    ///< the value where it is a word
+  std::string remark{};  ///< why there is no value
 };
 
 /// True when the quantity's value agrees with its reference; false for values that are not finite.
@@ -70,6 +73,16 @@ struct ChosenMesh {
   std::vector<Round> rounds;     ///< meshes on the way
 };
 
+/// Whether the last state of a run is stable: "true", "false", "neutral" or "unknown".
+struct EndOfRun {
+  std::string run;  ///< which of several runs
+  double load_factor = 0.0;
+  std::string stable;
+  std::string held{};  ///< with the controlled displacement held in place of the load; empty: not known
+  int negative = -1;   ///< eigenvalues below zero; -1: not counted
+  bool has_potential = true;
+};
+
 /// Collects checks and costs during a run.
 class Summary {
  public:
@@ -82,6 +95,9 @@ class Summary {
   int newton_iterations = 0;
   std::string failure;                ///< why the run ended early; empty if it did not
   std::vector<std::string> warnings;  ///< what should be known of the results
+  std::string unchecked;              ///< why nothing is checked, where it is not for want of expected values
+  std::vector<EndOfRun> ends;
+  std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;
   std::vector<ChosenMesh> chosen_meshes;
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
@@ -95,6 +111,12 @@ class Summary {
   bool check_relative(const std::string& name, double value, double reference, double tolerance,
                       const std::string& source);
   bool check_upper_bound(const std::string& name, double value, double bound, const std::string& source);
+  /// For a value that is a word.
+  bool check_word(const std::string& name, const std::string& word, const std::string& reference,
+                  const std::string& source);
+  /// A quantity that never got a value: a check that failed. `reference`: what was expected.
+  void fail(const std::string& name, const std::string& reference, const std::string& source,
+            const std::string& remark);
   bool check_printed_digits(const std::string& name, double value, const std::string& printed,
                             const std::string& source, int units_in_last_place = 1);
 
@@ -102,10 +124,15 @@ class Summary {
   /// Takes back all checks but the first ones.
   void keep_checks(std::size_t count) { checks_.resize(count); }
 
+  /// The least certain of all ends: "false" where one is unstable, then "unknown", "neutral", "true"; empty: no run
+  /// told.
+  std::string stable() const;
+
   /// True when no check failed and the run did not end early; also when nothing was checked, which `print_checks` says.
   bool all_passed() const;
 
-  /// One line for each check that failed, or for every check if `every_check`, and a closing line with the counts.
+  /// One line for each check that failed, or for every check if `every_check`, and a closing line with the counts of
+  /// checks and warnings.
   void print_checks(std::ostream& stream, bool every_check = true) const;
 
   /// Writes everything as one JSON object, replacing `path` only when complete. Numbers that are not finite become the
