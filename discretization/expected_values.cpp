@@ -28,10 +28,12 @@ struct QuantityKind {
 
 const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
 const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
-const std::map<std::string, QuantityKind> kKinds = {
-    {"displacement", kOfPoint},      {"position", kOfPoint},        {"rotation", kOfPoint},
-    {"reaction force", kOfPoint},    {"reaction moment", kOfPoint}, {"material force", kOfSection},
-    {"material moment", kOfSection}, {"strain energy", {{}, {}}},   {"load factor", {{}, {}}}};
+const std::map<std::string, QuantityKind> kKinds = {{"displacement", kOfPoint},      {"position", kOfPoint},
+                                                    {"rotation", kOfPoint},          {"reaction force", kOfPoint},
+                                                    {"reaction moment", kOfPoint},   {"material force", kOfSection},
+                                                    {"material moment", kOfSection}, {"strain energy", {{}, {}}},
+                                                    {"load factor", {{}, {}}},       {kStableName, {{}, {}}}};
+const std::vector<std::string> kVerdicts = {"true", "false", "neutral", "unknown"};
 
 bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -55,6 +57,18 @@ void check_description(const Teuchos::ParameterList& list, const std::string& qu
   if (contains(kind.components, component)) return;
   throw source.error(child(path, "Component"), "value \"" + component + "\" of the quantity \"" + quantity +
                                                    "\"; allowed: " + quoted_list(kind.components));
+}
+
+/// Of `stable`: a word, which is there or not, whatever the tolerance.
+void read_word(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
+               ExpectedValue& expected) {
+  if (!list.isType<std::string>("Value"))
+    throw source.error(child(path, "Value"),
+                       "a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));
+  expected.word = list.get<std::string>("Value");
+  for (const char* parameter : {"Absolute Tolerance", "Relative Tolerance", "Critical Point"})
+    if (list.isParameter(parameter))
+      throw source.error(child(path, parameter), "given, but has no meaning for the quantity \"stable\"");
 }
 
 void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
@@ -88,8 +102,15 @@ ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& na
   if (expected.critical_point && expected.load_factor)
     throw source.error(child(path, "Load Factor"),
                        R"(given besides "Critical Point", which has its own; allowed: one of them)");
-  expected.value = list.get<double>("Value");
   expected.source = list.get<std::string>("Source");
+  if (expected.quantity == kStableName) {
+    read_word(list, source, path, expected);
+    return expected;
+  }
+  if (list.isType<std::string>("Value"))
+    throw source.error(child(path, "Value"), "value \"" + list.get<std::string>("Value") + "\" for the quantity \"" +
+                                                 expected.quantity + "\"; allowed: a number");
+  expected.value = list.get<double>("Value");
   read_tolerance(list, source, path, expected);
   return expected;
 }
@@ -118,9 +139,9 @@ void check_supported(const ExpectedValue& value, const Scene& scene, const Param
 }  // namespace
 
 const std::vector<std::string>& common_quantities() {
-  static const std::vector<std::string> quantities = {"displacement",    "position",        "rotation",
-                                                      "reaction force",  "reaction moment", "material force",
-                                                      "material moment", "strain energy",   "load factor"};
+  static const std::vector<std::string> quantities = {
+      "displacement",   "position",        "rotation",      "reaction force", "reaction moment",
+      "material force", "material moment", "strain energy", "load factor",    kStableName};
   return quantities;
 }
 
@@ -146,7 +167,8 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
               .at_least(1)
               .means("The value belongs to the state at the critical point (limit point or bifurcation) of this number "
                      "on the path, counted from 1."));
-  one.add(real("Value").required().means("The expected value, in the scene's units."));
+  one.add(real("Value").or_one_of(kVerdicts).required().means(
+      "The expected value, in the scene's units; a word for the quantity stable."));
   one.add(real("Absolute Tolerance").above(0.0).means("Largest difference, in the units of the value."));
   one.add(real("Relative Tolerance").above(0.0).means("Largest difference, as a share of the value."));
   one.add(text("Source").required().means("Where the value comes from: paper and table, formula, other program."));

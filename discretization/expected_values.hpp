@@ -34,6 +34,8 @@ struct ExpectedValue {
   std::string load_case{};  ///< in which it is compared; empty: the scene has none
   /// The value belongs to the n-th critical point of the path, from 1; none: to a step.
   std::optional<int> critical_point{};
+  /// Of the quantity "stable": "true", "false", "neutral" or "unknown"; empty: a number is expected.
+  std::string word{};
 };
 
 struct ExpectationResult {
@@ -41,9 +43,12 @@ struct ExpectationResult {
   double difference = 0.0;  ///< actual - value, divided by |value| if the tolerance is relative
 };
 
+/// Name of the quantity whose value is a word: whether the state is stable.
+inline constexpr const char* kStableName = "stable";
+
 /// Quantities that every application provides: of a point (displacement, position, rotation, reaction force, reaction
 /// moment; "Point" and a spatial "Component"), of a section (material force, material moment; "Member", "Position" and
-/// a material "Component"), of the whole structure (strain energy), of the path (load factor).
+/// a material "Component"), of the whole structure (strain energy), of the path (load factor, stable).
 const std::vector<std::string>& common_quantities();
 
 /// Declaration of the list "Expected"; `own_quantities` are those of the application besides common_quantities().

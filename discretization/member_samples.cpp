@@ -59,9 +59,9 @@ StepRecord without_rows(const StepRecord& record) {
   kept.monitored = record.monitored;
   kept.reactions = record.reactions;
   kept.balance = record.balance;
-  kept.negative_eigenvalues = record.negative_eigenvalues;
+  kept.stability = record.stability;
   for (const RecordedCriticalPoint& point : record.critical_points) kept.critical_points.push_back(without_rows(point));
-  for (const RecordedBucklingMode& mode : record.buckling) kept.buckling.push_back({mode.load_factor});
+  for (const RecordedBucklingMode& mode : record.buckling) kept.buckling.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
   if (record.error_estimate) kept.error_estimate = without_rows(*record.error_estimate);
   kept.history = record.history;
   kept.state = without_rows(record.state);

@@ -87,6 +87,15 @@ struct RecordedBalance {
   double moment_error = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Whether an equilibrium is stable, in the words of files and messages: "true", "false", "neutral" (no eigenvalue is
+/// negative, one is zero) or "unknown".
+struct RecordedStability {
+  std::string stable = "unknown";
+  std::string held{};         ///< with the controlled displacement held in place of the load; empty: not known
+  int negative = -1;          ///< eigenvalues of the tangent below zero; -1: not counted
+  bool has_potential = true;  ///< the loads have one; without, stability is never certain
+};
+
 /// A limit point or bifurcation between two steps; see CriticalPoint. Fields at those samples of all members that the
 /// rank holds, one after the other, spatial.
 struct RecordedCriticalPoint {
@@ -105,6 +114,8 @@ struct RecordedCriticalPoint {
 struct RecordedBucklingMode {
   double load_factor = 0.0;     ///< negative: under the reversed load
   std::vector<Vector3> mode{};  ///< displacement at the samples as of a critical point, scaled likewise
+  double residual{};            ///< see linear_buckling()
+  bool confirmed{};             ///< by the inertia of the tangent on both sides
 };
 
 /// An estimated error and the size of the quantity that it belongs to.
@@ -135,7 +146,7 @@ struct StepRecord {
   std::vector<MonitoredQuantity> monitored;   ///< same names in every record of a run
   std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
   RecordedBalance balance{};
-  int negative_eigenvalues = -1;  ///< of the tangent: 0 where the state is stable; -1: not counted
+  RecordedStability stability{};
   std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for

@@ -130,6 +130,12 @@ ParameterSpec ParameterSpec::or_empty() const {
   return spec;
 }
 
+ParameterSpec ParameterSpec::or_one_of(const std::vector<std::string>& allowed) const {
+  ParameterSpec spec = *this;
+  spec.words = allowed;
+  return spec;
+}
+
 ParameterSpec ParameterSpec::means(const std::string& sentence) const {
   ParameterSpec spec = *this;
   spec.meaning = sentence;
@@ -227,6 +233,7 @@ std::string allowed_values(const ParameterSpec& parameter) {
     text += parameter.type == ParameterType::text ? ", one of " : ", each at most once, of ";
     text += quoted_list(parameter.choices);
   }
+  if (!parameter.words.empty()) text += ", or string, one of " + quoted_list(parameter.words);
   return text;
 }
 

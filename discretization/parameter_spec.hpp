@@ -50,6 +50,7 @@ struct ParameterSpec {
   int length = 0;                    ///< arrays: how many values; 0: any number
   bool empty_allowed = false;        ///< arrays: no value at all is allowed too
   std::vector<std::string> choices;  ///< strings and arrays of strings: the only ones allowed; none given: any
+  std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) that may stand in their place
   std::string meaning;               ///< one sentence, with units and frame
 
   // The declaration reads as a sentence: real("EA").above(0.0).required().means("axial stiffness, force").
@@ -61,6 +62,7 @@ struct ParameterSpec {
   ParameterSpec below(double maximum) const;
   ParameterSpec or_infinite() const;
   ParameterSpec or_empty() const;
+  ParameterSpec or_one_of(const std::vector<std::string>& words) const;
   ParameterSpec means(const std::string& sentence) const;
 };
 

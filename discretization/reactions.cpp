@@ -219,7 +219,8 @@ class BalanceSums {
   std::vector<PartSums> sums_;
 };
 
-/// `force`, `moment`: the largest at work.
+/// `force`, `moment`: the largest at work. A force at work is a moment too, by the length of the structure: a row of
+/// forces that is in equilibrium to 1e-11 of it leaves that much of a moment, however small the moments are.
 Balance to_balance(const Vec& center, const Wrench& applied, const Wrench& reactions, const Vec& curve, double force,
                    double moment) {
   Balance result;
@@ -237,7 +238,8 @@ Balance to_balance(const Vec& center, const Wrench& applied, const Wrench& react
 Balance BalanceSums::of_part(int part, const ResidualScales& scales) const {
   const PartSums& sums = sums_[part];
   return to_balance(sums.center(), sums.applied, sums.reactions, sums.curve_moment,
-                    std::max(sums.largest_force, scales.force), std::max(sums.largest_moment, scales.moment));
+                    std::max(sums.largest_force, scales.force),
+                    std::max({sums.largest_moment, scales.moment, scales.force * scales.length}));
 }
 
 Balance BalanceSums::over_all_ranks() const {
@@ -251,7 +253,8 @@ Balance BalanceSums::over_all_ranks() const {
   // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
   const ResidualScales scales = assembler_.scales_of(state_, load_factor_);
   const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
-  const double moment = maximum_over_ranks(comm, std::max(sums.largest_moment, scales.moment));
+  const double moment =
+      maximum_over_ranks(comm, std::max({sums.largest_moment, scales.moment, scales.force * scales.length}));
   return to_balance(sums.center(), {load_vector(&all[0]), load_vector(&all[3])},
                     {load_vector(&all[6]), load_vector(&all[9])}, load_vector(&all[12]), force, moment);
 }

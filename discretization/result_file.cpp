@@ -140,8 +140,11 @@ void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
 }
 
 void write_stability(hid_t step, const StepRecord& record) {
-  if (record.negative_eigenvalues >= 0)
-    hdf5::write_attribute(step, "negative_eigenvalues", record.negative_eigenvalues);
+  const RecordedStability& stability = record.stability;
+  hdf5::write_attribute(step, "stable", stability.stable);
+  if (!stability.held.empty()) hdf5::write_attribute(step, "stable_held", stability.held);
+  if (stability.negative >= 0) hdf5::write_attribute(step, "negative_eigenvalues", stability.negative);
+  if (stability.negative >= 0 && !stability.has_potential) hdf5::write_attribute(step, "has_potential", 0);
   if (record.critical_points.empty()) return;
   const auto points = hdf5::create_group(step, "critical_points");
   int number = 0;
@@ -175,6 +178,8 @@ void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) 
   for (const auto& mode : modes) {
     const auto group = hdf5::create_group(buckling, std::to_string(number++));
     hdf5::write_attribute(group, "load_factor", mode.load_factor);
+    hdf5::write_attribute(group, "residual", mode.residual);
+    hdf5::write_attribute(group, "confirmed", mode.confirmed ? 1 : 0);
   }
 }
 

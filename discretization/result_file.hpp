@@ -17,7 +17,9 @@
 ///                               iteration, scaled maximum norm); reactions (supports,6: force, moment), balance
 ///                               (2,6: applied force and moment, those of the reactions) and attributes
 ///                               force_balance_error, moment_balance_error
-///                               where stability is looked at: attribute negative_eigenvalues
+///                               attribute stable: "true", "false", "neutral" or "unknown"; stable_held: the same with
+///                               the controlled displacement held, where known; where stability is looked at:
+///                               negative_eigenvalues, and has_potential = 0 for loads without a potential
 ///     /steps/000001/critical_points/0, 1, ...
 ///                               limit points and bifurcations since the step before: attributes kind, load_factor,
 ///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:
@@ -28,7 +30,7 @@
 ///                               vertex_displacement (vertices,3), element_displacement, element_moment (elements);
 ///                               points: one (3) for each point that is followed; or attribute not_estimated: why not
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
-///     /buckling/0, 1, ...       linear buckling, where asked for: attribute load_factor; mode (n,3)
+///     /buckling/0, 1, ...       linear buckling, where asked for: attributes load_factor, residual, confirmed; mode (n,3)
 ///     /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)
 ///

@@ -38,11 +38,15 @@ ResultHeader read_header(hid_t file) {
 
 int whole(hid_t object, const char* attribute) { return static_cast<int>(hdf5::read_number(object, attribute)); }
 
+bool has_attribute(hid_t object, const std::string& name) {
+  const auto names = hdf5::attribute_names(object);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 /// What files of versions that followed no path by its length do not tell keeps its default.
 void read_point_along_path(hid_t state, PathPoint& point) {
   point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
-  const auto attributes = hdf5::attribute_names(state);
-  if (std::find(attributes.begin(), attributes.end(), "path_length") == attributes.end()) return;
+  if (!has_attribute(state, "path_length")) return;
   point.stage = whole(state, "stage");
   point.critical_points = whole(state, "critical_points");
   point.path_length = hdf5::read_number(state, "path_length");
@@ -66,9 +70,18 @@ PathPoint read_point(hid_t steps, const std::string& name) {
   return point;
 }
 
+RecordedStability read_stability(hid_t steps, const std::string& name) {
+  const auto step = hdf5::open_group(steps, name);
+  RecordedStability stability;
+  if (has_attribute(step, "stable")) stability.stable = hdf5::read_text_attribute(step, "stable");
+  if (has_attribute(step, "stable_held")) stability.held = hdf5::read_text_attribute(step, "stable_held");
+  if (has_attribute(step, "negative_eigenvalues")) stability.negative = whole(step, "negative_eigenvalues");
+  stability.has_potential = !has_attribute(step, "has_potential");
+  return stability;
+}
+
 StateSnapshot read_snapshot(hid_t group) {
-  const auto attributes = hdf5::attribute_names(group);
-  const bool knows_plane = std::find(attributes.begin(), attributes.end(), "in_plane") != attributes.end();
+  const bool knows_plane = has_attribute(group, "in_plane");
   return {hdf5::read_dataset(group, "vertex_displacement"), hdf5::read_dataset(group, "vertex_rotation"),
           hdf5::read_dataset(group, "element_triad"), hdf5::read_dataset(group, "interior"),
           knows_plane && whole(group, "in_plane") == 1};
@@ -146,7 +159,10 @@ StoredRun::StoredRun(const fs::path& path) : path_(path) {
     groups_ = hdf5::link_names(steps);
     std::stable_sort(groups_.begin(), groups_.end(),  // numbers: names of more than six digits come out of order
                      [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
-    for (const std::string& name : groups_) steps_.push_back(read_point(steps, name));
+    for (const std::string& name : groups_) {
+      steps_.push_back(read_point(steps, name));
+      stability_.push_back(read_stability(steps, name));
+    }
     monitor_ = read_monitor(file);
     layout_.members = read_members(file);
     layout_.monitored = layout_of(monitor_);

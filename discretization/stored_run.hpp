@@ -39,6 +39,8 @@ class StoredRun {
   /// Names and sizes of members and monitored quantities, and the number of the last step; no values.
   const StepRecord& layout() const { return layout_; }
 
+  /// Of each of steps(); "unknown" in files of versions that did not tell.
+  const std::vector<RecordedStability>& stability() const { return stability_; }
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;
 
@@ -51,6 +53,7 @@ class StoredRun {
   ResultHeader header_;
   std::vector<std::string> groups_;
   std::vector<PathPoint> steps_;
+  std::vector<RecordedStability> stability_;
   std::vector<MonitoredSeries> monitor_;
   StepRecord layout_;
 };

@@ -164,6 +164,17 @@ class Validator {
                 "; allowed: " + quoted_list(names) + hint);
   }
 
+  /// A word in place of a number; booleans become the word of their name.
+  static bool is_allowed_word(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+    const ParameterValue given = value_of(*list.getEntryPtr(name));
+    std::string word;
+    if (std::holds_alternative<bool>(given)) word = to_text(given);
+    if (std::holds_alternative<std::string>(given)) word = std::get<std::string>(given);
+    if (std::find(spec.words.begin(), spec.words.end(), word) == spec.words.end()) return false;
+    set_value(list, name, word, false);
+    return true;
+  }
+
   void check_parameter(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
     const ParameterEntry* entry = list.getEntryPtr(name);
     if (entry == nullptr) {
@@ -171,6 +182,7 @@ class Validator {
       if (spec.presence == Presence::defaulted) set_value(list, name, spec.default_value, true);
       return;
     }
+    if (is_allowed_word(list, spec, name)) return;
     const ParameterValue given = value_of(*entry);
     const ParameterValue value = widened(given, spec.type);
     check_value(value, spec);

@@ -139,6 +139,19 @@ Cantilever Cantilever::with_tip_force(double load) const {
   return copy;
 }
 
+Cantilever Cantilever::with_thrust(double load, double eccentricity) const {
+  Cantilever copy = *this;
+  const double thrust = 0.25 * M_PI * M_PI * load, force = thrust * bending_ / (length_ * length_);
+  copy.load().force = {-force, eccentricity * force, 0.0};
+  copy.load().moment = {};
+  const ElasticaTip tip = thrust_tip(thrust, eccentricity);
+  copy.exact_.displacement = {{-length_ * tip.back, length_ * tip.across, 0.0}};
+  copy.exact_.rotation = rotation_about({{0.0, 0.0, 1.0}}, tip.angle);
+  copy.exact_.displacement_scale = norm(copy.exact_.displacement);
+  copy.exact_.rotation_scale = std::min(1.0, tip.angle);
+  return copy;
+}
+
 Cantilever Cantilever::with_tip_moment(const Vec3<double>& bending_turn, double twist) const {
   Cantilever copy = *this;
   const double along = torsion_ * twist / length_;                                          // M1

@@ -41,6 +41,9 @@ class Cantilever {
   /// Dead force along y, F L^2 / EI = load >= 0. Exact: elastica, and with C = EA = GA2 = GA3 every point moves by
   /// s F / C further, whatever the rotations (r' = g1 + n / C, and m' = - r' x n does not see C).
   Cantilever with_tip_force(double load) const;
+  /// Dead thrust against the axis, as a multiple of Euler's load, and the fraction `eccentricity` > 0 of it along y.
+  /// Exact: elastica (inextensible and shear rigid alone), the stable equilibrium on the side of the force along y.
+  Cantilever with_thrust(double load, double eccentricity) const;
   /// Dead moment about z that turns the tip by `angle`. Exact: circle of curvature angle / L.
   Cantilever with_bending_moment(double angle) const { return with_tip_moment({{0.0, 0.0, angle}}, 0.0); }
   /// Dead moment with bending_turn = (0, y, z) EI / L across the rod, as spatial vector, and twisting it by `twist`.

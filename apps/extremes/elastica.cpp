@@ -3,6 +3,7 @@
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_sf_ellint.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
@@ -100,12 +101,48 @@ ElasticaTip bent_rod(double load) {
   return {1.0 - std::sqrt(2.0 * rod.sine / load), 1.0 - 2.0 / root * second, M_PI_2 - 2.0 * std::asin(k_prime)};
 }
 
+/// phi from `load_angle` at the clamp to the tip's, k = sin(phi_tip / 2); by u = log(k / k'), which resolves both ends.
+/// sin(phi / 2) = k sin(psi), sqrt(R) = K(k) - F(psi_0, k) = F(chi, k) with tan(chi) = 1 / (k' tan(psi_0)).
+struct PendulumRod {
+  double k, k_prime, sin_psi, cos_psi, sin_chi, cos2_chi, delta2;
+
+  PendulumRod(double load_angle, double u) {
+    k = 1.0 / std::sqrt(1.0 + std::exp(-2.0 * u));
+    k_prime = 1.0 / std::sqrt(1.0 + std::exp(2.0 * u));
+    sin_psi = std::min(1.0, std::sin(0.5 * load_angle) / k);
+    cos_psi = std::sqrt((1.0 - sin_psi) * (1.0 + sin_psi));
+    const double product = std::pow(k_prime * sin_psi, 2), sum = product + cos_psi * cos_psi;
+    sin_chi = cos_psi / std::sqrt(sum);
+    cos2_chi = product / sum;
+    delta2 = k_prime * k_prime / sum;
+  }
+  double first() const { return sin_chi * gsl_sf_ellint_RF(cos2_chi, delta2, 1.0, GSL_PREC_DOUBLE); }
+  /// E(k) - E(psi_0, k)
+  double second() const {
+    const double e =
+        first() - k * k / 3.0 * std::pow(sin_chi, 3) * gsl_sf_ellint_RD(cos2_chi, delta2, 1.0, GSL_PREC_DOUBLE);
+    return e - k * k * sin_chi * sin_psi;
+  }
+};
+
 }  // namespace
 
 ElasticaTip elastica_tip(double load) {
   if (load <= kSmallLoad) return short_rod(load);
   if (load <= kLongRod) return bent_rod(load);
   return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), M_PI_2};  // k = 1
+}
+
+ElasticaTip thrust_tip(double thrust, double eccentricity) {
+  const double load_angle = std::atan(eccentricity), root = std::sqrt(thrust * std::hypot(1.0, eccentricity));
+  const double nearest = std::log(std::tan(0.5 * load_angle));  // the tip still points along the clamp
+  const double u =
+      root_of([&](double x) { return PendulumRod(load_angle, x).first() - root; }, nearest * (1.0 - 1e-15), root + 3.0);
+  const PendulumRod rod(load_angle, u);
+  const double along = 2.0 / root * rod.second() - 1.0, across = 2.0 * rod.k / root * rod.cos_psi;
+  const double cosine = std::cos(load_angle), sine = std::sin(load_angle);
+  return {1.0 - (cosine * along + sine * across), cosine * across - sine * along,
+          2.0 * std::atan(std::exp(u)) - load_angle};
 }
 
 }  // namespace mixbeam

@@ -16,4 +16,10 @@ struct ElasticaTip {
 /// 1945), here in a form without cancellation.
 ElasticaTip elastica_tip(double load);
 
+/// Tip of the same cantilever under a dead thrust against its axis with the fraction `eccentricity` > 0 of it across:
+/// the stable equilibrium, which bends towards the force across; `angle` up to pi. `thrust`: P L^2 / EI > 0. With phi =
+/// theta + atan(eccentricity) the curve is a pendulum's, phi'' = -R sin(phi), phi'(1) = 0: elliptic integrals between
+/// the angle of the load and that of the tip. Relative error a few roundings over that of the eccentricity.
+ElasticaTip thrust_tip(double thrust, double eccentricity);
+
 }  // namespace mixbeam

@@ -2,11 +2,14 @@
 
 #include "apps/common/csv_table.hpp"
 #include "apps/common/machine_facts.hpp"
+#include "apps/extremes/critical_sweeps.hpp"
 #include "apps/extremes/elastica.hpp"
 #include "apps/extremes/extremes_page.hpp"
+#include "apps/extremes/random_paths.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -40,6 +43,29 @@ void check_closed_form(Application& app) {
     };
     check("across", tip.across, known.across);
     check("back", tip.back, known.back);
+    check("angle", tip.angle, known.angle);
+  }
+}
+
+struct ThrustCase {
+  double over_euler, eccentricity;
+  const char *x, *y, *angle;
+};
+const std::vector<ThrustCase> kThrusts = {{1.05, 1e-4, "0.90498259324", "0.38064428348", "0.62274480879"},
+                                          {1.2, 1e-6, "0.67391082498", "0.64878450511", "1.18440249350"},
+                                          {1.5, 0.1, "0.34171752220", "0.79568923565", "1.74769556929"},
+                                          {8.0, 1e-4, "-0.54784720364", "0.44971259087", "3.04718635507"}};
+constexpr double kThrustDigits = 3e-11;  // printed, relative to the smallest of them
+
+void check_thrusts(Application& app) {
+  for (const ThrustCase& known : kThrusts) {
+    const ElasticaTip tip = thrust_tip(0.25 * M_PI * M_PI * known.over_euler, known.eccentricity);
+    const std::string name = "closed form, P / P_cr = " + value_text(known.over_euler) + ": tip ";
+    const auto check = [&](const char* quantity, double value, const char* reference) {
+      app.summary.check_relative(name + quantity, value, std::stod(reference), kThrustDigits, kShootingSource);
+    };
+    check("x", 1.0 - tip.back, known.x);
+    check("y", tip.across, known.y);
     check("angle", tip.angle, known.angle);
   }
 }
@@ -158,23 +184,44 @@ ListSpec extremes_spec() {
                .at_most(1000)
                .by_default(1000)
                .means("Values of each sweep, evenly chosen from first to last."));
+  spec.add(boolean("Critical Loads")
+               .by_default(true)
+               .means("Also sweep structures whose critical loads have a closed form: a truss, a heated rail."));
+  spec.add(integer("Random Structures")
+               .at_least(0)
+               .at_most(100000)
+               .by_default(500)
+               .means("Imperfect structures whose paths are compared with those of small steps; 3 s each."));
+  spec.add(real("Reference Step")
+               .above(0.0)
+               .at_most(0.1)
+               .by_default(0.002)
+               .means("Largest load step of a reference; a second one takes half of it."));
   return spec;
 }
 
 void run_extremes_study(Application& app) {
   const Cantilever rod(app.scene);
   check_closed_form(app);
+  check_thrusts(app);
   const auto chosen = app.study().get<Teuchos::Array<std::string>>("Sweeps");
   std::vector<SweepResult> results;
   for (const Sweep& sweep : all_sweeps(app.study().get<int>("Most Elements")))
     if (std::find(chosen.begin(), chosen.end(), sweep.name) != chosen.end())
       results.push_back(compute(app, rod, sweep));
+  const bool critical = app.study().get<bool>("Critical Loads");
+  const std::vector<CriticalSweep> critical_sweeps =
+      run_critical_sweeps(app, critical ? app.study().get<int>("Most Values") : 0);
+  const std::vector<RandomPath> paths =
+      run_random_paths(app, app.study().get<int>("Random Structures"), app.study().get<double>("Reference Step"));
   if (!app.writes_files()) return;
   write_table(app, results);
   CsvTable machine(app.output / "machine.csv", {"name", "value"});
   for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
   std::ofstream page(app.output / "extremes.md");
   write_page(page, results);
+  write_critical_sweeps(page, critical_sweeps);
+  write_random_paths(page, paths);
 }
 
 }  // namespace mixbeam

@@ -208,7 +208,7 @@ Sweep element_turn() {
           "Inextensible and shear rigid, dead tip moment.",
           kGaussRule,
           joined(joined({0.1, 1.0, 2.0}, approaching(M_PI)),
-                 {3.5, 4.5, 6.0, series * (1.0 - next), series * (1.0 + next), 9.0, 12.0, 20.0}),
+                 {3.5, 4.5, 6.0, series * (1.0 - next), series * (1.0 + next), 9.0, 12.0}),
           [](const Cantilever& rod, const SolverParameters& solver, double value) {
             return turned_elements(rod, solver, rod.scene().members.front().order, value);
           },
@@ -272,6 +272,40 @@ Sweep order() {
           "on this mesh."};
 }
 
+const std::string kPendulum = "elastica of a thrust beside the axis, elliptic integrals; the stable equilibrium";
+
+Sweep imperfection() {
+  return {"imperfection",
+          "force across over the thrust",
+          "Inextensible and shear rigid, in space; dead thrust of 1.2 times Euler's load.",
+          kPendulum,
+          joined(decades(-8, -1), {0.3}),
+          [](const Cantilever& rod, const SolverParameters& solver, double value) {
+            return Trial{rod.with_thrust(1.2, value), solver};
+          },
+          1e-8,
+          1e-8,
+          0.3,
+          "The smaller the force across, the sharper the path turns at Euler's load; nothing else tells the two sides "
+          "apart. The turn about the axis of the thrust is as soft as the force across is small."};
+}
+
+Sweep thrust() {
+  return {"thrust",
+          "dead thrust over Euler's load",
+          "Inextensible and shear rigid, in space; a force across of 1e-4 of the thrust.",
+          kPendulum,
+          {0.5, 0.9, 0.99, 1.0, 1.01, 1.05, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0},
+          [](const Cantilever& rod, const SolverParameters& solver, double value) {
+            return Trial{rod.with_thrust(value, 1e-4), solver};
+          },
+          1e-7,
+          0.5,
+          20.0,
+          "Beyond Euler's load there are two equilibria and more; the stable one on the side of the force is the one "
+          "that the path reaches. Below it the motion is small, and errors are relative to it."};
+}
+
 }  // namespace
 
 std::vector<Sweep> all_sweeps(int most_elements) {
@@ -287,7 +321,9 @@ std::vector<Sweep> all_sweeps(int most_elements) {
           element_turn(),
           angle(),
           tip_force(),
-          order()};
+          order(),
+          imperfection(),
+          thrust()};
 }
 
 }  // namespace mixbeam

@@ -7,6 +7,7 @@
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/message_text.hpp"
 #include "discretization/nearest_name.hpp"
@@ -80,6 +81,9 @@ class BatchRun {
   std::size_t cases() const { return batch_.size(); }
   bool interrupted() const { return interrupted_; }
   void print_failures() const;
+  /// Counts how the cases end, and warns of those that do not stay there.
+  void count_ends();
+  void print_ends() const;
 
  private:
   void read_scenes();
@@ -124,17 +128,18 @@ void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t n
                             double seconds) {
   if (app_.quiet) return;
   int most_iterations = 0;
-  std::size_t alone = 0, failed = 0;
+  std::size_t alone = 0, failed = 0, unstable = 0;
   for (const std::size_t i : group) {
     const CaseResult& result = solver_.results()[i];
     most_iterations = std::max(most_iterations, result.iterations);
     alone += result.alone ? 1 : 0;
     failed += result.converged ? 0 : 1;
+    unstable += result.stable == "false" ? 1 : 0;
   }
   app_.out() << text_of(
                     "mixbeam batch: group %3zu of %zu  cases %6zu  iterations %3d  solved alone %4zu  failed %4zu  "
-                    "%8.3f s\n",
-                    number + 1, groups, group.size(), most_iterations, alone, failed, seconds)
+                    "unstable %4zu  %8.3f s\n",
+                    number + 1, groups, group.size(), most_iterations, alone, failed, unstable, seconds)
              << std::flush;
 }
 
@@ -172,9 +177,39 @@ void BatchRun::print_failures() const {
   if (printed > kMostFailures) app_.out() << "... and " << printed - kMostFailures << " more in the files\n";
 }
 
+void BatchRun::count_ends() {
+  for (const CaseResult& result : solver_.results())
+    if (result.solved) ++app_.summary.stable_cases[result.stable];
+  const int unstable = app_.summary.stable_cases["false"];
+  if (unstable > 0)
+    app_.summary.warnings.push_back(text_of("%d of %zu cases end unstable: ", unstable, batch_.size()) + kDoesNotStay);
+}
+
+/// The last lines.
+void BatchRun::print_ends() const {
+  constexpr std::size_t kMostUnstable = 12;  // the table has them all
+  std::size_t printed = 0;
+  for (std::size_t i = 0; i < batch_.size(); ++i)
+    if (solver_.results()[i].stable == "false" && ++printed <= kMostUnstable)
+      app_.out() << batch_.name_of_case(i) << ": stable: false: " << kDoesNotStay << "\n";
+  if (printed > kMostUnstable) app_.out() << "... and " << printed - kMostUnstable << " more in the files\n";
+  app_.out() << "cases by stable:";
+  const char* separator = " ";
+  for (const char* word : {"true", "false", "neutral", "unknown"}) {
+    app_.out() << separator << word << " " << app_.summary.stable_cases[word];
+    separator = ", ";
+  }
+  app_.out() << "\n";
+}
+
 /// Exit code of a batch that has been solved and written.
-int conclude(Application& app, const CommandLine& line, const BatchRun& run) {
+int conclude(Application& app, const CommandLine& line, BatchRun& run) {
   const std::size_t failed = run.failed();
+  run.count_ends();
+  if (!app.expected.empty())
+    app.summary.unchecked =
+        "the expected values of the scene belong to the scene as it stands; those of cases are columns "
+        "\"Expected/<name>/Value\" of the table, with \"Output\" = \"expected\"";
   if (failed > 0)
     app.summary.failure = std::to_string(failed) + " of " + std::to_string(run.cases()) + " cases did not converge";
   if (line.summary) app.summary.write_json(*line.summary);
@@ -184,6 +219,7 @@ int conclude(Application& app, const CommandLine& line, const BatchRun& run) {
   app.out() << text_of("mixbeam: %zu cases, %zu failed; set-up %.3f s, solve %.3f s, output %.3f s, results in ",
                        run.cases(), failed, seconds("batch set-up"), seconds("batch solve"), seconds("batch output"))
             << app.output.string() << "\n";
+  run.print_ends();
   if (run.interrupted()) return kInterruptedExitCode;
   if (failed > 0) throw ConvergenceError(app.summary.failure);
   return app.summary.all_passed() ? 0 : kFailedExitCode;

@@ -17,12 +17,19 @@ double value_of(const CaseResult& result, std::size_t quantity) {
   return result.converged ? result.values[quantity] : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// A column holds numbers: 1 for true, 0 for false, 0.5 for neutral, nan for unknown.
+double number_of(const std::string& stable) {
+  if (stable == "true") return 1.0;
+  if (stable == "false") return 0.0;
+  return stable == "neutral" ? 0.5 : std::numeric_limits<double>::quiet_NaN();
+}
+
 void write_rows(const std::filesystem::path& file, const Batch& batch, const CaseQuantities& quantities,
                 const std::vector<CaseResult>& results) {
   std::vector<std::string> names = {"case"};
   for (const BatchColumn& column : batch.columns) names.push_back(column.parameter);
   names.insert(names.end(), quantities.names().begin(), quantities.names().end());
-  for (const char* name : {"iterations", "residual", "converged", "cause"}) names.emplace_back(name);
+  for (const char* name : {"iterations", "residual", "converged", "stable", "cause"}) names.emplace_back(name);
   CsvTable table(file, names);
   std::vector<CsvCell> cells;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -34,6 +41,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
     cells.emplace_back(result.iterations);
     cells.emplace_back(result.residual);
     cells.emplace_back(result.converged ? "yes" : "no");
+    cells.emplace_back(result.stable);
     cells.emplace_back(result.cause);
     table.add_row(cells);
   }
@@ -56,6 +64,7 @@ void write_columns(const std::filesystem::path& file, const Batch& batch, const 
   add("iterations", [&](std::size_t i) { return static_cast<double>(results[i].iterations); });
   add("residual", [&](std::size_t i) { return results[i].residual; });
   add("converged", [&](std::size_t i) { return results[i].converged ? 1.0 : 0.0; });
+  add("stable", [&](std::size_t i) { return number_of(results[i].stable); });
   std::string causes;
   for (std::size_t i = 0; i < results.size(); ++i)
     if (!results[i].cause.empty()) causes += batch.name_of_case(i) + ": " + results[i].cause + "\n";

@@ -25,6 +25,12 @@ bool has_path_of_its_own(const AnalysisParameters& analysis) {
   return analysis.control || analysis.trace || analysis.branch != Branch::primary;
 }
 
+double elements_of(const Scene& scene) {
+  double elements = 0.0;
+  for (const Member& member : scene.members) elements += member.elements;
+  return elements;
+}
+
 std::string cause_of(const LoadPathResult& result) {
   std::string text = text_of("stopped at load factor %.6g", result.load_factor);
   if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
@@ -83,6 +89,8 @@ bool BatchSolver::solve_together(const Range& range) {
   app_.summary.load_steps += simulation.result().steps;
   app_.summary.newton_iterations += simulation.result().newton_iterations;
   if (!simulation.result().finished) return false;
+  const std::string& stable = simulation.stability().stable;
+  if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
   keep(simulation, range, merged.part_of_member, true);
   return true;
 }
@@ -148,8 +156,10 @@ void BatchSolver::keep(const Simulation& simulation, const Range& range, const s
     result.solved = true;
     result.iterations = simulation.result().newton_iterations;
     result.residual = check.residual;
+    result.stable = simulation.stability().stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
-    const bool balances = check.force_error <= kBalanceTolerance && check.moment_error <= kBalanceTolerance;
+    const double allowed = balance_tolerance(elements_of((*scenes_)[range.first + part]));
+    const bool balances = check.force_error <= allowed && check.moment_error <= allowed;
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;
     if (result.converged)

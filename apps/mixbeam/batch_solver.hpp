@@ -11,11 +11,12 @@ namespace mixbeam {
 struct CaseResult {
   bool solved = false;  ///< tried at all; false after an interruption
   bool converged = false;
-  bool alone = false;            ///< solved on its own
-  std::vector<double> values{};  ///< in the order of CaseQuantities::names(); empty unless converged
-  int iterations = 0;            ///< of the Newton iteration that it was part of
-  double residual = 0.0;         ///< over its own scales
-  std::string cause{};           ///< why it did not converge
+  bool alone = false;              ///< solved on its own
+  std::vector<double> values{};    ///< in the order of CaseQuantities::names(); empty unless converged
+  int iterations = 0;              ///< of the Newton iteration that it was part of
+  double residual = 0.0;           ///< over its own scales
+  std::string cause{};             ///< why it did not converge
+  std::string stable = "unknown";  ///< whether the end is: "true", "false", "neutral", "unknown"
 };
 
 class BatchSolver {

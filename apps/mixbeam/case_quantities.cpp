@@ -34,7 +34,7 @@ CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const
     return;
   }
   for (const ExpectedValue& value : app.expected) {
-    if (value.load_case != load_case) continue;
+    if (value.load_case != load_case || !value.word.empty()) continue;  // every case tells whether it is stable
     const char* own_place = value.critical_point ? "Critical Point" : "Load Factor";
     if (value.critical_point || value.load_factor.value_or(app.scene.stages) != app.scene.stages)
       throw app.xml.source.error({"Expected", value.name, own_place},

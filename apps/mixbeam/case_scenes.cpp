@@ -70,7 +70,8 @@ CaseScenes::Place CaseScenes::find(const BatchColumn& column, std::size_t index)
   if (path.names.front() != "Expected")
     return find_in(app_.xml.list->sublist("Scene"), path.names, path.component, column);
   std::vector<std::string> names;
-  for (const ExpectedValue& value : app_.expected) names.push_back(value.name);
+  for (const ExpectedValue& value : app_.expected)
+    if (value.word.empty()) names.push_back(value.name);
   const std::string name = path.names.size() > 1 ? path.names[1] : "";
   if (std::find(names.begin(), names.end(), name) == names.end())
     throw refused(column, "no expected value of this name; allowed: " + quoted_list(names) + did_you_mean(name, names));

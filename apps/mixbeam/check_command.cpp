@@ -112,6 +112,7 @@ int check_command(const Arguments& arguments) {
     std::vector<std::string> cases = app.scene.load_cases;
     if (line.load_case) cases = {*line.load_case};
     if (cases.empty()) cases = {""};
+    require_reachable(app, cases);
     for (const std::string& load_case : cases) print_check(app, load_case);
     for (const std::string& text : warnings(app.scene)) app.out() << "warning: " << text << "\n";
     const std::string skipped = check_supports(app.scene, app.xml.source);

@@ -29,6 +29,22 @@ void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& round
   }
 }
 
+/// What the last two meshes tell about critical load factors, if there are any.
+void check_critical_points(Application& app, const std::string& run, const AccurateRun& accurate) {
+  const MeshRound& last = accurate.rounds.back();
+  if (last.critical_points == 0 && !(last.critical_error > 0.0)) return;
+  const std::vector<Member>& members = accurate.simulation.scene().members;
+  const bool has_kept = std::any_of(members.begin(), members.end(),
+                                    [](const Member& member) { return member.keeps_order && member.keeps_elements; });
+  if (has_kept)
+    app.out() << "  error of critical load factors not estimated: members keep order and elements\n";
+  else if (!std::isnan(last.critical_error))
+    app.out() << text_of("  critical load factors differ by %.1e from those of the mesh before\n", last.critical_error);
+  if (!has_kept && accurate.end != AccuracyEnd::interrupted)
+    app.summary.check_upper_bound(run + ": estimated error of critical load factors", last.critical_error,
+                                  *accurate.simulation.scene().accuracy, "accuracy that the scene asks for");
+}
+
 }  // namespace
 
 std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshChoice& choice) {
@@ -73,6 +89,7 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
             << report.outcome << "\n";
   print_members(app.out(), report.members);
   print_rounds(app.out(), report.rounds);
+  check_critical_points(app, run, accurate);
   if (accurate.end != AccuracyEnd::interrupted)
     app.summary.check_upper_bound(run + ": estimated error of displacements", report.estimated, report.wanted,
                                   "accuracy that the scene asks for");

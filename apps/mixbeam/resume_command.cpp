@@ -57,11 +57,12 @@ int resume_command(const Arguments& arguments) {
     Application app;
     app.communicator = session.communicator();
     set_up(app, line, run);
+    require_reachable(app, {property(run, "load_case")});
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       const RunEnd end = run_case(app, property(run, "load_case"), run.path(), &run);
-      if (end == RunEnd::arrived) require_all_compared(app, {property(run, "load_case")});
+      if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
       return end;
     });
   });

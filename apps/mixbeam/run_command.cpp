@@ -50,13 +50,14 @@ int run_command(const Arguments& arguments) {
     app.communicator = session.communicator();
     set_up(app, line);
     const auto cases = chosen_cases(app.scene, line.load_case);
+    require_reachable(app, cases);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
       const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
       for (const std::string& load_case : cases)
         if (end == RunEnd::arrived) end = run_case(app, load_case, result_file_of(app.output, stem, load_case));
-      if (end == RunEnd::arrived) require_all_compared(app, cases);
+      if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
       return end;
     });
   });

@@ -11,10 +11,13 @@ namespace mixbeam {
 
 namespace {
 
-double balance_tolerance(const StepRecord& record) {
+constexpr double kBalanceTolerance = 1e-10;
+constexpr double kResidualOfRow = 1e-11;
+
+double elements_of(const StepRecord& record) {
   double elements = 0.0;
   for (const MemberSamples& member : record.members) elements += member.elements;
-  return kBalanceTolerance + std::numeric_limits<double>::epsilon() * elements;
+  return elements;
 }
 
 /// Lines of a table on the terminal; the files hold everything.
@@ -55,16 +58,31 @@ void print_left_out(std::ostream& out, std::size_t count) {
   if (count > kMostLines) out << "  ... and " << count - kMostLines << " more in the files\n";
 }
 
+/// "false (2 negative eigenvalues)".
+std::string verdict_text(const EndOfRun& end) {
+  if (end.stable == "neutral") return "neutral (an eigenvalue is zero: some motion meets no resistance)";
+  if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not looked at)";
+  if (end.stable == "unknown" && !end.has_potential) return "unknown (loads without a potential: it may flutter)";
+  if (end.negative <= 0) return end.stable;
+  return end.stable + text_of(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
+}
+
 }  // namespace
+
+double balance_tolerance(double elements) {
+  return std::max(kBalanceTolerance, kResidualOfRow * std::sqrt(elements)) +
+         std::numeric_limits<double>::epsilon() * elements;
+}
 
 void RunReport::add(const StepRecord& record) {
   const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
-  balance_tolerance_ = balance_tolerance(record);
+  balance_tolerance_ = balance_tolerance(elements_of(record));
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   last_ = without_rows(record);
   last_.members.clear();
-  for (const RecordedBucklingMode& mode : record.buckling) buckling_.push_back(mode.load_factor);
+  for (const RecordedBucklingMode& mode : record.buckling)
+    buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
 }
 
@@ -84,21 +102,38 @@ void RunReport::check_balance(Application& app, const std::string& run) const {
 void RunReport::print_buckling(std::ostream& out) const {
   if (buckling_.empty()) return;
   out << "  linear buckling of the undeformed structure at load factors";
-  for (const double factor : buckling_) out << text_of(" %.6g", factor);
+  for (const RecordedBucklingMode& mode : buckling_)
+    out << text_of(" %.8g (residual %.0e%s)", mode.load_factor, mode.residual, mode.confirmed ? "" : ", not confirmed");
   out << '\n';
 }
 
-void RunReport::print_stability(std::ostream& out) const {
+void RunReport::print_critical_points(std::ostream& out) const {
   for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
     const RecordedCriticalPoint& point = critical_[i];
     out << text_of("  critical point %zu: %s at load factor %.10g, negative eigenvalues %d before, %d after\n", i + 1,
                    point.kind.c_str(), point.load_factor, point.negative_before, point.negative_after);
   }
   print_left_out(out, critical_.size());
-  const int negative = last_.negative_eigenvalues;
-  if (negative == 0 && !critical_.empty()) out << "  the last state is stable\n";
-  if (negative > 0)
-    out << text_of("  the last state is UNSTABLE: %d negative eigenvalue%s\n", negative, negative == 1 ? "" : "s");
+}
+
+void RunReport::add_end(Application& app, const std::string& run) const {
+  const RecordedStability& known = last_.stability;
+  EndOfRun end{run, last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential};
+  app.summary.ends.push_back(end);
+  // who controls the displacement holds it: then only the state that is unstable all the same is left by itself
+  if (end.stable == "false" && end.held != "true")
+    app.summary.warnings.push_back(run + ": the last state is unstable: " + kDoesNotStay);
+}
+
+void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
+  for (const EndOfRun& end : summary.ends) {
+    out << end.run << ": stable: " << verdict_text(end) << (controlled ? " under the dead load" : "");
+    if (end.stable == "false") out << ": " << kDoesNotStay << (end.held == "true" ? " unless it is held" : "");
+    out << "\n";
+    if (end.held.empty()) continue;
+    out << end.run << ": stable: " << end.held << " with the displacement held"
+        << (end.held == "false" ? std::string(": ") + kDoesNotStay : "") << "\n";
+  }
 }
 
 void RunReport::add_errors(Application& app, const std::string& run) const {
@@ -129,7 +164,7 @@ void RunReport::print_errors(std::ostream& out) const {
 
 void RunReport::print(std::ostream& out) const {
   print_buckling(out);
-  print_stability(out);
+  print_critical_points(out);
   const std::string displacement = ".displacement";
   std::size_t points = 0;
   for (const MonitoredQuantity& quantity : last_.monitored) {

@@ -79,8 +79,8 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   };
   std::optional<AccurateRun> accurate;
   if (scene.accuracy)
-    accurate = app.record_accurately(scene, app.solver, recording,
-                                     asks_for_path(app.solver, app.expected, load_case, scene));
+    accurate =
+        app.record_accurately(scene, app.solver, recording, asks_for_path(app.solver, app.expected, load_case, scene));
   Simulation simulation = accurate ? accurate->simulation : app.record(scene, app.solver, recording);
   app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << ", " << file.string() << "\n";
@@ -89,7 +89,11 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   warn_of_uncertain_forces(app, file.stem().string(), simulation);
   report.add_errors(app, file.stem().string());
   report.check_balance(app, file.stem().string());
-  if (!simulation.result().interrupted) return RunEnd::arrived;
+  const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;
+  if (!simulation.result().interrupted && !between_meshes) {
+    report.add_end(app, file.stem().string());
+    return RunEnd::arrived;
+  }
   say_how_to_resume(app, simulation, file);
   return RunEnd::interrupted;
 }
@@ -115,8 +119,9 @@ int finish_runs(Application& app, const CommandLine& line, const std::function<R
   app.out() << "mixbeam: " << counted(app.summary.load_steps, "load step") << ", "
             << counted(app.summary.newton_iterations, "Newton iteration") << ", " << seconds << ", results in "
             << app.output.string() << "\n";
-  if (!app.summary.all_passed()) return kFailedExitCode;
-  return end == RunEnd::arrived ? 0 : kInterruptedExitCode;
+  print_ends(app.out(), app.summary, app.solver.analysis.control.has_value());
+  if (end == RunEnd::interrupted) return kInterruptedExitCode;
+  return app.summary.all_passed() ? 0 : kFailedExitCode;
 }
 
 }  // namespace mixbeam

@@ -7,12 +7,13 @@ from results import read_table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-17  # where an error of zero is drawn
-LINEAR = ("order", "element_turn", "element_turn_k1")  # sweeps that do not span decades
+LINEAR = ("order", "element_turn", "element_turn_k1", "thrust")  # sweeps that do not span decades
 LABELS = {
     "slenderness": "slenderness $L/a$", "stiffness_ratio": r"$EI/GI_t$", "unit_of_length": "unit of length",
     "unit_of_force": "unit of force", "elements": "elements, $k=2$", "length_ratio": "longest / shortest element",
     "turns": "turns of the rod", "load_steps": "load steps", "element_turn_k1": "radians per element, $k=1$",
-    "element_turn": "radians per element", "angle": "angle in radians", "tip_force": "$FL^2/EI$", "order": "order $k$"}
+    "element_turn": "radians per element", "angle": "angle in radians", "tip_force": "$FL^2/EI$", "order": "order $k$",
+    "imperfection": "force across / thrust", "thrust": "thrust / Euler's load"}
 
 
 def limits_figure(folder):

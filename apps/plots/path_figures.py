@@ -10,6 +10,7 @@ MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothin
 MOST_HISTORIES = 60
 MOST_NAMED = 6      # critical points with their load factor beside them
 MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE)}
+NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2))}  # dashes
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
@@ -40,12 +41,18 @@ def load_displacement_figure(view):
             axes.set_ylabel(fields.times(exponent))
         if values.shape[1] > 1:
             axes.legend(loc="best", ncol=1)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(curves[0][1])} steps", fontsize=13)
+    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(curves[0][1])} steps{_end(view)}", fontsize=13)
     return canvas
 
 
+def _end(view):
+    """What there is to say of the last state, unless it is stable."""
+    stable = view.run.steps[-1].stable
+    return "" if stable == "true" else f"; end: stable: {stable}"
+
+
 def _critical_path_figure(view):
-    """The path through its critical points, dashed where the equilibrium is unstable."""
+    """The path through its critical points, dashed where the equilibrium is unstable; the title tells of the end."""
     curves = [curve for curve in _monitored(view) if curve[3] in ("u", r"\theta")] or _monitored(view)
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
@@ -54,19 +61,19 @@ def _critical_path_figure(view):
         axes.set_visible(False)
     for axes, (title, _, values, symbol) in zip(panels.flat, curves):
         _draw_critical_path(axes, view, title, values, symbol)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(view.run.steps)} steps; dashed: unstable", fontsize=13)
+    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(view.run.steps)} steps; dashed: unstable{_end(view)}", fontsize=13)
     return canvas
 
 
 def _draw_critical_path(axes, view, title, values, symbol):
-    factor, path, unstable, points = _through_critical_points(view, title, values)
+    factor, path, stable, points = _through_critical_points(view, title, values)
     exponent = fields.power_of_ten(np.nanmax(np.abs(path), initial=0.0))
     path = path / 10.0 ** exponent
     moving = [i for i in range(path.shape[1]) if np.ptp(path[:, i]) > 1e-6 * np.ptp(path, axis=0).max()]
     for i in moving:
         color = style.COMPONENT_COLORS[i % 3]
-        for first, last in _runs(unstable):
-            axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=(0, (4, 2)) if unstable[first] else "-")
+        for first, last in _runs(stable):
+            axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=NOT_STABLE.get(stable[first], "-"))
         axes.plot([], [], color=color, label=f"${symbol}_{i + 1}$")
         steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
         axes.plot(path[steps, i], factor[steps], ".", color=color, markersize=4)
@@ -83,26 +90,26 @@ def _draw_critical_path(axes, view, title, values, symbol):
 
 def _through_critical_points(view, title, values):
     """Load factors and values of steps and critical points in their order on the path; whether each piece that begins
-    there is unstable; (place, critical point) of the latter."""
+    there is stable; (place, critical point) of the latter."""
     name = next(name for name in view.run.monitor() if _title(name) == title)
-    factor, path, unstable, points = [], [], [], []
+    factor, path, stable, points = [], [], [], []
     for step, value in zip(view.run.steps, values):
         for point in step.critical_points():
             there = point.monitored(name)
             if there is None:
                 continue
-            if unstable:
-                unstable[-1] = point.negative_before > 0
+            if stable:
+                stable[-1] = "false" if point.negative_before > 0 else "true"
             points.append((len(factor), point))
             factor.append(point.load_factor)
             path.append(there)
-            unstable.append(point.negative_after > 0)
-        if unstable and step.negative >= 0:
-            unstable[-1] = step.negative > 0  # a branch that begins at the critical point may be stable
+            stable.append("false" if point.negative_after > 0 else "true")
+        if stable and step.stable != "unknown":
+            stable[-1] = step.stable  # a branch that begins at the critical point may be stable
         factor.append(step.load_factor)
         path.append(np.atleast_1d(value))
-        unstable.append(step.negative > 0)
-    return np.array(factor), np.array(path).reshape(len(path), -1), unstable, points
+        stable.append(step.stable)
+    return np.array(factor), np.array(path).reshape(len(path), -1), stable, points
 
 
 def _runs(flags):

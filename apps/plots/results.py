@@ -128,6 +128,8 @@ class Step:
         self.load_factor = float(group.attrs["load_factor"])
         self.newton_iterations = int(group.attrs.get("newton_iterations", 0))
         self.negative = int(group.attrs.get("negative_eigenvalues", -1))  # -1: not counted
+        told = {-1: "unknown", 0: "true"}.get(self.negative, "false")  # files of versions that only counted
+        self.stable = _text(group.attrs["stable"]) if "stable" in group.attrs else told
         self._group = group
 
     def critical_points(self):

@@ -154,6 +154,8 @@ def with_ranges(texts):
 def difference(check):
     """How far the value is from its reference, in the unit in which the check allows it; infinite for no number."""
     value, reference, comparison = check["value"], check["reference"], check["comparison"]
+    if comparison == "word":
+        return 0.0 if check["pass"] else math.inf
     if not isinstance(value, (int, float)) or not math.isfinite(value):
         return math.inf
     if comparison == "printed digits":
@@ -172,6 +174,8 @@ def units_in_last_place(value, printed):
 
 
 def difference_text(comparison, value):
+    if comparison == "word":
+        return "none" if value == 0.0 else "another word, or none"
     if not math.isfinite(value):
         return "not a number"
     if comparison == "printed digits":
@@ -185,6 +189,8 @@ def allowed_text(check):
     comparison, tolerance = check["comparison"], check["tolerance"]
     if comparison == "printed digits":
         return f"{tolerance:g} in the last digit"
+    if comparison == "word":
+        return "the same word"
     if comparison == "upper bound":
         return f"at most {check['printed_reference']}"
     return f"{tolerance:g}" + (" of the value" if comparison == "relative" else "")

@@ -148,6 +148,29 @@ TEST_F(BadInput, WhatNoxRefuses) {
                        {"\"Solver / Status Tests\"", "NormG"});
   expect_scene_refused(scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", "Bactrack")))),
                        {"\"Solver / NOX / Line Search / Method\"", "did you mean \"Backtrack\"?"});
+  expect_scene_refused(
+      scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", "Polynomial")))),
+      {"\"Solver / NOX / Line Search / Method\"", "\"Rotation Limited\", \"Full Step\", \"Backtrack\""});
+}
+
+/// What is offered runs; what NOX has and this program's groups cannot serve is not offered.
+TEST_F(BadInput, WhatOfNoxIsOffered) {
+  const std::string search = "\"Solver / NOX / Line Search";
+  expect_scene_refused(
+      scene_with_solver(list("NOX", list("Line Search", list("Full Step", parameter("Full Step", "double", "0.9"))))),
+      {search + " / Full Step\"", "unknown name"});
+  expect_scene_refused(scene_with_solver(list("NOX", list("Line Search", list("Polynomial", "")))),
+                       {search + " / Polynomial\"", "allowed", "Backtrack"});
+  expect_scene_refused(
+      scene_with_solver(list("NOX", list("Solver Options", parameter("Status Test Check Type", "string", "None")))),
+      {"Status Test Check Type", "\"Complete\", \"Minimal\""});
+  for (const char* method : {"Rotation Limited", "Full Step", "Backtrack"}) {
+    SCOPED_TRACE(method);
+    const Ended ended =
+        run_scene(scene_with_solver(list("NOX", list("Line Search", parameter("Method", "string", method)))));
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    expect_in(ended.out, {"3 of 3 checks passed"});
+  }
 }
 
 TEST_F(BadInput, ScenesThatAreInOrder) {  // the twin of all tests above: the unchanged scene passes

@@ -195,6 +195,26 @@ TEST_F(Batch, ACaseThatCannotBeSolvedSpoilsNoOther) {
   }
 }
 
+/// Euler: a cantilever of length one under an axial load stands up to pi^2 EI / 4 = 2.467 EI.
+TEST_F(Batch, EachCaseTellsWhetherItsEndIsStable) {
+  std::string scene = with_batch(parameter("Table", "string", "elastica_sweep.csv"));
+  scene = changed(scene, "value=\"{0, -10, 0}\"", "value=\"{-1, 0, 0}\"");
+  const Ended ended = solve(scene, "Point Loads/weight/Force[0]\n-2.4\n-2.5\n-1\n2.5\n-2.46\n",
+                            {"--summary", (folder_ / "summary.json").string()});
+  EXPECT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  const std::vector<Row> found = rows();
+  ASSERT_EQ(found.size(), 5u);
+  const std::vector<std::string> stable = {"true", "false", "true", "true", "true"};
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].at("stable"), stable[i]) << i;
+  expect_in(ended.out,
+            {"case 2: stable: false: a real structure does not stay there",
+             "cases by stable: true 4, false 1, neutral 0, unknown 0", "1 warning", "\"Expected/<name>/Value\""});
+  EXPECT_EQ(ended.out.find("the scene gives no expected values"), std::string::npos) << "it does give some";
+  expect_in(text_of(folder_ / "summary.json"),
+            {"\"stable\": \"false\"", "1 of 5 cases end unstable: a real structure does not stay there"});
+  EXPECT_EQ(contents_of(folder_ / "results" / "scene-batch.h5")->count("columns/stable"), 1u);
+}
+
 TEST_F(Batch, WhatIsWrongIsNamed) {
   const auto refused = [this](const std::string& table, const std::vector<std::string>& parts) {
     const Ended ended = solve(sweep(), table);

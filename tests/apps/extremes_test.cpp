@@ -12,6 +12,9 @@ std::string with_study(int most_values, const fs::path& folder) {
   return changed_scene("extremes", end,
                        "</ParameterList>\n<ParameterList name=\"Study\">\n"
                        "<Parameter name=\"Most Elements\" type=\"int\" value=\"100\"/>\n"
+                       "<Parameter name=\"Critical Loads\" type=\"bool\" value=\"false\"/>\n"
+                       "<Parameter name=\"Random Structures\" type=\"int\" value=\"1\"/>\n"
+                       "<Parameter name=\"Reference Step\" type=\"double\" value=\"0.1\"/>\n"
                        "<Parameter name=\"Most Values\" type=\"int\" value=\"" +
                            std::to_string(most_values) +
                            "\"/>\n"
@@ -28,7 +31,9 @@ TEST(Extremes, EndsOfTheSweepsKeepTheirPromise) {
   expect_in(table, {"\nslenderness,1,1,", "\nslenderness,inf,1,", "\nunit_of_length,1e-09,1,", "\ntip_force,1e+08,1,",
                     "\nangle,0,1,", "\norder,8,1,"});
   expect_in(text_of(folder / "extremes.md"),
-            {"# Extremes", "compiler", "| [slenderness](#slenderness) | 1 to inf | 2 of 2 |", "## Where it ends"});
+            {"# Extremes", "compiler", "| [slenderness](#slenderness) | 1 to inf | 2 of 2 |", "## Where it ends",
+             "## Random imperfect structures", "| column | 1 |"});
+  expect_in(text_of(folder / "random_paths.csv"), {"\n0,column,"});
 }
 
 TEST(Extremes, CoarseMeshBreaksThePromise) {

@@ -333,6 +333,8 @@ TEST_F(Disturbed, CtrlCFinishesTheStepAndSaysHowToResume) {
     EXPECT_EQ(ended.exit_code, kInterrupted) << ended.err;
     expect_in(ended.err, {"once more to end at once"});
     expect_in(ended.out, {"Stopped after step", "mixbeam resume", "cut/scene.h5"});
+    EXPECT_EQ(ended.out.find("FAIL"), std::string::npos) << "what was not reached is not checked";
+    EXPECT_EQ(ended.out.find(": stable: "), std::string::npos) << "nor is its end";
     const auto left = contents_of(folder_ / "cut" / "scene.h5");
     ASSERT_TRUE(left);
     EXPECT_GT(complete_steps(*left), 2);
@@ -413,7 +415,7 @@ TEST_F(Mixbeam, ResumesAPathThroughLimitPoints) {
   const fs::path cut = folder_ / "cut";
   const Ended ended = run({"run", scene, "--output", (folder_ / "whole").string()});
   ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
-  expect_in(ended.out, {"critical point 2: limit point at load factor 0.618557", "the last state is UNSTABLE"});
+  expect_in(ended.out, {"critical point 2: limit point at load factor 0.618557"});
   const auto whole = contents_of(folder_ / "whole" / "scene.h5");
   ASSERT_TRUE(whole);
   for (const int steps : {3, 8}) {
@@ -436,15 +438,163 @@ TEST_F(Mixbeam, CriticalPointsThatAreExpectedMustBeThere) {
   const std::string text = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "apps/verification/lee_frame.xml");
   const std::string number = "\"Critical Point\" type=\"int\" value=\"2\"";
   const std::string scene = write_scene(changed(text, number, "\"Critical Point\" type=\"int\" value=\"7\""));
-  const Ended ended = run({"run", scene, "--output", folder_.path().string(), "--quiet"});
-  EXPECT_EQ(ended.exit_code, kBadInput);
-  expect_in(ended.err, {"Critical Point", "value 7", "critical points on the path: 3"});
+  const std::string summary = (folder_ / "summary.json").string();
+  const Ended ended = run({"run", scene, "--output", folder_.path().string(), "--quiet", "--summary", summary});
+  EXPECT_EQ(ended.exit_code, kCheckFailed) << ended.err;
+  expect_in(ended.out, {"FAIL", "critical point 7 did not come; critical points on the path: 3", "FAILED"});
+  expect_in(text_of(summary), {"\"pass\": false", "critical point 7 did not come", "\"all_passed\": false"});
   const std::string blind =
       "<ParameterList name=\"Analysis\"><Parameter name=\"Stability\" type=\"bool\" "
       "value=\"false\"/></ParameterList><ParameterList name=\"Expected\">";
   const Ended refused = run({"check", write_scene(changed(text, "<ParameterList name=\"Expected\">", blind))});
   EXPECT_EQ(refused.exit_code, kBadInput);
   expect_in(refused.err, {"Critical Point", "\"Stability\" = false"});
+}
+
+/// A column of length one and EI = 1, its foot clamped, under the axial load P; P_cr = pi^2 / 4.
+std::string column(const std::string& load, const std::string& lists = "") {
+  const auto parameter = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+  };
+  const auto list = [](const std::string& name, const std::string& entries) {
+    return "<ParameterList name=\"" + name + "\">" + entries + "</ParameterList>";
+  };
+  const std::string section = parameter("EA", "double", "1e6") + parameter("Shear Rigid", "bool", "true") +
+                              parameter("GIt", "double", "1") + parameter("EI2", "double", "2") +
+                              parameter("EI3", "double", "1");
+  const std::string member = parameter("Start", "string", "foot") + parameter("End", "string", "tip") +
+                             parameter("Section", "string", "rod") + parameter("Order", "int", "5") +
+                             parameter("Elements", "int", "4");
+  const std::string force =
+      parameter("Point", "string", "tip") + parameter("Force", "Array(double)", "{-" + load + ", 0, 0}");
+  const std::string scene =
+      list("Sections", list("rod", section)) +
+      list("Points", parameter("foot", "Array(double)", "{0, 0, 0}") + parameter("tip", "Array(double)", "{1, 0, 0}")) +
+      list("Members", list("rod", member)) + list("Supports", list("foot", parameter("Point", "string", "foot"))) +
+      list("Point Loads", list("weight", force));
+  return list("column", list("Scene", scene) + lists);
+}
+
+std::string expecting_stable(const std::string& type, const std::string& value) {
+  return R"(<ParameterList name="Expected"><ParameterList name="end"><Parameter name="Quantity" type="string" )"
+         R"(value="stable"/><Parameter name="Value" type=")" +
+         type + "\" value=\"" + value +
+         R"("/><Parameter name="Source" type="string" value="Euler"/></ParameterList></ParameterList>)";
+}
+
+std::string last_line(const std::string& text) {
+  const std::size_t end = text.find_last_not_of('\n'), begin = text.rfind('\n', end);
+  return text.substr(begin + 1, end - begin);
+}
+
+/// Euler: the straight column is stable up to pi^2 / 4 = 2.467.
+TEST_F(Mixbeam, TheLastWordIsWhetherTheEndIsStable) {
+  const std::string output = (folder_ / "results").string(), summary = (folder_ / "summary.json").string();
+  const auto end_under = [&](const std::string& load, const std::string& lists = "") {
+    return run({"run", write_scene(column(load, lists)), "--quiet", "--output", output, "--summary", summary});
+  };
+  const Ended below = end_under("2.4", expecting_stable("string", "true"));
+  EXPECT_EQ(below.exit_code, kOk) << below.out;
+  EXPECT_EQ(last_line(below.out), "scene: stable: true");
+  expect_in(text_of(summary), {"\"stable\": \"true\""});
+  EXPECT_EQ(text_of(summary).find("warnings"), std::string::npos);
+  expect_in(last_line(text_of(folder_ / "results" / "scene-monitor.csv")), {",true"});
+
+  const Ended above = end_under("2.5");
+  EXPECT_EQ(above.exit_code, kOk) << above.out;
+  EXPECT_EQ(last_line(above.out), "scene: stable: false (1 negative eigenvalue): a real structure does not stay there");
+  expect_in(above.out, {"checks passed, 1 warning."});
+  expect_in(text_of(summary), {"\"stable\": \"false\"", "\"warnings\"", "a real structure does not stay there"});
+  const std::string monitor = text_of(folder_ / "results" / "scene-monitor.csv");
+  expect_in(monitor.substr(0, monitor.find('\n')), {",stable"});
+  expect_in(last_line(monitor), {",false"});
+  EXPECT_NE(contents_of(folder_ / "results" / "scene.h5")->at("steps/000001@stable").find("false"), std::string::npos);
+
+  const Ended blind = end_under("2.5",
+                                "<ParameterList name=\"Analysis\"><Parameter name=\"Stability\" type=\"bool\" "
+                                "value=\"false\"/></ParameterList>");
+  expect_in(last_line(blind.out), {"scene: stable: unknown"});
+  EXPECT_EQ(text_of(summary).find("warnings"), std::string::npos);
+}
+
+/// A slanted bar is stretched along itself: no moment is at work but those that its forces have about its middle, and
+/// the rows of 3000 elements leave 1e-8 of the little that rounding leaves of its bending moments.
+TEST_F(Mixbeam, ABarThatIsOnlyStretchedBalances) {
+  const std::string output = (folder_ / "results").string();
+  const auto stretched = [&](const std::string& lists) {
+    std::string text = changed(column("1", lists), "{1, 0, 0}", "{0.6, 0.48, 0.64}");
+    text = changed(text, "{-1, 0, 0}", "{0.6, 0.48, 0.64}");
+    text = changed(text, "value=\"5\"", "value=\"1\"", "\"Order\"");
+    return run({"run", write_scene(changed(text, "value=\"4\"", "value=\"3000\"", "\"Elements\"")), "--quiet",
+                "--output", output});
+  };
+  const Ended ended = stretched("");
+  EXPECT_EQ(ended.exit_code, kOk) << ended.out;
+  expect_in(ended.out, {"loads and reactions balance: "});
+  // the twin: the undeformed bar is taken for the equilibrium (by fixed steps, which do not start from a prediction)
+  const Ended wrong = stretched(
+      "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\"><Parameter name=\"Method\" type=\"string\" "
+      "value=\"fixed\"/></ParameterList><ParameterList name=\"Status Tests\"><Parameter name=\"Test Type\" "
+      "type=\"string\" "
+      "value=\"NormF\"/><Parameter name=\"Tolerance\" type=\"double\" value=\"2.0\"/></ParameterList></ParameterList>");
+  EXPECT_EQ(wrong.exit_code, kCheckFailed);
+  expect_in(wrong.out, {"DO NOT BALANCE: forces 1.0e+00"});
+}
+
+TEST_F(Mixbeam, StableMayBeExpected) {
+  const std::string output = (folder_ / "results").string();
+  const auto code_of = [&](const std::string& load, const std::string& type, const std::string& value) {
+    const std::string scene = write_scene(column(load, expecting_stable(type, value)));
+    return run({"run", scene, "--quiet", "--output", output}).exit_code;
+  };
+  EXPECT_EQ(code_of("2.5", "string", "false"), kOk);
+  EXPECT_EQ(code_of("2.5", "bool", "false"), kOk);
+  EXPECT_EQ(code_of("2.5", "string", "true"), kCheckFailed);
+  EXPECT_EQ(code_of("2.4", "string", "unknown"), kCheckFailed);
+  EXPECT_EQ(code_of("2.4", "string", "no"), kBadInput);
+}
+
+/// A value that was compared when the file was written is compared again from it, without solving anything.
+TEST_F(Mixbeam, ResumingAtTheEndTellsTheSame) {
+  const std::string output = (folder_ / "results").string(),
+                    scene = write_scene(column("2.5", expecting_stable("string", "false")));
+  const Ended first = run({"run", scene, "--quiet", "--output", output});
+  const Ended again = run({"resume", (folder_ / "results" / "scene.h5").string(), "--quiet"});
+  EXPECT_EQ(again.exit_code, kOk) << again.out << again.err;
+  EXPECT_EQ(last_line(again.out), last_line(first.out));
+}
+
+/// A load factor at which no step will end is told before anything is solved, by `check` as by `run`.
+TEST_F(Mixbeam, LoadFactorsWhereNoStepEndsAreRefusedBeforeTheRun) {
+  const auto asked_at = [&](const std::string& load_factor, const std::string& lists = "") {
+    const std::string value = "<Parameter name=\"Value\"";
+    const std::string expected =
+        changed(expecting_stable("string", "true"), value,
+                "<Parameter name=\"Load Factor\" type=\"double\" value=\"" + load_factor + "\"/>" + value);
+    return write_scene(column("2.4", expected + lists));
+  };
+  const std::string fixed =
+      "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\"><Parameter name=\"Method\" type=\"string\" "
+      "value=\"fixed\"/><Parameter name=\"Steps\" type=\"int\" value=\"4\"/></ParameterList></ParameterList>";
+  const std::string output = (folder_ / "results").string();
+  for (const char* command : {"check", "run"}) {
+    std::vector<std::string> arguments = {command, asked_at("0.5")};
+    if (std::string(command) == "run") arguments.insert(arguments.end(), {"--output", output});
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.exit_code, kBadInput);
+    expect_in(ended.err, {"\"Expected / end / Load Factor\"", "value 0.5", "no load step ended there", "\"Steps\""});
+    EXPECT_FALSE(fs::exists(folder_ / "results" / "scene.h5"));
+  }
+  const std::string quarters =
+      "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\"><Parameter name=\"Maximum Step\" "
+      "type=\"double\" "
+      "value=\"0.25\"/></ParameterList></ParameterList>";
+  EXPECT_EQ(run({"check", asked_at("1")}).exit_code, kOk);
+  EXPECT_EQ(run({"check", asked_at("0.5", quarters)}).exit_code, kOk);
+  EXPECT_EQ(run({"check", asked_at("0.6", quarters)}).exit_code, kBadInput);
+  EXPECT_EQ(run({"check", asked_at("0.6", fixed)}).exit_code, kBadInput);
+  EXPECT_EQ(run({"check", asked_at("0.5", fixed)}).exit_code, kOk);
+  EXPECT_EQ(run({"run", asked_at("0.5", fixed), "--quiet", "--output", output}).exit_code, kOk);
 }
 
 TEST_F(Mixbeam, RefusesToResumeWhatRemembersMore) {

@@ -84,7 +84,8 @@ TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {
     record.load_factor = step < 3 ? 0.5 * step : 0.75;
     record.members = {bent_member(step)};
     record.monitored = {{"tip.displacement", {0, -0.1 * step, 0}}};
-    record.negative_eigenvalues = step < 3 ? 0 : 1;
+    record.stability.negative = step < 3 ? 0 : 1;
+    record.stability.stable = step < 3 ? "true" : "false";
     if (step == 3) {
       RecordedCriticalPoint point;
       point.kind = "limit point";

@@ -69,7 +69,7 @@ TEST(Summary, ChecksThatCheckNothingAreRefused) {
 }
 
 TEST(Summary, ComparisonsHaveNames) {
-  for (const char* name : {"absolute", "relative", "upper bound", "printed digits"}) {
+  for (const char* name : {"absolute", "relative", "upper bound", "printed digits", "word"}) {
     EXPECT_EQ(name_of(comparison_from_name(name)), name);
   }
   EXPECT_THROW(comparison_from_name("about"), std::invalid_argument);
@@ -94,6 +94,47 @@ TEST(Summary, PrintsFailuresAndCounts) {
   EXPECT_EQ(brief.str().find("u3"), std::string::npos);
 }
 
+TEST(Summary, WordsAreComparedAsTheyStand) {
+  Summary summary;
+  EXPECT_TRUE(summary.check_word("end", "false", "false", kSource));
+  EXPECT_FALSE(summary.check_word("end", "neutral", "true", kSource));
+  std::stringstream stream;
+  summary.print_checks(stream, false);
+  EXPECT_EQ(stream.str().find("  FAIL  end = neutral, reference true, from "), 0u) << stream.str();
+}
+
+TEST(Summary, WhatNeverGotAValueFails) {
+  Summary summary;
+  summary.fail("limit point", "0.3386", kSource, "critical point 1 did not come");
+  EXPECT_FALSE(summary.all_passed());
+  std::stringstream stream;
+  summary.print_checks(stream, false);
+  EXPECT_NE(stream.str().find("limit point: critical point 1 did not come, reference 0.3386"), std::string::npos);
+  EXPECT_NE(stream.str().find("0 of 1 checks passed, 1 FAILED.\n"), std::string::npos);
+}
+
+TEST(Summary, TheLeastCertainEndSpeaksForAll) {
+  Summary summary;
+  EXPECT_EQ(summary.stable(), "");
+  summary.ends = {{"a", 1.0, "true"}, {"b", 1.0, "neutral"}};
+  EXPECT_EQ(summary.stable(), "neutral");
+  summary.ends.push_back({"c", 1.0, "unknown"});
+  EXPECT_EQ(summary.stable(), "unknown");
+  summary.stable_cases["false"] = 0;
+  EXPECT_EQ(summary.stable(), "unknown");
+  summary.stable_cases["false"] = 1;
+  EXPECT_EQ(summary.stable(), "false");
+}
+
+TEST(Summary, WarningsAreCounted) {
+  Summary summary;
+  summary.check_upper_bound("iterations", 10, 11, "issue");
+  summary.warnings = {"the last state is unstable"};
+  std::stringstream stream;
+  summary.print_checks(stream, false);
+  EXPECT_EQ(stream.str(), "1 of 1 checks passed, 1 warning.\n");
+}
+
 TEST(Summary, JsonHoldsEverything) {
   std::string folder = (fs::temp_directory_path() / "mixbeam_summary_XXXXXX").string();
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
@@ -104,6 +145,7 @@ TEST(Summary, JsonHoldsEverything) {
   summary.newton_iterations = 6;
   summary.seconds = {{"solve", 0.25}, {"read", std::nan("")}};
   summary.estimated_errors = {{"first", "", {{"strain energy", -2e-6, 1e-6}}}, {"second", "too coarse", {}}};
+  summary.ends = {{"first", 0.5, "false", "true", 2}};
   summary.check_relative("x", 1.0 / 3.0, 0.3333, 1e-3, kSource);
   summary.check_absolute("broken \xff name", std::nan(""), 1.0, 1e-3, kSource);
   summary.write_json(path);
@@ -122,6 +164,10 @@ TEST(Summary, JsonHoldsEverything) {
   EXPECT_EQ(json["checks"][1]["value"], "nan");
   EXPECT_EQ(json["checks"][1]["pass"], false);
   EXPECT_EQ(json["all_passed"], false);
+  EXPECT_EQ(json["stable"], "false");
+  EXPECT_EQ(json["ends"][0]["run"], "first");
+  EXPECT_EQ(json["ends"][0]["stable_held"], "true");
+  EXPECT_EQ(json["ends"][0]["negative_eigenvalues"], 2);
 
   EXPECT_THROW(summary.write_json(fs::path(folder) / "no" / "summary.json"), std::runtime_error);
   EXPECT_THROW(summary.write_json(folder), std::runtime_error);

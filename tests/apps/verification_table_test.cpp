@@ -53,6 +53,23 @@ class VerificationTable : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(VerificationTable, WordsAreTheSameOrNot) {
+  for (const std::string word : {"true", "false"}) {
+    Summary summary;
+    summary.program = "rollup";
+    summary.version = "1.2";
+    summary.check_word("end", word, "true", "Euler");
+    summary.write_json(folder_ / "summary.json");
+    fs::create_directories(folder_ / "results" / "rollup");
+    fs::copy(folder_ / "summary.json", folder_ / "results" / "rollup", fs::copy_options::overwrite_existing);
+    const Ended ended = table({"--markdown"});
+    if (word == "true")
+      expect_in(ended.out, {"| rollup | end | 1 | none | the same word | yes | Euler |"});
+    else
+      expect_in(ended.out, {"| rollup | end | 1 | another word, or none | the same word | **NO** | Euler |"});
+  }
+}
+
 TEST_F(VerificationTable, GroupsWhatBelongsTogether) {
   write_summary("rollup", 0.501);
   const Ended ended = table({"--markdown"});

@@ -117,6 +117,30 @@ TEST(ExpectedValues, MayBelongToACriticalPoint) {
                {"did you mean \"Critical Point\"?"});
 }
 
+TEST(ExpectedValues, MayAskWhetherTheStateIsStable) {
+  const auto stable = [](const std::string& value, const std::string& more = "") {
+    return "<ParameterList name=\"end\">" + word("Quantity", "stable") + value + more + word("Source", "by hand") +
+           "</ParameterList>";
+  };
+  const ExpectedValue neutral = expected_from(stable(word("Value", "neutral")))[0];
+  EXPECT_EQ(neutral.quantity, kStableName);
+  EXPECT_EQ(neutral.word, "neutral");
+  EXPECT_EQ(expected_from(stable("<Parameter name=\"Value\" type=\"bool\" value=\"false\"/>"))[0].word, "false");
+  EXPECT_EQ(expected_from(kTip)[0].word, "");
+  const auto refusal = [&](const std::string& value, const std::string& more = "") {
+    return message_of([&] { expected_from(stable(value, more)); });
+  };
+  expect_parts(refusal(word("Value", "perhaps")), {"end / Value", "\"perhaps\"", "\"neutral\""});
+  expect_parts(refusal("<Parameter name=\"Value\" type=\"double\" value=\"1\"/>"), {"end / Value", "a number"});
+  expect_parts(refusal(word("Value", "true"), "<Parameter name=\"Absolute Tolerance\" type=\"double\" value=\"1\"/>"),
+               {"Absolute Tolerance", "has no meaning"});
+  expect_parts(refusal(word("Value", "true"), "<Parameter name=\"Critical Point\" type=\"int\" value=\"1\"/>"),
+               {"Critical Point", "has no meaning"});
+  const std::string load_factor = "<ParameterList name=\"end\">" + word("Quantity", "load factor") +
+                                  word("Value", "true") + word("Source", "by hand") + "</ParameterList>";
+  expect_parts(message_of([&] { expected_from(load_factor); }), {"end / Value", "\"true\"", "a number"});
+}
+
 TEST(ExpectedValues, MustBelongToTheScene) {
   const Scene scene = scene_from(kBowScene);
   Scene with_cases = scene;

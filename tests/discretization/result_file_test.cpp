@@ -206,7 +206,7 @@ StateSnapshot sample_state() { return {{1, 2, 3}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0
 /// A step behind a limit point, on a path that is followed by its length.
 StepRecord step_behind_limit_point(int step) {
   StepRecord record = sample_step(step);
-  record.negative_eigenvalues = 1;
+  record.stability = {"false", "true", 1, false};
   RecordedCriticalPoint point;
   point.kind = "limit point";
   point.load_factor = 0.75;
@@ -313,6 +313,10 @@ TEST_F(ResultFileTest, WhatResumingNeedsComesBack) {
   EXPECT_EQ(point.negative, 1);
   EXPECT_TRUE(point.branched);
   EXPECT_EQ(point.critical_points, 4);
+  EXPECT_EQ(run.stability().at(1).stable, "false");
+  EXPECT_EQ(run.stability().at(1).held, "true");
+  EXPECT_EQ(run.stability().at(1).negative, 1);
+  EXPECT_FALSE(run.stability().at(1).has_potential);
   EXPECT_TRUE(run.critical_points(0).empty());
   const std::vector<RecordedCriticalPoint> critical = run.critical_points(1);
   ASSERT_EQ(critical.size(), 1U);
@@ -332,7 +336,9 @@ TEST_F(ResultFileTest, OlderFilesAreRead) {
   for (const char* name : {"stage", "critical_points", "path_length", "direction", "negative", "branched"})
     ASSERT_GE(H5Adelete(state, name), 0) << name;
   H5Gclose(state);
+  ASSERT_GE(H5Adelete_by_name(file, "/steps/000000", "stable", H5P_DEFAULT), 0);
   H5Fclose(file);
+  EXPECT_EQ(StoredRun(file_).stability().at(0).stable, "unknown");
   const PathPoint point = StoredRun(file_).steps().at(0);
   EXPECT_EQ(point.stage, 2);
   EXPECT_EQ(point.path_length, 0.0);

@@ -2,6 +2,7 @@
 #include "discretization/scene_parameters.hpp"
 #include "discretization/xml_reader.hpp"
 #include "nonlinear/accurate_run.hpp"
+#include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/problems/solve.hpp"
 
@@ -185,6 +186,159 @@ TEST(Accuracy, IsReachedByElementsWhereTheOrderIsKept) {
   EXPECT_EQ(run.end, AccuracyEnd::reached);
   EXPECT_EQ(run.simulation.scene().members[0].order, 2);
   EXPECT_LT(error_against(fine, run.simulation, {"tip"}), 1e-5);
+}
+
+/// A run and the critical load factors in what it gives of its last mesh.
+struct CriticalRun {
+  AccurateRun run;
+  std::vector<double> critical;
+};
+
+CriticalRun run_to_critical_points(const Scene& scene) {
+  std::vector<double> critical;
+  const auto keep = [&](const StepReport& report) {
+    for (const CriticalPoint& point : report.critical_points) critical.push_back(point.load_factor);
+  };
+  AccurateRunObserver observer;
+  observer.begin = [&](const Simulation&) { critical.clear(); };
+  observer.step = [&](const Simulation&, const StepReport& report) { keep(report); };
+  observer.end = [&](const Simulation&, const StepReport& report, const ErrorEstimate&) { keep(report); };
+  AccurateRun run = run_accurately(scene, {}, this_rank(), false, observer);
+  EXPECT_EQ(run.end, AccuracyEnd::reached) << text_of(run.end);
+  return {std::move(run), critical};
+}
+
+/// Structures in which nothing bends need hardly more than their start mesh.
+constexpr int kFewElements = 40;
+constexpr double kCriticalAccuracies[] = {1e-6, 1e-8};
+
+/// The one critical load factor, within the accuracy and known to be.
+void expect_critical_load(const Scene& scene, double expected) {
+  for (const double accuracy : kCriticalAccuracies) {
+    const CriticalRun found = run_to_critical_points(with_accuracy(scene, accuracy));
+    ASSERT_EQ(found.critical.size(), 1u) << scene.name;
+    EXPECT_NEAR(found.critical[0], expected, accuracy * expected) << scene.name;
+    EXPECT_LE(found.run.rounds.back().critical_error, accuracy) << scene.name;
+    EXPECT_LE(found.run.rounds.back().elements, kFewElements) << scene.name;
+  }
+}
+
+/// `loaded` times the force that belongs to load factor one.
+Scene loaded_column(double axial_stiffness, double force) {
+  Scene scene = column(1, 1);
+  scene.sections[0].axial_stiffness = axial_stiffness;
+  scene.point_loads[0].force = {-force, 0, 0};
+  return scene;
+}
+
+// P (1 - P / EA) = pi^2/4: a shear rigid column that is compressed to 1 - P / EA of its length.
+TEST(Accuracy, OfTheBucklingLoadOfAColumn) {
+  constexpr double kEuler = 0.25 * kPi * kPi, kLoaded = 1.5 * kEuler;
+  expect_critical_load(loaded_column(kRigid, kLoaded), kEuler / kLoaded);
+  for (const double stiffness : {1e3, 1e5, 1e6, 1e8})
+    expect_critical_load(loaded_column(stiffness, kLoaded),
+                         2.0 * kEuler / (1.0 + std::sqrt(1.0 - 4.0 * kEuler / stiffness)) / kLoaded);
+}
+
+/// Critical q L^3 / EI of a column under its own weight, from the first zero of J_{-1/3}.
+constexpr double kHeavyColumn = 7.837347438943;
+
+Scene heavy_column(double weight) {
+  Scene scene = column(1, 1);
+  scene.point_loads.clear();
+  scene.distributed_loads.resize(1);
+  scene.distributed_loads[0].member = scene.members[0].name;
+  scene.distributed_loads[0].force = {-weight, 0, 0};
+  return scene;
+}
+
+TEST(Accuracy, OfTheBucklingLoadOfAHeavyColumn) { expect_critical_load(heavy_column(2.0 * kHeavyColumn), 0.5); }
+
+// The twin: nothing moves, so the start mesh is good enough for displacements, but its buckling load is not; what two
+// meshes differ by tells that. A member that keeps its mesh has no estimate, and is not as accurate.
+TEST(Accuracy, OfABucklingLoadNeedsAnEstimateOfItsOwn) {
+  constexpr double kAccuracy = 1e-3, kExpected = 0.8;
+  const ColumnEnds clamped = euler_columns().back();
+  Scene scene = with_accuracy(column(1, 8, clamped.supports), kAccuracy);
+  scene.point_loads[0].force = {-clamped.critical / kExpected, 0, 0};
+  scene.members[0].keeps_order = true;
+  const CriticalRun found = run_to_critical_points(scene);
+  ASSERT_GE(found.run.rounds.size(), 3u);
+  EXPECT_LE(found.run.rounds.front().error, kAccuracy);
+  EXPECT_GT(found.run.rounds[1].critical_error, kShareOfAccuracy * kAccuracy);
+  ASSERT_EQ(found.critical.size(), 1u);
+  EXPECT_NEAR(found.critical[0], kExpected, kAccuracy * kExpected);
+  scene.members[0].keeps_elements = true;
+  const CriticalRun kept = run_to_critical_points(scene);
+  EXPECT_TRUE(std::isnan(kept.run.rounds.back().critical_error));
+  ASSERT_EQ(kept.critical.size(), 1u);
+  EXPECT_GT(std::abs(kept.critical[0] - kExpected), kAccuracy * kExpected);
+}
+
+// Beck's column flutters at 20.05 and has no other equilibrium at any load.
+TEST(Accuracy, OfBecksColumn) {
+  Scene scene = loaded_column(kRigid, 30.0);
+  scene.point_loads[0].frame = LoadFrame::follower;
+  scene.point_loads[0].member = scene.members[0].name;
+  for (const double accuracy : kCriticalAccuracies) {
+    const CriticalRun found = run_to_critical_points(with_accuracy(scene, accuracy));
+    EXPECT_TRUE(found.critical.empty());
+    EXPECT_EQ(found.run.rounds.size(), 1u);
+    EXPECT_LE(found.run.rounds.back().elements, kFewElements);
+  }
+}
+
+/// Two halves of a circle of this radius, turned about the diameter through its clamp.
+Scene turned_ring(double radius, double angle) {
+  Scene ring = cantilever(section(7e6, 2.7e6, 7.9e4, 5.8e5), 1.0, 1, 1);
+  ring.sections[0].bending_stiffness[1] = 6.5e4;
+  ring.points = {{"clamp", {0, 0, 0}}, {"far", {2.0 * radius, 0, 0}}};
+  ring.members = {arc("upper", "clamp", "far", {radius, 0, 0}, {0, 0, -1}, kPi, 1, 1),
+                  arc("lower", "far", "clamp", {radius, 0, 0}, {0, 0, -1}, kPi, 1, 1)};
+  ring.members[0].second_axis = {1, 0, 0};
+  ring.members[1].second_axis = {-1, 0, 0};
+  ring.supports = {clamp("clamp"), support("far", {false, true, true}, kHeld)};
+  ring.supports[1].prescribed_rotation = {angle, 0, 0};
+  return ring;
+}
+
+// After two turns it is where it was, and displacements are rounding. (R. Goto et al., Elastic buckling phenomenon
+// applicable to deployable rings, 1992: after one turn it is folded to a third.)
+TEST(Accuracy, WhereNothingIsLeftOfTheMotion) {
+  constexpr double kRadius = 20.0;
+  const CriticalRun found = run_to_critical_points(with_accuracy(turned_ring(kRadius, 4.0 * kPi), 1e-8));
+  EXPECT_LE(found.run.rounds.back().elements, 2 * kFewElements);
+  EXPECT_LT(length(found.run.simulation.displacement("far")), 1e-10 * kRadius);
+}
+
+// A straight rod whose ends are joined to a circle: the first steps are short, and what their elements turn by tells
+// nothing about the circle.
+TEST(Accuracy, TakesMeshesThatGrowByBoundedFactors) {
+  constexpr double kLength = 4.0 * kPi;
+  Scene rod = cantilever(section(1e4, kRigid, 0.7, 1.3), kLength, 1, 1);
+  rod.supports.push_back(clamp("tip"));
+  rod.supports.back().prescribed_rotation = {0, 0, 2.0 * kPi};
+  rod.supports.back().prescribed_displacement = {-kLength, 0, 0};
+  const AccurateRun run = solved_accurately(with_accuracy(rod, 1e-6));
+  EXPECT_EQ(run.end, AccuracyEnd::reached) << text_of(run.end);
+  for (std::size_t i = 1; i < run.rounds.size(); ++i)
+    EXPECT_LE(run.rounds[i].elements, kLargestRefinement * run.rounds[i - 1].elements);
+  EXPECT_LE(run.rounds.back().elements, 2 * kFewElements);
+  const double energy = 0.5 * 1.3 * 4.0 * kPi * kPi / kLength;  // EI (2 pi / L)^2 L / 2
+  EXPECT_NEAR(run.simulation.strain_energy().moment, energy, 1e-6 * energy);
+}
+
+TEST(Accuracy, IsStoppedBetweenMeshes) {
+  bool has_ended = false;
+  int meshes = 0;
+  AccurateRunObserver observer;
+  observer.begin = [&](const Simulation&) { ++meshes; };
+  observer.end = [&](const Simulation&, const StepReport&, const ErrorEstimate&) { has_ended = true; };
+  observer.stop = [&] { return has_ended; };
+  const AccurateRun run =
+      run_accurately(with_accuracy(growing_cantilever(1, 1), 1e-6), {}, this_rank(), false, observer);
+  EXPECT_EQ(run.end, AccuracyEnd::interrupted);
+  EXPECT_EQ(meshes, 1);  // its twin is NeedsMoreThanOneMesh
 }
 
 }  // namespace

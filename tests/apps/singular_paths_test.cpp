@@ -1,0 +1,132 @@
+// What a user of the program sees where a path passes near a singular point: answers, exit codes, words. The answers of
+// the solver itself are in problems/known_paths_test.cpp.
+#include "tests/apps/process.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">\n" + inside + "</ParameterList>\n";
+}
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>\n";
+}
+std::string word(const std::string& name, const std::string& value) { return parameter(name, "string", value); }
+std::string vector(const std::string& name, const std::string& value) {
+  return parameter(name, "Array(double)", "{" + value + "}");
+}
+
+/// An inextensible cantilever of length and stiffness 1 along x, in the plane, under this force at its tip; `rest`:
+/// lists beside the scene.
+std::string column(const std::string& force, const std::string& rest) {
+  const std::string rigid = parameter("Inextensible", "bool", "true") + parameter("Shear Rigid", "bool", "true");
+  const std::string soft =
+      parameter("GIt", "double", "1") + parameter("EI2", "double", "1") + parameter("EI3", "double", "1");
+  return list(
+      "column",
+      list("Scene",
+           list("Sections", list("rod", rigid + soft)) +
+               list("Points", vector("clamp", "0, 0, 0") + vector("tip", "1, 0, 0")) +
+               list("Members", list("rod", word("Start", "clamp") + word("End", "tip") + word("Section", "rod") +
+                                               parameter("Order", "int", "5") + parameter("Elements", "int", "16"))) +
+               list("Supports",
+                    list("clamp", word("Point", "clamp")) +
+                        list("plane", word("Point", "tip") + parameter("Fixed Displacement", "Array(string)", "{z}") +
+                                          parameter("Fixed Rotation", "Array(string)", "{x, y}"))) +
+               list("Point Loads", list("load", word("Point", "tip") + vector("Force", force)))) +
+          rest);
+}
+
+std::string expected(const std::string& quantity, const std::string& more, const std::string& value) {
+  return list("Expected", list("value", word("Quantity", quantity) + more + parameter("Value", "double", value) +
+                                            parameter("Absolute Tolerance", "double", "1e-8") +
+                                            word("Source", "shooting on the rod equations")));
+}
+std::string tip(const std::string& component) { return word("Point", "tip") + word("Component", component); }
+
+Ended run(const std::string& command, const std::string& scene, const fs::path& folder) {
+  write_text(folder / "scene.xml", scene);
+  std::vector<std::string> words = {command, (folder / "scene.xml").string()};
+  if (command != "check")
+    for (const std::string& word : {std::string("--output"), folder.string(), std::string("--threads"),
+                                    std::string("1"), std::string("--summary"), (folder / "summary.json").string()})
+      words.push_back(word);
+  return run_process(program("mixbeam"), words, folder);
+}
+
+/// 1.2 times Euler's load and a hundredth of it across.
+const std::string kForce = "-2.9608813203268074, 0.029608813203268074, 0";
+
+TEST(SingularPaths, TheImperfectColumnEndsOnItsSide) {
+  const auto folder = folder_for("singular_right");
+  const Ended right = run("run", column(kForce, expected("displacement", tip("y"), "0.65716809204")), folder);
+  EXPECT_EQ(right.exit_code, 0) << right.out << right.err;
+  EXPECT_EQ(run("run", column(kForce, expected("displacement", tip("y"), "0.65717")), folder).exit_code, 1);
+}
+
+TEST(SingularPaths, ACriticalPointThatDoesNotComeIsAFailedCheck) {
+  const auto folder = folder_for("singular_missing");
+  const std::string critical = parameter("Critical Point", "int", "1");
+  const Ended missing = run("run", column(kForce, expected("load factor", critical, "0.5")), folder);
+  EXPECT_EQ(missing.exit_code, 1) << missing.out << missing.err;
+  EXPECT_TRUE(fs::exists(folder / "summary.json"));
+}
+
+TEST(SingularPaths, CheckTellsOfALoadFactorThatNoStepEndsAt) {
+  const auto folder = folder_for("singular_load_factor");
+  const std::string early = parameter("Load Factor", "double", "0.3");
+  const Ended off = run("check", column(kForce, expected("displacement", tip("y") + early, "0.1")), folder);
+  EXPECT_EQ(off.exit_code, 2) << off.out;
+  expect_in(off.out + off.err, {"Load Factor"});
+  const std::string end = parameter("Load Factor", "double", "1");
+  EXPECT_EQ(run("check", column(kForce, expected("displacement", tip("y") + end, "0.1")), folder).exit_code, 0);
+}
+
+/// The straight column is not moved sideways by its thrust, so no displacement there can be driven by it.
+TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
+  const auto folder = folder_for("singular_control");
+  for (const std::string component : {"y", "x"}) {
+    const std::string control =
+        list("Analysis", list("Control", tip(component) + parameter("Target", "double", "-0.1")));
+    const Ended still = run("run", column("-1, 0, 0", control), folder);
+    EXPECT_TRUE(still.exit_code == 2 || still.exit_code == 3) << still.exit_code;
+    expect_in(still.out + still.err, {"not move", "tip"});
+    EXPECT_EQ((still.out + still.err).find("in 0 iterations"), std::string::npos);
+  }
+}
+
+/// P from 2 to 6 with a force across of 0.01: y of the tip by shooting.
+TEST(SingularPaths, ABatchOfImperfectColumns) {
+  const auto folder = folder_for("singular_batch");
+  const std::string varied =
+      list("Vary", list("P", word("Parameter", "Point Loads/load/Force[0]") + parameter("First", "double", "-2") +
+                                 parameter("Last", "double", "-6") + parameter("Count", "int", "5")));
+  const std::string value = expected("displacement", tip("y"), "0.1");
+  const std::string loose = changed(value, "1e-8", "10");
+  const Ended ended =
+      run("batch", column("-1, 0.01, 0", loose + list("Batch", varied + word("Output", "expected"))), folder);
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  const std::string table = text_of(folder / "scene-batch.csv");
+  std::istringstream rows(table);
+  std::string row;
+  std::getline(rows, row);
+  const std::vector<double> right = {0.01738200818, 0.66614571490, 0.80251319246, 0.79535909617, 0.76109671324};
+  for (const double y : right) {
+    ASSERT_TRUE(std::getline(rows, row)) << table;
+    bool found = false;
+    std::istringstream cells(row);
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      char* end = nullptr;
+      const double number = std::strtod(cell.c_str(), &end);
+      found = found || (end != cell.c_str() && std::abs(number - y) < 1e-8);
+    }
+    EXPECT_TRUE(found) << "no y = " << y << " in " << row;
+  }
+}
+
+}  // namespace
+}  // namespace mixbeam

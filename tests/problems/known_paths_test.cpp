@@ -1,0 +1,844 @@
+// Paths near singular points that are easily got wrong, each with an answer that no finite element computed: shooting
+// on the rod equations, or a closed form. The table below is data; one judge looks at every path, and once more at the
+// same path with each number of the answer changed, which it must refuse.
+#include "apps/common/imperfect_structures.hpp"
+#include "apps/common/judged_path.hpp"
+#include "discretization/section_shape.hpp"
+#include "nonlinear/accurate_run.hpp"
+#include "tests/problems/constrained_scenes.hpp"
+#include "tests/problems/solve.hpp"
+
+#include <chrono>
+#include <functional>
+#include <optional>
+
+namespace mixbeam::test::known_paths_test {
+namespace {
+
+/// Of what is compared, unless a path says otherwise: the digits of the references.
+constexpr double kDigits = 1e-8;
+/// By which each number of an answer is changed for the twin.
+constexpr double kTwin = 1e-3;
+/// What no path of the table may take, with room for a busy machine.
+constexpr double kMostSeconds = 30.0;
+
+constexpr int kX = 0, kY = 1, kZ = 2, kNorm = 3;
+
+struct End {
+  std::string point;
+  int component;
+  double value;
+  double tolerance = kDigits;
+};
+struct Critical {
+  double load_factor;
+  std::optional<CriticalKind> kind{};
+  int modes = 0;  ///< 0: any
+};
+
+struct Answer {
+  std::vector<End> ends{}, forces{};  ///< displacements; forces of supports
+  std::optional<double> load_factor{};
+  std::optional<double> moment_energy{};
+  std::vector<Critical> critical{};
+  double critical_tolerance = kDigits;
+  bool all_critical = true;   ///< false: more may follow
+  bool only_limits = false;   ///< `critical` are the limit points alone, bifurcations are not looked at
+  int negative = 0;           ///< of the last state; -1: not looked at
+  bool counts_follow = true;  ///< false: a branch or a controlled motion, where counts change their meaning
+  std::optional<double> largest_step{};
+  std::vector<double> buckling{};  ///< linear, nearest to zero first
+  bool may_be_refused = false;
+};
+
+struct KnownPath {
+  std::string name;
+  Scene scene;
+  SolverParameters parameters{};
+  Answer answer{};
+};
+
+/// What Google Test prints of it.
+void PrintTo(const KnownPath& path, std::ostream* out) { *out << path.name; }
+
+// ---- what was computed
+
+struct Walk {
+  bool refused = false, late = false;
+  std::string failure{};
+  double load_factor = 0.0, largest_step = 0.0, moment_energy = 0.0;
+  int negative = -1;
+  std::vector<CriticalPoint> critical{};
+  std::vector<Vector3> ends{}, forces{};  ///< in the order of the answer
+  std::vector<double> buckling{};
+};
+
+double component(const Vector3& v, int i) { return i == kNorm ? std::hypot(v[0], v[1], v[2]) : v[i]; }
+
+class Walker {
+ public:
+  explicit Walker(const KnownPath& path) : path_(path) {}
+
+  Walk walk() {
+    try {
+      path_.scene.accuracy ? accurately() : plainly();
+    } catch (const InputError& error) {
+      walk_.refused = true;
+      walk_.failure = error.what();
+    }
+    return walk_;
+  }
+
+ private:
+  bool is_late() {
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start_;
+    walk_.late = passed.count() > kMostSeconds;
+    return walk_.late;
+  }
+  void see(const StepReport& report) {
+    walk_.critical.insert(walk_.critical.end(), report.critical_points.begin(), report.critical_points.end());
+    walk_.largest_step = std::max(walk_.largest_step, std::abs(report.load_factor - walk_.load_factor));
+    walk_.load_factor = report.load_factor;
+    walk_.negative = report.stability ? report.stability->negative : -1;
+  }
+  void plainly() {
+    Simulation simulation(path_.scene, path_.parameters, this_rank());
+    if (!path_.answer.buckling.empty())
+      for (const auto& mode : simulation.buckling_modes(static_cast<int>(path_.answer.buckling.size()), 3))
+        walk_.buckling.push_back(mode.load_factor);
+    PathControl control;
+    control.stop = [this] { return is_late(); };
+    simulation.run([this](const StepReport& report, const State&) { see(report); }, control);
+    finish(simulation);
+  }
+  void accurately() {
+    AccurateRunObserver observer;
+    observer.begin = [this](const Simulation&) {
+      walk_.critical.clear();
+      walk_.load_factor = 0.0;
+    };
+    observer.step = [this](const Simulation&, const StepReport& report) { see(report); };
+    observer.end = [this](const Simulation&, const StepReport& report, const ErrorEstimate&) { see(report); };
+    observer.stop = [this] { return is_late(); };
+    const AccurateRun run = run_accurately(path_.scene, path_.parameters, this_rank(), true, observer);
+    finish(run.simulation);
+  }
+  void finish(const Simulation& simulation) {
+    walk_.refused = !simulation.result().finished;
+    walk_.failure = simulation.result().failure;
+    walk_.moment_energy = simulation.strain_energy().moment;
+    for (const End& end : path_.answer.ends) walk_.ends.push_back(simulation.displacement(end.point));
+    for (const End& force : path_.answer.forces)
+      for (const Reaction& reaction : simulation.reactions())
+        if (reaction.point == force.point) walk_.forces.push_back(reaction.force);
+  }
+
+  const KnownPath& path_;
+  Walk walk_{};
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// ---- the judge
+
+void compare(std::vector<std::string>& wrong, const std::string& what, double value, double right, double tolerance) {
+  // a value of zero is one of a structure whose size is about one
+  if (std::abs(value - right) <= tolerance * (right == 0.0 ? 1.0 : std::abs(right))) return;
+  std::ostringstream text;
+  text << std::setprecision(12) << what << " " << value << " in place of " << right;
+  wrong.push_back(text.str());
+}
+
+std::vector<CriticalPoint> looked_at(const Walk& walk, const Answer& answer) {
+  std::vector<CriticalPoint> points;
+  for (const CriticalPoint& point : walk.critical)
+    if (!answer.only_limits || point.kind == CriticalKind::limit_point) points.push_back(point);
+  return points;
+}
+
+void judge_critical(std::vector<std::string>& wrong, const Walk& walk, const Answer& answer) {
+  const std::vector<CriticalPoint> points = looked_at(walk, answer);
+  if (points.size() < answer.critical.size() || (answer.all_critical && points.size() > answer.critical.size()))
+    wrong.push_back(std::to_string(points.size()) + " critical points in place of " +
+                    std::to_string(answer.critical.size()));
+  for (size_t i = 0; i < std::min(points.size(), answer.critical.size()); ++i) {
+    const std::string name = "critical point " + std::to_string(i + 1) + ": ";
+    const Critical& known = answer.critical[i];
+    compare(wrong, name + "load factor", points[i].load_factor, known.load_factor, answer.critical_tolerance);
+    if (known.kind && points[i].kind != *known.kind) wrong.push_back(name + name_of(points[i].kind));
+    if (known.modes > 0) compare(wrong, name + "modes", points[i].modes, known.modes, 0.0);
+  }
+}
+
+/// Each critical point begins with the count that the one before left, and the last state has what remains.
+void judge_counts(std::vector<std::string>& wrong, const Walk& walk) {
+  int count = 0;
+  for (const CriticalPoint& point : walk.critical) {
+    if (point.negative_before != count) wrong.push_back("counts of critical points do not follow one another");
+    count = point.negative_after;
+  }
+  if (walk.negative >= 0 && walk.negative != count)
+    wrong.push_back("the last count is not that of the critical points");
+}
+
+std::vector<std::string> judge(const Walk& walk, const Answer& answer) {
+  if (walk.late) return {"takes more than " + std::to_string(kMostSeconds) + " s"};
+  if (walk.refused && answer.may_be_refused) return {};
+  if (walk.refused) return {"given up: " + walk.failure};
+  std::vector<std::string> wrong;
+  for (size_t i = 0; i < answer.ends.size(); ++i)
+    compare(wrong, answer.ends[i].point, component(walk.ends[i], answer.ends[i].component), answer.ends[i].value,
+            answer.ends[i].tolerance);
+  for (size_t i = 0; i < answer.forces.size(); ++i)
+    compare(wrong, "force at " + answer.forces[i].point, component(walk.forces[i], answer.forces[i].component),
+            answer.forces[i].value, answer.forces[i].tolerance);
+  if (answer.load_factor) compare(wrong, "load factor", walk.load_factor, *answer.load_factor, kDigits);
+  if (answer.moment_energy) compare(wrong, "energy", walk.moment_energy, *answer.moment_energy, 10.0 * kDigits);
+  judge_critical(wrong, walk, answer);
+  if (answer.counts_follow) judge_counts(wrong, walk);
+  if (answer.negative >= 0 && walk.negative >= 0)
+    compare(wrong, "negative eigenvalues", walk.negative, answer.negative, 0);
+  if (answer.largest_step && walk.largest_step > *answer.largest_step * (1.0 + kDigits))
+    wrong.push_back("a step is too large");
+  for (size_t i = 0; i < answer.buckling.size(); ++i)
+    compare(wrong, "buckling factor", i < walk.buckling.size() ? walk.buckling[i] : 0.0, answer.buckling[i], kTwin);
+  return wrong;
+}
+
+/// Every answer that differs from the right one in one number.
+std::vector<Answer> twins(const Answer& answer) {
+  std::vector<Answer> all;
+  const auto add = [&](const std::function<void(Answer&)>& change) {
+    all.push_back(answer);
+    change(all.back());
+  };
+  const auto off = [](double& value, double tolerance) { value *= 1.0 + std::max(kTwin, 10.0 * tolerance); };
+  for (size_t i = 0; i < answer.ends.size(); ++i) add([&](Answer& a) { off(a.ends[i].value, a.ends[i].tolerance); });
+  for (size_t i = 0; i < answer.forces.size(); ++i)
+    add([&](Answer& a) { off(a.forces[i].value, a.forces[i].tolerance); });
+  for (size_t i = 0; i < answer.critical.size(); ++i)
+    add([&](Answer& a) { off(a.critical[i].load_factor, a.critical_tolerance); });
+  for (size_t i = 0; i < answer.buckling.size(); ++i) add([&](Answer& a) { off(a.buckling[i], kTwin); });
+  if (answer.load_factor) add([&](Answer& a) { off(*a.load_factor, kDigits); });
+  if (answer.all_critical) add([&](Answer& a) { a.critical.push_back({0.5}); });
+  if (answer.largest_step) add([&](Answer& a) { *a.largest_step *= 0.5; });
+  return all;
+}
+
+// ---- structures
+
+Scene without_section(Scene scene, const Section& section) {
+  scene.sections = {section};
+  scene.sections[0].name = "section";
+  return scene;
+}
+
+void hold_in_plane(Scene& scene, const std::string& point) {
+  Support plane;
+  plane.point = point;
+  plane.displacement_fixed = {false, false, true};
+  plane.rotation_fixed = {true, true, false};
+  scene.supports.push_back(plane);
+}
+
+const Section kInextensible = section(kRigid, kRigid, 1.0, 1.0);
+Section rod(double axial) { return section(axial, kRigid, 1.0, 1.0); }
+
+/// A cantilever along x under a dead thrust and a force across.
+Scene thrust_column(double thrust, double across, bool planar, int order = 5, int elements = 16) {
+  Scene scene = cantilever(kInextensible, 1.0, order, elements);
+  scene.point_loads = {dead_load("tip", {-thrust, across, 0})};
+  if (planar) hold_in_plane(scene, "tip");
+  return scene;
+}
+
+/// Between "left" and "right", clamped, with a point "middle" that stays in the plane.
+Scene clamped_rod(const Section& section, double length, int order = 5, int elements = 16) {
+  Scene scene;
+  scene.points = {{"left", {0, 0, 0}}, {"right", {length, 0, 0}}};
+  scene.members = {line("rod", "left", "right", order, elements)};
+  scene.members[0].second_axis = {0, 1, 0};
+  scene.members[0].inner_points = {{"middle", 0.5}};
+  scene.supports = {clamp("left"), clamp("right")};
+  hold_in_plane(scene, "middle");
+  return without_section(scene, section);
+}
+
+Scene shortened_column(double axial, double shortening, int order = 5, int elements = 16) {
+  Scene scene = clamped_rod(rod(axial), 1.0, order, elements);
+  scene.supports[1].prescribed_displacement = {-shortening, 0, 0};
+  return scene;
+}
+
+/// Polysilicon beam of 500 x 4 x 2 um in um and uN, bent to an arc of this rise.
+Scene heated_beam(double kelvin, double rise = 0.0) {
+  constexpr double kLength = 500.0, kExpansion = 2.6e-6;
+  SectionShape shape;
+  shape.kind = SectionShapeKind::rectangle;
+  shape.size2 = 2.0;
+  shape.size3 = 4.0;
+  shape.youngs_modulus = 160000.0;
+  shape.poisson_ratio = 0.22;
+  Scene scene = clamped_rod(make_section("section", shape), kLength);
+  if (rise > 0.0) {
+    const double radius = (0.25 * kLength * kLength + rise * rise) / (2.0 * rise);
+    scene.members[0].curve.shape = CurveShape::circular_arc;
+    scene.members[0].curve.center = {0.5 * kLength, rise - radius, 0};
+    scene.members[0].curve.axis = {0, 0, -1};
+    scene.members[0].curve.angle = 2.0 * std::asin(0.5 * kLength / radius);
+  }
+  scene.eigenstrains.resize(1);
+  scene.eigenstrains[0].member = "rod";
+  scene.eigenstrains[0].strain = {kelvin * kExpansion, 0, 0};
+  return scene;
+}
+
+/// Head guided along the axis and sideways, not turning.
+Scene guided_column(double load, bool planar) {
+  Scene scene = thrust_column(load, 0.0, false);
+  Support head = clamp("tip");
+  head.displacement_fixed = {false, false, planar};
+  scene.supports.push_back(head);
+  return scene;
+}
+
+Scene sliding_clamps(double load, int order, int elements) {
+  Scene scene = thrust_column(load, 0.0, false, order, elements);
+  Support head = clamp("tip");
+  head.displacement_fixed = {false, true, true};
+  scene.supports.push_back(head);
+  return scene;
+}
+
+Scene bowed_column() {
+  Scene scene = clamped_rod(rod(1e5), 1.0, 5, 8);
+  for (int i : {0, 1}) scene.supports[static_cast<size_t>(i)].rotation_fixed = {true, true, false};
+  scene.supports[1].displacement_fixed[0] = false;
+  scene.members[0].curve.shape = CurveShape::parametric;
+  scene.members[0].curve.formula = {"t", "0.002*sin(3.14159265358979323846*t)", "0"};
+  scene.point_loads = {dead_load("right", {-15, 0, 0})};
+  return scene;
+}
+
+Scene argyris_frame(double load) {
+  Scene scene;
+  scene.points = {{"clamp", {0, 0, 0}}, {"corner", {240, 0, 0}}, {"tip", {240, -240, 0}}};
+  scene.members = {line("leg 1", "clamp", "corner", 5, 12), line("leg 2", "corner", "tip", 5, 12)};
+  scene.members[0].second_axis = {0, 1, 0};
+  scene.members[1].second_axis = {1, 0, 0};
+  scene.supports = {clamp("clamp")};
+  scene.point_loads = {dead_load("tip", {load, 0, 2e-4})};
+  return without_section(scene, {"", 1282320.0, {489435.0, 489435.0}, 58732.21374, {38469.6, 96174000.0}});
+}
+
+Scene star_dome(double load) {
+  Scene scene;
+  scene.points = {{"apex", {0, 0, 0.5}}};
+  for (int i = 0; i < 3; ++i) {
+    const double angle = 2.0 * kPi * i / 3.0;
+    const std::string foot = "foot " + std::to_string(i);
+    scene.points.push_back({foot, {std::cos(angle), std::sin(angle), 0}});
+    scene.members.push_back(line("leg " + std::to_string(i), foot, "apex", 5, 16));
+    scene.members.back().second_axis = {-std::sin(angle), std::cos(angle), 0};
+    scene.supports.push_back(clamp(foot));
+  }
+  Support apex = clamp("apex");
+  apex.displacement_fixed[2] = false;
+  scene.supports.push_back(apex);
+  scene.point_loads = {dead_load("apex", {0, 0, -load})};
+  return without_section(scene, {"", 1e4, {kRigid, kRigid}, 1.0, {1.0, 100.0}});
+}
+
+/// Williams' toggle.
+Scene toggle(double load) {
+  Scene scene;
+  scene.points = {{"left", {-12.943, 0, 0}}, {"apex", {0, 0.386, 0}}, {"right", {12.943, 0, 0}}};
+  scene.members = {line("left bar", "left", "apex", 5, 12), line("right bar", "apex", "right", 5, 12)};
+  scene.supports = {clamp("left"), clamp("right"), clamp("apex")};
+  scene.supports[2].displacement_fixed = {true, false, true};
+  scene.point_loads = {dead_load("apex", {0, -load, 0})};
+  return without_section(scene, section(1.885e6, kRigid, 9.27e3, 9.27e3));
+}
+
+/// Da Deppo and Schmidt: 215 degrees, one foot clamped, the other one hinged.
+Scene clamped_hinged_arch(double load) {
+  const double half = 1.8762289458939043, x = 100.0 * std::sin(half), y = 100.0 * std::cos(half);
+  Scene scene;
+  scene.points = {{"left", {-x, y, 0}}, {"crown", {0, 100, 0}}, {"right", {x, y, 0}}};
+  scene.members = {arc("left half", "left", "crown", {0, 0, 0}, {0, 0, -1}, half, 5, 16),
+                   arc("right half", "crown", "right", {0, 0, 0}, {0, 0, -1}, half, 5, 16)};
+  scene.supports = {clamp("left"), hinged("right")};
+  hold_in_plane(scene, "crown");
+  scene.point_loads = {dead_load("crown", {0, -load, 0})};
+  return without_section(scene, section(1e8, 1e8, 1e6, 1e6));
+}
+
+/// Upright on a rotational spring of stiffness 1.
+Scene spring_column(double bending) {
+  Scene scene = cantilever(section(kRigid, kRigid, bending, bending), 1.0, 2, 2);
+  scene.points[1].position = {0, 0, 1};
+  scene.supports[0].rotation_fixed = {true, false, true};
+  scene.supports[0].rotation_stiffness = {0, 1.0, 0};
+  scene.point_loads = {dead_load("tip", {0, 0, -1.2})};
+  return scene;
+}
+/// EI x tan(x) = 1, P = EI x^2
+double spring_load(double bending) {
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 200; ++i) {
+    const double x = 0.5 * (low + high);
+    (bending * x * std::tan(x) < 1.0 ? low : high) = x;
+  }
+  return bending * low * low;
+}
+
+/// The frame of scenes.md under its snow.
+Scene three_hinged_frame() {
+  SectionShape shape;
+  shape.kind = SectionShapeKind::i_section;
+  shape.size2 = 0.1;
+  shape.size3 = 0.2;
+  shape.wall = 0.01;
+  shape.web = 0.006;
+  shape.youngs_modulus = 206e9;
+  shape.poisson_ratio = 0.3;
+  Scene scene;
+  scene.points = {
+      {"foot 1", {0, 0, 0}}, {"eave 1", {0, 0, 3}}, {"ridge", {4, 0, 5}}, {"eave 2", {8, 0, 3}}, {"foot 2", {8, 0, 0}}};
+  scene.members = {line("column 1", "foot 1", "eave 1", 2, 4), line("rafter 1", "eave 1", "ridge", 2, 4),
+                   line("rafter 2", "ridge", "eave 2", 2, 4), line("column 2", "eave 2", "foot 2", 2, 4)};
+  for (Member& member : scene.members) member.second_axis = {0, 1, 0};
+  scene.supports = {clamp("foot 1"), clamp("foot 2")};
+  for (Support& support : scene.supports) support.rotation_fixed = {true, false, true};
+  scene.joints = {joint(JointKind::hinge, "ridge", {"rafter 2"}, {0, 1, 0})};
+  scene.distributed_loads = {{"rafter 1", {0, 0, -4000}, {}, 1}, {"rafter 2", {0, 0, -4000}, {}, 1}};
+  return without_section(scene, make_section("section", shape));
+}
+
+/// A shallow gridshell of 4 x 4 cells on ball joints, steel, loaded far beyond its buckling.
+Scene gridshell() {
+  constexpr int kCells = 4;
+  SectionShape shape;
+  shape.size2 = 0.01;
+  shape.youngs_modulus = 2.1e11;
+  shape.poisson_ratio = 0.3;
+  Scene scene;
+  const auto border = [](int i) { return i == 0 || i == kCells; };
+  const auto name = [](int i, int j) { return "p" + std::to_string(i) + std::to_string(j); };
+  for (int i = 0; i <= kCells; ++i)
+    for (int j = 0; j <= kCells; ++j) {
+      if (border(i) && border(j)) continue;
+      const double z = 16.0 * i * (kCells - i) * j * (kCells - j) / std::pow(kCells, 4);
+      scene.points.push_back({name(i, j), {static_cast<double>(i), static_cast<double>(j), z}});
+      if (border(i) || border(j)) {
+        scene.supports.push_back(clamp(name(i, j)));
+        scene.supports.back().rotation_fixed = {false, false, false};
+      } else {
+        scene.point_loads.push_back(dead_load(name(i, j), {0, 0, -5e3}));
+      }
+      for (const auto& [k, l] : {std::pair{i + 1, j}, {i, j + 1}})
+        if (k <= kCells && l <= kCells && !((border(i) || border(j)) && (border(k) || border(l))))
+          scene.members.push_back(line(name(i, j) + name(k, l), name(i, j), name(k, l), 2, 4));
+    }
+  return without_section(scene, make_section("section", shape));
+}
+
+/// Two half circles, turned at one side by two full turns.
+Scene deployed_ring() {
+  Scene scene;
+  scene.accuracy = 1e-8;
+  scene.points = {{"A", {0, 0, 0}}, {"C", {40, 0, 0}}};
+  scene.members = {arc("upper", "A", "C", {20, 0, 0}, {0, 0, -1}, kPi, 2, 1),
+                   arc("lower", "C", "A", {20, 0, 0}, {0, 0, -1}, kPi, 2, 1)};
+  scene.members[0].second_axis = {1, 0, 0};
+  scene.members[1].second_axis = {-1, 0, 0};
+  scene.supports = {clamp("A"), clamp("C")};
+  scene.supports[1].displacement_fixed[0] = false;
+  scene.supports[1].prescribed_rotation = {4.0 * kPi, 0, 0};
+  return without_section(
+      scene,
+      {"", 7e6, {2692307.6923076925, 2692307.6923076925}, 78774.23076923077, {583333.3333333334, 64814.81481481482}});
+}
+
+/// Rolled to a closed ring by its end.
+Scene rolled_ring() {
+  Scene scene = cantilever(section(kRigid, kRigid, 0.7, 1.3), 4.0 * kPi, 2, 1);
+  scene.accuracy = 1e-6;
+  Support end = clamp("tip");
+  end.prescribed_rotation = {0, 0, 2.0 * kPi};
+  end.prescribed_displacement = {-4.0 * kPi, 0, 0};
+  scene.supports.push_back(end);
+  return scene;
+}
+
+Scene heavy_column() {
+  Scene scene = cantilever(section(kRigid, kRigid, 0.7, 1.3), 2.0, 2, 1);
+  scene.accuracy = 1e-6;
+  scene.distributed_loads = {{"beam", {-2.5471379176566376, 0, 0}, {}, 1}};
+  return scene;
+}
+
+Scene lateral_cantilever() {
+  Scene scene = cantilever(kInextensible, 1.0, 2, 16);
+  scene.sections[0].bending_stiffness = {100.0, 1.0};
+  scene.members[0].second_axis = {0, 1, 0};
+  scene.point_loads = {dead_load("tip", {0, 0, -1})};
+  return scene;
+}
+
+Scene lateral_frame() {
+  Scene scene;
+  scene.points = {{"a", {0, 0, 0}}, {"b", {0, 0, 1}}, {"tip", {1, 0, 1}}};
+  scene.members = {line("column", "a", "b", 3, 8), line("beam", "b", "tip", 3, 8)};
+  for (Member& member : scene.members) member.second_axis = {0, 1, 0};
+  scene.supports = {clamp("a")};
+  scene.point_loads = {dead_load("tip", {0, 0, -10})};
+  return without_section(scene, {"", kRigid, {kRigid, kRigid}, 1.0, {1000.0, 10.0}});
+}
+
+// ---- the table
+
+constexpr double kEuler = kPi * kPi / 4.0;
+
+SolverParameters controlled(const std::string& point, int component, double target) {
+  SolverParameters parameters;
+  parameters.analysis.control = MonitoredComponent{point, component, target};
+  return parameters;
+}
+SolverParameters traced() {
+  SolverParameters parameters;
+  parameters.analysis.trace = true;
+  return parameters;
+}
+SolverParameters on_branch(double maximum_step = 1.0) {
+  SolverParameters parameters;
+  parameters.analysis.branch = Branch::positive;
+  parameters.load_path.maximum_step = maximum_step;
+  return parameters;
+}
+SolverParameters without_stability() {
+  SolverParameters parameters;
+  parameters.analysis.stability = false;
+  return parameters;
+}
+Answer at_end(std::vector<End> ends, int negative = 0) {
+  Answer answer;
+  answer.ends = std::move(ends);
+  answer.negative = negative;
+  return answer;
+}
+/// After one bifurcation, on its stable branch.
+Answer on_branch_at(double bifurcation, std::vector<End> ends, std::vector<End> forces = {},
+                    double critical_tolerance = kDigits) {
+  Answer answer = at_end(std::move(ends));
+  answer.forces = std::move(forces);
+  answer.critical = {{bifurcation, CriticalKind::bifurcation}};
+  answer.critical_tolerance = critical_tolerance;
+  answer.all_critical = answer.counts_follow = false;
+  return answer;
+}
+Answer at_load_factor(double load_factor, std::vector<End> ends = {}) {
+  Answer answer = at_end(std::move(ends), -1);
+  answer.load_factor = load_factor;
+  answer.all_critical = answer.counts_follow = false;
+  return answer;
+}
+Answer limits(std::vector<double> load_factors) {
+  Answer answer;
+  for (double load_factor : load_factors) answer.critical.push_back({load_factor, CriticalKind::limit_point});
+  answer.negative = -1;
+  return answer;
+}
+
+/// P / P_cr, e, x, y of the tip by shooting. Each in the plane with e and in space with -e, where y changes its sign.
+void add_imperfect_columns(std::vector<KnownPath>& table) {
+  struct Row {
+    double load, e, x, y;
+  };
+  for (const Row& row : {Row{1.05, 1e-4, 0.90498259324, 0.38064428348}, Row{1.2, 1e-6, 0.67391082498, 0.64878450511},
+                         Row{1.2, 1e-2, 0.66263391594, 0.65716809204}, Row{1.5, 1e-4, 0.36356255916, 0.78858405530},
+                         Row{1.5, 0.1, 0.34171752220, 0.79568923565}, Row{2, 1e-6, 0.07086194455, 0.79696148213},
+                         Row{4, 1e-2, -0.33452079981, 0.63016719375}, Row{8, 1e-4, -0.54784720364, 0.44971259087}}) {
+    const double load = row.load * kEuler;
+    std::ostringstream name;
+    name << "ImperfectColumnOf" << row.load << "Euler" << row.e;
+    table.push_back({name.str(),
+                     thrust_column(load, row.e * load, true),
+                     {},
+                     at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, row.y}})});
+    table.push_back({name.str() + "InSpace",
+                     thrust_column(load, -row.e * load, false),
+                     {},
+                     at_end({{"tip", kX, row.x - 1.0}, {"tip", kY, -row.y}})});
+  }
+  table.push_back({"ImperfectColumnWithoutStability", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
+                   without_stability(), at_end({{"tip", kX, -0.33736608406}, {"tip", kY, 0.65716809204}})});
+  table.push_back({"ImperfectColumnControlled", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
+                   controlled("tip", kY, 0.65716809204), at_load_factor(1.0, {{"tip", kX, -0.33736608406, 1e-7}})});
+  table.push_back({"BowedColumn",
+                   bowed_column(),
+                   {},
+                   at_end({{"middle", kY, 0.394240682192777, 1e-7}, {"right", kX, -0.6562971067206078, 1e-7}})});
+  table.push_back(
+      {"ArgyrisFrame1.1",
+       argyris_frame(1.1),
+       {},
+       at_end({{"tip", kX, 3.0843324211, 1e-6}, {"tip", kY, 2.2520658869, 1e-6}, {"tip", kZ, 17.7595856454, 1e-6}})});
+  table.push_back(
+      {"ArgyrisFrame1.5",
+       argyris_frame(1.5),
+       {},
+       at_end({{"tip", kX, 63.1635638908, 1e-6}, {"tip", kY, 52.2465921473, 1e-6}, {"tip", kZ, 60.8029956898, 1e-6}})});
+}
+
+void add_held_rods(std::vector<KnownPath>& table) {
+  table.push_back({"Shortened", shortened_column(1e5, 0.1), on_branch(),
+                   on_branch_at(0.003949401537686192, {{"middle", kNorm, 0.2008676085929182, 1e-7}},
+                                {{"right", kX, -41.577476268473255, 1e-7}})});
+  table.push_back({"ShortenedByLittle", shortened_column(1e6, 1e-4), on_branch(),
+                   on_branch_at(0.3947997627284927, {{"middle", kY, 0.004952416568474079, 1e-7}},
+                                {{"right", kX, -39.481170954514695, 1e-7}}, 1e-7)});
+  table.push_back({"ShortenedOnTheFirstMode", shortened_column(1e5, 0.05), on_branch(),
+                   on_branch_at(0.007898803075372385, {{"middle", kY, 0.1395600431444605, 1e-7}},
+                                {{"right", kX, -40.50150664874485, 1e-7}}, 1e-7)});
+  table.push_back({"ShortenedStiff", shortened_column(1e6, 0.05), on_branch(),
+                   on_branch_at(0.0007895995254569854, {{"middle", kY, 0.14005566841015288, 3e-6}},
+                                {{"right", kX, -40.4947233951129, 3e-6}}, 3e-6)});
+  table.push_back({"ShortenedFortyElements", shortened_column(1e5, 0.2, 2, 40), on_branch(),
+                   on_branch_at(0.001974700768843096, {{"middle", kY, 0.26606599340507237, 1e-3}},
+                                {{"right", kX, -43.93556761494532, 1e-3}}, 1e-3)});
+  Scene rail = clamped_rod(rod(1e5), 1.0);
+  rail.eigenstrains.resize(1);
+  rail.eigenstrains[0].member = "rod";
+  rail.eigenstrains[0].strain = {1.184352528130723e-3, 0, 0};
+  table.push_back({"HeatedRail", rail, on_branch(),
+                   on_branch_at(1.0 / 3.0, {{"middle", kNorm, 0.017896489281772322, 1e-7}},
+                                {{"right", kX, -39.46282370657218, 1e-7}})});
+  table.push_back({"HeatedBeam", heated_beam(60), on_branch(),
+                   on_branch_at(0.3373711649271528, {{"middle", kY, 3.236481657255322, 1e-7}},
+                                {{"right", kX, -67.36279424079446, 1e-7}})});
+  Answer thousand = on_branch_at(0.02024226989562917, {{"middle", kY, 16.07387567361276, 1e-7}});
+  thousand.largest_step = 0.01;
+  table.push_back({"HeatedBeamInSteps", heated_beam(1000), on_branch(0.01), thousand});
+  Answer arch = at_end({{"middle", kY, 3.224683882753302, 1e-7}});
+  arch.forces = {{"right", kX, -67.02577371328903, 1e-7}};
+  table.push_back({"HeatedArch", heated_beam(60, 0.02), {}, arch});
+  Answer higher = at_end({{"middle", kY, 3.1204569246337304, 1e-7}});
+  higher.forces = {{"right", kX, -64.0330661697116, 1e-7}};
+  table.push_back({"HeatedArchTenth", heated_beam(60, 0.2), {}, higher});
+  Scene pushed = heated_beam(60);
+  pushed.point_loads = {dead_load("middle", {0, 1e-4, 0})};
+  table.push_back({"HeatedBeamTinyForce", pushed, {}, at_end({{"middle", kY, 3.236522407056696, 1e-7}})});
+}
+
+void add_branches(std::vector<KnownPath>& table) {
+  const auto guided = [](const std::string& name, bool planar) {
+    return KnownPath{name, guided_column(14.985896716843365, planar), on_branch(),
+                     on_branch_at(0.6585928481674665, {{"tip", kX, -0.6510106995851659, 1e-7}})};
+  };
+  table.push_back(guided("GuidedColumn", true));
+  table.push_back(guided("GuidedColumnInSpace", false));
+  table.back().answer.may_be_refused = true;
+  table.back().answer.negative = -1;  // it may turn about its axis at no cost
+  table.push_back(
+      {"GuidedColumn15", guided_column(15.0, true), on_branch(),
+       on_branch_at(0.6579736267392905,
+                    {{"tip", kX, -0.652128645004348, 1e-6}, {"tip", kNorm, 1.025742454279261, 1e-6}}, {}, 1e-7)});
+  Scene above = thrust_column(1.001 * kEuler, 0.0, true);
+  above.sections[0] = rod(1e5);
+  above.sections[0].name = "section";
+  // P (1 - P / EA) = pi^2 / 4
+  const double critical = 0.5e5 * (1.0 - std::sqrt(1.0 - 4e-5 * kEuler));
+  table.push_back({"JustAboveCritical", above, on_branch(), on_branch_at(critical / (1.001 * kEuler), {})});
+  Scene column = clamped_rod(kInextensible, 1.0);
+  column.supports[1].displacement_fixed[0] = false;
+  column.point_loads = {dead_load("right", {-1, 0, 0})};
+  SolverParameters both = controlled("right", kX, -0.1);
+  both.analysis.branch = Branch::positive;
+  Answer shortened = at_load_factor(41.64324180818498, {{"middle", kNorm, 0.19751703688748296, 1e-7}});
+  shortened.may_be_refused = true;
+  table.push_back({"BranchUnderControl", column, both, shortened});
+  column.accuracy = 1e-8;
+  column.point_loads = {dead_load("right", {-46.6121208798, 0, 0})};
+  table.push_back(
+      {"SignOfTheBranch", column, on_branch(),
+       on_branch_at(0.8469560461786656, {{"right", kX, -0.3, 1e-7}, {"middle", kY, 0.314312612956, 1e-7}})});
+  for (const double bending : {1e4, 1e6, 1e8, 1e9}) {
+    std::ostringstream name;
+    name << "StiffColumnOnASpring" << bending;
+    const double digits = 1e-7 + 10.0 / bending;  // of the rigid bar, theta = 1.2 sin(theta)
+    // rounding of the stiff rod leaves seven digits of the soft spring's load
+    Answer stiff = on_branch_at(spring_load(bending) / 1.2, {{"tip", kZ, -0.4823876389877719, digits}}, {}, 1e-6);
+    table.push_back({name.str(), spring_column(bending), on_branch(), stiff});
+  }
+  Answer neutral = on_branch_at(4.0 * kPi * kPi / 50.0, {}, {}, 1e-6);
+  table.push_back({"RoundColumnIsNeutral", sliding_clamps(50.0, 5, 8), on_branch(), neutral});
+}
+
+void add_snaps(std::vector<KnownPath>& table) {
+  for (const auto& [w, load] :
+       {std::pair{0.10, 53.08729238}, {0.25, 22.31637839}, {0.50, -11.32642851}, {0.75, -4.006548209}})
+    table.push_back(
+        {"StarDomeDownBy" + std::to_string(w), star_dome(1.0), controlled("apex", kZ, -w), at_load_factor(load)});
+  table.push_back({"StarDomeTraced", star_dome(100.0), traced(), limits({0.7452625445, -0.1583784735})});
+  table.back().answer.only_limits = true;
+  for (const double load : {40.0, 80.0, 100.0})
+    table.push_back({"ToggleTraced" + std::to_string(static_cast<int>(load)), toggle(load), traced(),
+                     limits({33.86123302 / load, 31.26258313 / load})});
+  table.push_back({"Toggle", toggle(100.0), {}, limits({0.3386123302, 0.3126258313})});
+  Answer arch = limits({897.3 / 2000.0});  // Da Deppo and Schmidt 1975: 8.97 EI / R^2, and another one later
+  arch.critical_tolerance = 1e-3;
+  arch.all_critical = false;
+  arch.only_limits = true;
+  table.push_back({"ClampedHingedArch", clamped_hinged_arch(2000.0), {}, arch});
+}
+
+void add_counts(std::vector<KnownPath>& table) {
+  const auto primary = [](std::vector<Critical> critical, double tolerance) {
+    Answer answer;
+    answer.critical = std::move(critical);
+    answer.critical_tolerance = tolerance;
+    answer.negative = 0;
+    for (const Critical& point : answer.critical) answer.negative += std::max(point.modes, 1);
+    return answer;
+  };
+  const CriticalKind bifurcation = CriticalKind::bifurcation;
+  table.push_back({"BucklesInsideItsElement",
+                   sliding_clamps(60.0, 8, 1),
+                   {},
+                   primary({{4.0 * kPi * kPi / 60.0, bifurcation, 2}}, 1e-6)});
+  table.push_back(
+      {"CantileverOfOneElement",
+       thrust_column(70.0, 0.0, false, 8, 1),
+       {},
+       primary({{kEuler / 70, bifurcation, 2}, {9 * kEuler / 70, bifurcation, 2}, {25 * kEuler / 70, bifurcation, 2}},
+               1e-2)});
+  Answer split = primary({{4.0 * kPi * kPi / 100.0, bifurcation, 2}}, 0.25);
+  split.all_critical = false;
+  split.negative = -1;
+  table.push_back({"DoublePointIsNotSplit", sliding_clamps(100.0, 2, 2), {}, split});
+  for (const double axial : {1e5, 1e8}) {
+    Scene column = cantilever(rod(axial), 1.0, 2, 1);
+    hold_in_plane(column, "tip");
+    column.accuracy = 1e-6;
+    column.point_loads = {dead_load("tip", {-1.5 * kEuler, 0, 0})};
+    // P (1 - P / EA) = pi^2 / 4
+    const double critical = 0.5 * axial * (1.0 - std::sqrt(1.0 - 4.0 * kEuler / axial));
+    table.push_back({"PerfectColumnToAccuracy" + std::to_string(static_cast<int>(std::log10(axial))),
+                     column,
+                     {},
+                     primary({{critical / (1.5 * kEuler), bifurcation, 1}}, 1e-6)});
+  }
+  table.push_back({"HeavyColumnToAccuracy", heavy_column(), {}, primary({{0.5, bifurcation, 2}}, 1e-6)});
+  Answer frame = primary({{0.2819452262389, bifurcation, 1}}, 3e-5);
+  frame.all_critical = false;
+  frame.negative = -1;
+  table.push_back({"FrameOfThePages", three_hinged_frame(), {}, frame});
+  Answer shell;
+  shell.negative = -1;
+  shell.may_be_refused = true;
+  shell.all_critical = false;
+  table.push_back({"Gridshell", gridshell(), {}, shell});
+}
+
+void add_others(std::vector<KnownPath>& table) {
+  Scene bent = thrust_column(0.0, 1.0, false, 5, 8);
+  bent.sections[0] = rod(1e3);
+  bent.sections[0].name = "section";
+  table.push_back({"ControlOfSecondOrder", bent, controlled("tip", kX, -0.1),
+                   at_load_factor(1.4290197764670223, {{"tip", kY, 0.397695562}})});
+  Answer ring = at_end({{"C", kX, 0.0}}, -1);
+  ring.all_critical = false;
+  table.push_back({"RingTurnedTwice", deployed_ring(), {}, ring});
+  Answer rolled = at_end({}, -1);
+  rolled.all_critical = false;
+  rolled.moment_energy = 2.0420352248333655;
+  rolled.may_be_refused = true;  // the straight rigid rod is shortened: its path starts like a square root
+  table.push_back({"RodRolledToARing", rolled_ring(), {}, rolled});
+  // 2 j_{-1/4,1} and the next, sqrt(EI GIt) / L^2; the load reversed buckles it too
+  for (auto& [scene, factors] : {std::pair<Scene, std::vector<double>>{lateral_cantilever(), {4.0125993, -4.0125993}},
+                                 {lateral_frame(), {0.4349214, -0.5267867}}}) {
+    Answer linear;
+    linear.negative = -1;
+    linear.all_critical = false;
+    linear.buckling = factors;
+    table.push_back({scene.points.size() == 2 ? "LateralBuckling" : "LateralBucklingOfAFrame", scene, {}, linear});
+  }
+}
+
+std::vector<KnownPath> known_paths() {
+  std::vector<KnownPath> table;
+  add_imperfect_columns(table);
+  add_held_rods(table);
+  add_branches(table);
+  add_snaps(table);
+  add_counts(table);
+  add_others(table);
+  for (KnownPath& path : table) path.scene.name = path.name;
+  return table;
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string all;
+  for (const std::string& text : texts) all += "\n  " + text;
+  return all;
+}
+
+class KnownPaths : public testing::TestWithParam<KnownPath> {};
+
+TEST_P(KnownPaths, EndAtTheAnswerAndNowhereElse) {
+  const KnownPath& path = GetParam();
+  const Walk walk = Walker(path).walk();
+  const std::vector<std::string> wrong = judge(walk, path.answer);
+  EXPECT_TRUE(wrong.empty()) << path.name << joined(wrong);
+  if (!wrong.empty() || walk.refused) return;
+  for (const Answer& twin : twins(path.answer)) {
+    if (path.name == "RingTurnedTwice") break;  // its answer is zero
+    EXPECT_FALSE(judge(walk, twin).empty()) << path.name << ": a wrong answer passes";
+  }
+}
+
+std::string name_of_path(const testing::TestParamInfo<KnownPath>& info) {
+  std::string name;
+  for (char letter : info.param.name) name += std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, KnownPaths, testing::ValuesIn(known_paths()), name_of_path);
+
+// ---- random imperfect structures, see judged_path.hpp
+
+constexpr std::uint64_t kSeriesSeed = 15;
+constexpr int kStructures = 60, kParts = 4;
+constexpr double kReferenceStep = 0.03;
+
+class RandomPaths : public testing::TestWithParam<int> {};
+
+TEST_P(RandomPaths, AreRightOrRefused) {
+  int known = 0, refused = 0;
+  for (int number = GetParam(); number < kStructures; number += kParts) {
+    const ImperfectStructure structure = imperfect_structure(kSeriesSeed, number);
+    const JudgedPath judged = judge_path(structure.scene, {}, kReferenceStep, this_rank());
+    EXPECT_NE(judged.outcome, PathOutcome::wrong)
+        << structure.scene.name << ", " << structure.load << ", imperfection " << structure.imperfection << ", "
+        << structure.estimate << " of the critical load: off by " << judged.difference << " of the length, "
+        << judged.followed.negative << " negative eigenvalues, " << judged.followed.critical_points
+        << " critical points";
+    known += judged.reference_known ? 1 : 0;
+    refused += judged.outcome == PathOutcome::refused ? 1 : 0;
+  }
+  EXPECT_GT(2 * known, kStructures / kParts);
+  EXPECT_LE(refused, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Parts, RandomPaths, testing::Range(0, kParts));
+
+TEST(JudgedPaths, AMirroredEndIsWrong) {
+  const Scene scene = thrust_column(1.5 * kEuler, 0.15 * kEuler, true);
+  const FollowedPath end = follow(scene, {}, this_rank());
+  const FollowedPath mirrored = follow(thrust_column(1.5 * kEuler, -0.15 * kEuler, true), {}, this_rank());
+  EXPECT_TRUE(is_same_end(scene, end, end));
+  EXPECT_FALSE(is_same_end(scene, end, mirrored));
+}
+
+}  // namespace
+}  // namespace mixbeam::test::known_paths_test
