@@ -29,6 +29,7 @@ constexpr double kDistance = 0.01;
 /// Where polynomials of two degrees differ by more than this share of the distance, the samples lie on no one smooth
 /// path.
 constexpr double kWorstRoot = 1e-2;
+/// Of the rule of false position, which takes five as a rule and halves its bracket at worst.
 constexpr int kMostRootSamples = 30;
 /// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
 /// to a critical point those of neighbours differ by no more than 0.05 rad.
