@@ -145,6 +145,10 @@ void AttemptLog::failed(const BeamGroup& group, int iterations) {
   else
     present_.end = problem.last_failure.empty() ? AttemptEnd::iterations_used_up : AttemptEnd::linear_solver;
   if (present_.end != AttemptEnd::not_finite) present_.not_finite.reset();
+  if (!problem.objection.empty()) {
+    present_.end = AttemptEnd::refused;
+    present_.refused_because = problem.objection;
+  }
   if (!present_.peak && group.isF())
     present_.peak = largest_row(problem.assembler, BeamVector::of(group.getF()), group.scales());
   present_.end_angle = problem.assembler.largest_end_angle();

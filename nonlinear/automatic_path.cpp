@@ -4,9 +4,8 @@
 #include "discretization/sampling.hpp"
 #include "nonlinear/branch_direction.hpp"
 #include "nonlinear/corrector.hpp"
-#include "nonlinear/critical_point_finder.hpp"
 #include "nonlinear/loca_stage.hpp"
-#include "nonlinear/step_judge.hpp"
+#include "nonlinear/step_examiner.hpp"
 
 #include <algorithm>
 #include <array>
@@ -34,7 +33,7 @@ constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
 /// Cosines of the angles between the tangents at both ends of a step and its chord, at least: of steps of the load
 /// factor or of a controlled displacement, which may be as long as they please; of steps along the path; and where it
 /// is traced.
-constexpr StepTest kLoadStep{0.5, -0.5, false, false}, kPathStep{0.85, 0.85, true, false},
+constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kPathStep{0.85, 0.85, true, false},
     kTracedStep{0.95, 0.95, true, true};
 /// The path is given up below this length (1: the structure moves by its own size).
 constexpr double kShortestStep = 1e-9;
@@ -75,9 +74,8 @@ class AutomaticPath {
         recorder_(recorder),
         rule_(step_size_rule(problem->assembler.scene(), parameters)),
         corrector_(problem, parameters, recorder.record()),
-        examiner_(problem, parameters, checks_, NewtonPurpose::check),
-        measure_(problem->assembler),
-        judge_(problem, examiner_, measure_, recorder.counts(), range.to),
+        examiner_(problem, parameters, recorder.counts(), range.to),
+        measure_(examiner_.measure()),
         here_{start, range.from, {problem->assembler.create_vector(), 0.0}, {}},
         begin_(here_),
         way_{problem->assembler.create_vector(), 0.0},
@@ -123,10 +121,9 @@ class AutomaticPath {
   const StageRange& range_;
   PathRecorder& recorder_;
   StepSizeRule rule_;
-  SolveRecord checks_;
-  Corrector corrector_, examiner_;
-  PathMeasure measure_;
-  StepJudge judge_;
+  Corrector corrector_;
+  StepExaminer examiner_;
+  const PathMeasure& measure_;
   Station here_;  ///< where the path stands
   // since the stage, a branch or a resumed path began:
   Station begin_;
@@ -211,7 +208,7 @@ bool AutomaticPath::begin() {
     size_ = before.step_size;
     along_path_ = before.path_length != 0.0;
     length_ = before.path_length;
-    here_ = judge_.station(here_.state, here_.load_factor, nullptr);
+    here_ = examiner_.station(here_.state, here_.load_factor, nullptr);
     if (before.direction < 0) here_.tangent = scaled(here_.tangent, -1.0);
     begin_way();
     return true;
@@ -221,7 +218,7 @@ bool AutomaticPath::begin() {
     recorder_.not_converged();
     return false;
   }
-  accept(judge_.station(start.state, start.load_factor, nullptr), start.residual, {});
+  accept(examiner_.station(start.state, start.load_factor, nullptr), start.residual, {});
   begin_way();
   return true;
 }
@@ -260,25 +257,13 @@ bool AutomaticPath::take(const Correction& found, const StepTest& test) {
   const PathDirection moved = increments(found);
   // A step of the load is one along a path on which the load grows.
   const bool is_load_step = !along_path_ && !is_controlled();
-  Station next = judge_.station(found.state, found.load_factor, is_load_step ? nullptr : &moved);
-  const PathPiece piece{here_, moved, next};
-  std::string objection = judge_.objection(piece, test);
-  std::vector<CriticalPoint> passed;
-  const bool changes = here_.stability && next.stability && here_.stability->negative != next.stability->negative;
-  if (objection.empty() && changes) {
-    try {
-      CriticalPointFinder finder(problem_, examiner_, *recorder_.counts(), measure_, judge_);
-      passed = finder.find(piece);
-    } catch (const NotLocated& error) {
-      objection = error.what();
-    }
-  }
-  if (!objection.empty()) {
-    recorder_.rejected(
-        objection + " (load factor " + plain_text(here_.load_factor) + " to " + plain_text(found.load_factor) + ")",
-        found.iterations);
+  Station next = examiner_.station(found.state, found.load_factor, is_load_step ? nullptr : &moved);
+  StepFindings findings = examiner_.examine({here_, moved, next}, test);
+  if (!findings.objection.empty()) {
+    recorder_.rejected(findings.objection, found.iterations);
     return false;
   }
+  std::vector<CriticalPoint>& passed = findings.passed;
   for (const CriticalPoint& point : passed)
     if (take_branch(point, passed)) return true;
   if (!passed.empty())
@@ -443,7 +428,7 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
     branched_ = along_path_ = true;
     length_ = amplitude;
     std::vector<CriticalPoint> up_to_here(passed.begin(), passed.begin() + (&from - passed.data()) + 1);
-    accept(judge_.station(found.state, found.load_factor, &done), found.residual, std::move(up_to_here));
+    accept(examiner_.station(found.state, found.load_factor, &done), found.residual, std::move(up_to_here));
     begin_way();
     return true;
   }

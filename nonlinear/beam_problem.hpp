@@ -38,6 +38,7 @@ class BeamProblem {
   bool keeps_cap = false;
   bool leaves_plane = false;  ///< tangents of scenes in a plane are in space all the same
   std::string last_failure;   ///< why the last linear solve failed; empty when it did not
+  std::string objection;      ///< why the path does not take what Newton's method has found
 };
 
 }  // namespace mixbeam

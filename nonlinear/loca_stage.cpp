@@ -1,6 +1,7 @@
 #include "nonlinear/loca_stage.hpp"
 
 #include "nonlinear/beam_group.hpp"
+#include "nonlinear/step_examiner.hpp"
 
 #include <LOCA_GlobalData.H>
 #include <LOCA_Stepper.H>
@@ -34,36 +35,66 @@ Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& par
   return loca;
 }
 
-/// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
-/// tests would ask for, would change the state.
-class ConvergedBefore : public NOX::StatusTest::Generic {
+/// Cosines as of all steps of the load; critical points inside are looked for, since no other method follows.
+constexpr StepTest kExamined{0.5, -0.5, true, false, true};
+
+/// What Newton's method finds is a step only if it follows the path. LOCA takes any other for one that has failed and
+/// tries a smaller one.
+class StepsAreExamined : public NOX::StatusTest::Generic {
  public:
-  explicit ConvergedBefore(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
+  /// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
+  /// tests would ask for, would change the state.
+  StepsAreExamined(const Teuchos::RCP<BeamProblem>& problem, const Teuchos::RCP<NOX::StatusTest::Generic>& newton,
+                   StepExaminer& examiner, bool begins_converged)
+      : problem_(problem), newton_(newton), examiner_(examiner), begins_converged_(begins_converged) {}
+
   NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
                                           NOX::StatusTest::CheckType type) override {
-    if (!started_) {
-      started_ = true;
-      return NOX::StatusTest::Converged;
-    }
-    asked_ = true;
-    return later_->checkStatus(solver, type);
+    const bool stays = begins_converged_ && !here_;
+    status_ = stays ? NOX::StatusTest::Converged : newton_->checkStatus(solver, type);
+    if (status_ == NOX::StatusTest::Converged) examine(solver.getSolutionGroup());
+    return status_;
   }
-  NOX::StatusTest::StatusType getStatus() const override {
-    return asked_ ? later_->getStatus() : NOX::StatusTest::Converged;
+  NOX::StatusTest::StatusType getStatus() const override { return status_; }
+  std::ostream& print(std::ostream& stream, int indent = 0) const override { return newton_->print(stream, indent); }
+
+  /// What the last step has led to: the path goes on from there.
+  StepFindings accept() {
+    here_ = std::move(next_);
+    moved_to_ = Teuchos::rcp(new MixedVector(next_moved_->clone(true)));
+    return std::move(findings_);
   }
-  std::ostream& print(std::ostream& stream, int indent = 0) const override { return later_->print(stream, indent); }
+  const Station& here() const { return *here_; }
 
  private:
-  Teuchos::RCP<NOX::StatusTest::Generic> later_;
-  bool started_ = false, asked_ = false;
-};
+  void examine(const NOX::Abstract::Group& solution) {
+    const BeamGroup& group = BeamGroup::of(solution);
+    const MixedVector& x = BeamVector::of(group.getX());
+    next_moved_ = Teuchos::rcp(new MixedVector(x.clone(true)));
+    findings_ = {};
+    if (!here_) {
+      next_ = examiner_.station(group.state(), group.load_factor(), nullptr);
+      return;
+    }
+    PathDirection moved{x.clone(true), group.load_factor() - here_->load_factor};
+    moved.x.update(-1.0, *moved_to_, 1.0);
+    next_ = examiner_.station(group.state(), group.load_factor(), &moved);
+    findings_ = examiner_.examine({*here_, moved, *next_}, kExamined);
+    problem_->last_failure.clear();
+    problem_->objection = findings_.objection;
+    if (!findings_.objection.empty()) status_ = NOX::StatusTest::Failed;
+  }
 
-Teuchos::RCP<NOX::StatusTest::Generic> status_tests(const SolverParameters& parameters, const StageRange& range,
-                                                    const NOX::Utils& utils) {
-  const Teuchos::RCP<NOX::StatusTest::Generic> guarded = guarded_status_tests(parameters, utils);
-  if (!range.before) return guarded;
-  return Teuchos::rcp(new ConvergedBefore(guarded));
-}
+  Teuchos::RCP<BeamProblem> problem_;
+  Teuchos::RCP<NOX::StatusTest::Generic> newton_;
+  StepExaminer& examiner_;
+  bool begins_converged_;
+  NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
+  // Sums of increments since the stage began belong to the stations:
+  std::optional<Station> here_, next_;
+  Teuchos::RCP<MixedVector> moved_to_, next_moved_;
+  StepFindings findings_;
+};
 
 }  // namespace
 
@@ -96,8 +127,10 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
   const Teuchos::RCP<LOCA::GlobalData> global = LOCA::createGlobalData(top, sizes);
   bool arrived = false;
   try {
-    const auto status = status_tests(parameters, range, *global->locaUtils);
-    const auto observer = [&recorder, &sizes](const BeamGroup& group, double load_factor) {
+    StepExaminer examiner(problem, parameters, recorder.counts(), range.to);
+    const auto status = Teuchos::rcp(new StepsAreExamined(problem, guarded_status_tests(parameters, *global->locaUtils),
+                                                          examiner, range.before.has_value()));
+    const auto observer = [&recorder, &sizes, status](const BeamGroup& group, double load_factor) {
       const StepSizeStrategy* strategy = sizes->strategy();
       if (strategy != nullptr) {
         recorder.set_attempts(strategy->attempts());
@@ -105,7 +138,8 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
       }
       ConvergedStep step{group.state(), load_factor, group.isF() ? group.getNormF() : 0.0};
       step.step_size = strategy == nullptr ? 0.0 : strategy->size();
-      if (recorder.reports_stability()) step.stability = recorder.counts()->count(group.state(), load_factor);
+      step.critical_points = status->accept().passed;
+      step.stability = status->here().stability;
       recorder.converged(step);
     };
     const auto group = Teuchos::rcp(new BeamGroup(global, problem, start, range.from, observer));

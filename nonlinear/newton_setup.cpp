@@ -25,6 +25,7 @@ class IterationRecorder : public NOX::Observer {
     ++record_.attempt;
     record_.iterations = 0;
     problem_.last_failure.clear();
+    problem_.objection.clear();
     if (!is_check_) problem_.attempts.start_attempt();
   }
   void runPreIterate(const NOX::Solver::Generic&) override {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace mixbeam {
 
@@ -14,6 +15,27 @@ constexpr double kLoadWeight = 1e-6;
 /// which limits the first increments only, is of less importance there.
 constexpr double kCapRaise = 100.0;
 
+/// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
+std::vector<int> connected_parts(const Mesh& mesh) {
+  std::vector<int> parent(mesh.vertices());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&parent](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  const auto connect = [&](int a, int b) {
+    a = root_of(a);
+    b = root_of(b);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
+  for (const MeshElement& element : mesh.elements) connect(element.vertex[0], element.vertex[1]);
+  for (const MeshJoint& joint : mesh.joints) connect(joint.master, joint.slave);
+  std::vector<int> part(mesh.vertices());
+  int parts = 0;
+  for (int v = 0; v < mesh.vertices(); ++v) part[v] = parent[v] == v ? parts++ : part[root_of(v)];
+  return part;
+}
+
 }  // namespace
 
 PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create_vector()) {
@@ -25,6 +47,11 @@ PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create
   Kokkos::parallel_for(
       "mixbeam::path_measure", Kokkos::RangePolicy<ExecutionSpace>(0, w.extent(0)),
       KOKKOS_LAMBDA(size_t i) { w(i) = i % kVertexDofs < 3 ? displacement : rotation; });
+  const std::vector<int> parts = connected_parts(assembler.mesh());
+  parts_ = 1 + *std::max_element(parts.begin(), parts.end());
+  if (parts_ == 1) return;
+  const int first = assembler.structure().partition.owned_first();
+  part_of_vertex_.assign(parts.begin() + first, parts.begin() + first + w.extent(0) / kVertexDofs);
 }
 
 double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const {
@@ -34,6 +61,17 @@ double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const {
 }
 
 double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion(a, a)); }
+
+std::vector<double> PathMeasure::motion_of_parts(const MixedVector& a, const MixedVector& b) const {
+  if (parts_ == 1) return {motion(a, b)};
+  std::vector<double> sums(parts_, 0.0);
+  const KernelView<double*> w = weights_.vertex(), x = a.vertex(), y = b.vertex();
+  for (size_t v = 0; v < part_of_vertex_.size(); ++v)
+    for (size_t i = kVertexDofs * v; i < kVertexDofs * (v + 1); ++i) sums[part_of_vertex_[v]] += w(i) * x(i) * y(i);
+  std::vector<double> all(parts_);
+  Teuchos::reduceAll(*a.vertex_dofs().getMap()->getComm(), Teuchos::REDUCE_SUM, parts_, sums.data(), all.data());
+  return all;
+}
 
 double PathMeasure::cosine(const MixedVector& a, const MixedVector& b) const {
   const double lengths = motion(a) * motion(b);

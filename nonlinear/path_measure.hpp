@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace mixbeam {
 
@@ -28,6 +29,8 @@ class PathMeasure {
   /// Of the motions alone.
   double motion(const MixedVector& a, const MixedVector& b) const;
   double motion(const MixedVector& a) const;
+  /// The same of each part of the structure that touches no other one: parts follow paths of their own.
+  std::vector<double> motion_of_parts(const MixedVector& a, const MixedVector& b) const;
   /// Cosine of the angle between two motions; zero where one of them is none.
   double cosine(const MixedVector& a, const MixedVector& b) const;
   double inner(const PathDirection& a, const PathDirection& b) const;
@@ -37,6 +40,8 @@ class PathMeasure {
 
  private:
   MixedVector weights_;
+  int parts_ = 1;
+  std::vector<int> part_of_vertex_;  ///< (owned vertex); empty: there is one part
 };
 
 /// A motion smaller than this is rounding: the displacements of a structure are known to about 1e-13 of its length.

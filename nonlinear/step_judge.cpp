@@ -26,6 +26,8 @@ constexpr double kLargestEndAngle = 2.8;
 /// A structure has stiffened when its rate at the end would move it by less than this share of the step's chord, and
 /// the direction of that rate is of no importance from angles of 60 degrees on.
 constexpr double kStiffened = 0.1, kEndCosine = 0.5;
+/// Parts that move by a smaller share of what the part that moves farthest does stand still.
+constexpr double kLeastShare = 1e-8;
 /// Newton's method half-way starts near the path.
 constexpr int kMostIterations = 15;
 
@@ -48,20 +50,58 @@ bool may_turn(const PathPiece& piece, const StepTest& test) {
   return test.counts_may_change && (!comparable(a, b) || a->negative != b->negative);
 }
 
-/// Rate of the load factor along the chord at a station; infinite where the structure does not move along it.
-double rate_along(const PathMeasure& measure, const PathDirection& chord, double length, const PathDirection& tangent) {
-  return tangent.load * length / measure.motion(chord.x, tangent.x);
-}
-
 }  // namespace
+
+/// A step of one part, in motions; rates: of the load factor along the chord.
+struct StepJudge::Part {
+  Part(const PathPiece& piece, double chord_chord, double chord_start, double chord_end, double start_start,
+       double end_end)
+      : chord(std::sqrt(chord_chord)),
+        first(start_start > 0.0 ? chord_start / (chord * std::sqrt(start_start)) : 0.0),
+        last(end_end > 0.0 ? chord_end / (chord * std::sqrt(end_end)) : 0.0),
+        first_rate(piece.start.tangent.load * chord / chord_start),
+        last_rate(piece.end.tangent.load * chord / chord_end),
+        mean_rate(piece.moved.load / chord),
+        starts_still(std::sqrt(start_start) < kNoMotion * std::abs(piece.start.tangent.load)),
+        ends_stiff(last < kEndCosine && std::sqrt(end_end) * std::abs(piece.moved.load) <
+                                            kStiffened * chord * std::abs(piece.end.tangent.load)) {}
+
+  double chord;                             ///< its length
+  double first, last;                       ///< cosines of the angles with the tangents at both ends
+  double first_rate, last_rate, mean_rate;  ///< of the load factor
+  bool starts_still;                        ///< loads set out with no rate: the start has no direction
+  bool ends_stiff;                          ///< the last bit of a way on which it has stiffened
+
+  bool load_dips() const;
+};
 
 /// What is seen at a point of the cubic after one Newton correction at right angles to the chord.
 struct StepJudge::Look {
-  double correction = 0.0;  ///< over the chord
-  double load_factor = 0.0;
-  double rate = 0.0;  ///< of the load factor along the chord
-  int negative = -1;  ///< none: not counted
+  double correction = 0.0;  ///< over the chord, of the part where it is largest
+  bool goes_back = false;   ///< the load factor, against its rate at the start
+  int negative = -1;        ///< none: not counted
 };
+
+/// Whether the load factor goes back somewhere between the ends, as far as their rates can tell.
+bool StepJudge::Part::load_dips() const {
+  if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
+  const double least = std::min(std::abs(first_rate), std::abs(last_rate));
+  return (first_rate > 0.0 ? mean_rate : -mean_rate) < kLeastGain * least;
+}
+
+/// Those that move.
+std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
+  const MixedVector &chord = piece.moved.x, &start = piece.start.tangent.x, &end = piece.end.tangent.x;
+  const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cs = measure_.motion_of_parts(chord, start),
+                            ce = measure_.motion_of_parts(chord, end), ss = measure_.motion_of_parts(start, start),
+                            ee = measure_.motion_of_parts(end, end);
+  const double largest = *std::max_element(cc.begin(), cc.end());
+  const double still = std::max(kNoMotion, kLeastShare * std::sqrt(largest));
+  std::vector<Part> parts;
+  for (size_t p = 0; p < cc.size(); ++p)
+    if (std::sqrt(cc[p]) >= still) parts.emplace_back(piece, cc[p], cs[p], ce[p], ss[p], ee[p]);
+  return parts;
+}
 
 std::optional<StabilityResult> StepJudge::count(const State& state, double load_factor) const {
   if (problem_->leave_if_asked) problem_->leave_if_asked();
@@ -106,12 +146,12 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
   return result;
 }
 
-/// Whether the structure hardly moves any more at the end, and in another direction: the last bit of a way on which it
-/// has stiffened, and nothing to judge the way by.
+/// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
 bool StepJudge::ends_stiff(const PathPiece& piece) const {
-  const double rate = measure_.motion(piece.end.tangent.x) / std::abs(piece.end.tangent.load);
-  return measure_.cosine(piece.end.tangent.x, piece.moved.x) < kEndCosine &&
-         rate * std::abs(piece.moved.load) < kStiffened * measure_.motion(piece.moved.x);
+  const MixedVector &chord = piece.moved.x, &start = piece.start.tangent.x, &end = piece.end.tangent.x;
+  return Part(piece, measure_.motion(chord, chord), measure_.motion(chord, start), measure_.motion(chord, end),
+              measure_.motion(start, start), measure_.motion(end, end))
+      .ends_stiff;
 }
 
 StepJudge::Look StepJudge::look(const PathPiece& piece, double at) const {
@@ -127,15 +167,23 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, double at) const {
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, slope, by_load);  // less du/dlambda
   const MixedVector& newton = BeamVector::of(group.getNewton());
-  const double chord = measure_.motion(piece.moved.x);
-  const double along = measure_.motion(piece.moved.x, by_load.values());
-  const double change = measure_.motion(piece.moved.x, newton) / along;
-  MixedVector correction = newton.clone(true);
-  correction.update(-change, by_load.values(), 1.0);
-  Look seen{measure_.motion(correction) / chord, load_factor + change, -chord / along, -1};
+  const MixedVector &chord = piece.moved.x, &rate = by_load.values();
+  const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cr = measure_.motion_of_parts(chord, rate),
+                            cn = measure_.motion_of_parts(chord, newton), nn = measure_.motion_of_parts(newton, newton),
+                            nr = measure_.motion_of_parts(newton, rate), rr = measure_.motion_of_parts(rate, rate);
+  const double still = std::max(kNoMotion, kLeastShare * measure_.motion(chord));
+  Look seen;
+  for (size_t p = 0; p < cc.size(); ++p) {
+    if (std::sqrt(cc[p]) < still) continue;
+    const double change = cn[p] / cr[p];  // of the load factor, for a correction at right angles to the chord
+    const double square = std::max(0.0, nn[p] - change * (2.0 * nr[p] - change * rr[p])) / cc[p];
+    seen.correction = square >= 0.0 ? std::max(seen.correction, std::sqrt(square)) : HUGE_VAL;
+    seen.goes_back = seen.goes_back || (cr[p] < 0.0) != (piece.start.tangent.load > 0.0);
+  }
+  const double change = measure_.motion(chord, newton) / measure_.motion(chord, rate);
   ++problem_->work.looks;
   if (!std::isfinite(seen.correction)) return seen;
-  const std::optional<StabilityResult> there = count(group.state(), seen.load_factor);
+  const std::optional<StabilityResult> there = count(group.state(), load_factor + change);
   if (there) seen.negative = there->negative;
   return seen;
 }
@@ -156,31 +204,21 @@ std::string StepJudge::objection_to_count(const PathPiece& piece, const StepTest
   return "stability changes to and fro within the step";
 }
 
-/// Whether the load factor goes back somewhere between the ends, as far as their rates can tell.
-bool StepJudge::load_dips(const PathPiece& piece) const {
-  const double chord = measure_.motion(piece.moved.x), mean = piece.moved.load / chord;
-  const double first = rate_along(measure_, piece.moved, chord, piece.start.tangent),
-               last = rate_along(measure_, piece.moved, chord, piece.end.tangent);
-  if ((first > 0.0) != (last > 0.0)) return false;
-  const double least = std::min(std::abs(first), std::abs(last));
-  return (first > 0.0 ? mean : -mean) < kLeastGain * least;
-}
-
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) const {
-  const double chord = measure_.motion(piece.moved.x);
-  if (chord < kNoMotion || !piece.start.has_tangent() || !piece.end.has_tangent()) return "";
-  const double first = measure_.cosine(piece.start.tangent.x, piece.moved.x),
-               last = measure_.cosine(piece.end.tangent.x, piece.moved.x);
-  // Loads that set out with no rate (a square of the load factor) give the start no direction.
-  const bool starts_still = measure_.motion(piece.start.tangent.x) < kNoMotion * std::abs(piece.start.tangent.load);
-  const bool hardly_moves = !test.counts_may_change && ends_stiff(piece);
-  if (!(starts_still || first >= test.smallest_cosine)) return kBends;
-  if (!hardly_moves && !(last >= test.least_cosine_at_end)) return kBends;
-  if (!hardly_moves && last < test.smallest_cosine) return objection_of_halves(piece, test, depth);
+  if (measure_.motion(piece.moved.x) < kNoMotion || !piece.start.has_tangent() || !piece.end.has_tangent()) return "";
+  bool looks = test.always_looks, dips = false, is_bent = false;
+  for (const Part& part : parts_of(piece)) {
+    const bool hardly_moves = test.may_stiffen && part.ends_stiff;
+    if (!(part.starts_still || part.first >= test.smallest_cosine)) return kBends;
+    if (!hardly_moves && !(part.last >= test.least_cosine_at_end)) return kBends;
+    is_bent = is_bent || (!hardly_moves && part.last < test.smallest_cosine);
+    dips = dips || part.load_dips();
+    looks = looks || part.starts_still || std::min(part.first, part.last) < kStraight;
+  }
+  if (is_bent) return objection_of_halves(piece, test, depth);
   const bool turns = (piece.start.tangent.load > 0.0) != (piece.end.tangent.load > 0.0);
   const bool turns_unseen = turns && !may_turn(piece, test);
-  const bool dips = load_dips(piece);
-  if (!test.always_looks && !dips && !turns_unseen && !starts_still && std::min(first, last) >= kStraight) return "";
+  if (!looks && !dips && !turns_unseen) return "";
   const Look seen = look(piece, 0.5);
   if (!(seen.correction <= kLargestCorrection)) return objection_of_halves(piece, test, depth);
   const std::string count = objection_to_count(piece, test, seen.negative);
@@ -188,7 +226,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   // Stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better.
   if (turns_unseen) return has_counts(piece, seen.negative) && seen.correction <= kSure ? "" : kGoesBack;
   if (dips && depth == 0 && has_counts(piece, seen.negative)) return "";
-  if (!turns && !dips && (seen.rate > 0.0) != (piece.start.tangent.load > 0.0)) return kGoesBack;
+  if (!turns && !dips && seen.goes_back) return kGoesBack;
   if (dips) return objection_of_halves(piece, test, depth);
   return "";
 }

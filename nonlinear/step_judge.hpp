@@ -5,12 +5,14 @@
 /// ends point along the chord; the counts agree; where the path bends, a look inside: the cubic through both ends with
 /// their tangents is nearly an equilibrium half-way, with the same count and the same direction of the load factor.
 /// Where the cubic is too far from the path, the equilibrium half-way is computed, and each half judged by itself.
+/// Parts of a structure that touch no other one are judged one by one: a single one among many may have jumped.
 #pragma once
 
 #include "nonlinear/corrector.hpp"
 #include "nonlinear/path_measure.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -27,6 +29,9 @@ struct StepTest {
   double least_cosine_at_end = 0.5;
   bool counts_may_change = false;  ///< critical points inside are looked for
   bool always_looks = false;
+  /// The direction at the end is of no importance where the structure has stiffened: steps along the path can be
+  /// shorter.
+  bool may_stiffen = false;
 };
 
 class StepJudge {
@@ -48,13 +53,14 @@ class StepJudge {
 
  private:
   struct Look;
+  struct Part;
   std::string objection(const PathPiece& piece, const StepTest& test, int depth) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;
   std::string objection_to_count(const PathPiece& piece, const StepTest& test, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
+  std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, double at) const;
   bool ends_stiff(const PathPiece& piece) const;
-  bool load_dips(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
   Corrector& corrector_;

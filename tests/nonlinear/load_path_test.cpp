@@ -1,6 +1,7 @@
 // Load continuation: steps, recovery, stages, and an honest end when no equilibrium is found.
 #include "nonlinear/load_path.hpp"
 
+#include "nonlinear/corrector.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 
 #include <numeric>
@@ -268,16 +269,69 @@ TEST(LoadPath, TwoRunsGiveTheSameBits) {
   }
 }
 
+/// Newton's method for the whole load at once, without any check. The tip's displacement.
+Vector3 plain_newton(const Scene& scene, int most_iterations) {
+  const SolverParameters parameters;
+  const auto problem = Teuchos::rcp(new BeamProblem(scene, this_rank(), parameters));
+  SolveRecord record;
+  Corrector corrector(problem, parameters, record);
+  const Correction found = corrector.at_load({problem->assembler.reference_state(), 1.0}, most_iterations);
+  EXPECT_TRUE(found.converged) << found.cause;
+  const std::array<double, 6> motion =
+      vertex_motion(problem->assembler, found.state, vertex_of(problem->assembler.mesh(), "tip"));
+  return {motion[0], motion[1], motion[2]};
+}
+
 // Far beyond the convergence of plain Newton steps (design: 8, 11, 13, 16, 20 iterations with a limit of 0.5).
 TEST(LoadPath, RotationLimitBringsLargeLoadsInOneStep) {
   for (double force : {10.0, 1e2, 1e3, 1e4, 1e6}) {
     Scene scene = elastica(force);
     scene.sections = {section(kRigid, kRigid, 1.0, 1.0)};
-    const Path path = follow(scene, fixed_steps(1));
-    EXPECT_TRUE(path.result.finished) << "force " << force << ": " << path.result.failure;
-    EXPECT_EQ(path.result.steps, 1) << "force " << force;
-    EXPECT_LE(path.result.newton_iterations, 30) << "force " << force;
+    EXPECT_GT(plain_newton(scene, 30)[1], 0.0) << force;
   }
+}
+
+/// A cantilever under P EI/L^2 along its axis and e P across it.
+Scene imperfect_column(double p, double e) {
+  Scene scene = elastica(0.0);
+  scene.sections = {section(kRigid, kRigid, 1.0, 1.0)};
+  scene.point_loads[0].force = {-p, e * p, 0.0};
+  return scene;
+}
+
+// Newton's method in one step ends on the other side, with every sign of convergence.
+TEST(LoadPath, FixedAndAdaptiveStepsFollowThePath) {
+  for (LoadPathMethod method : {LoadPathMethod::fixed, LoadPathMethod::adaptive})
+    for (double e : {1e-2, -1e-2, 1e-4, -1e-4}) {
+      SolverParameters parameters;
+      parameters.load_path.method = method;
+      parameters.load_path.steps = 1;
+      parameters.load_path.initial_step = 1.0;
+      parameters.load_path.minimum_step = 1e-6;
+      const Path path = follow(imperfect_column(4.0, e), parameters);
+      EXPECT_TRUE(path.result.finished) << e << path.result.failure;
+      EXPECT_GT(path.tip[1] * e, 0.0) << e;  // the lateral force pushes it there
+      EXPECT_LT(plain_newton(imperfect_column(4.0, e), 50)[1] * e, 0.0) << e;
+    }
+}
+
+// One of two structures that do not touch: the motion of the other one, by far the larger, hides nothing.
+TEST(LoadPath, PartsAreJudgedOneByOne) {
+  Scene scene = imperfect_column(4.0, 1e-2);
+  scene.points.insert(scene.points.begin(), {{"foot", {0, 3, 0}}, {"end", {1, 3, 0}}});
+  scene.members.push_back(scene.members[0]);
+  scene.members[1].name = "second";
+  scene.members[1].start_point = "foot";
+  scene.members[1].end_point = "end";
+  scene.supports.push_back(scene.supports[0]);
+  scene.supports[1].point = "foot";
+  scene.point_loads.push_back(scene.point_loads[0]);
+  scene.point_loads[1].point = "end";
+  scene.point_loads[1].force = {0, 30, 0};
+  const Path path = follow(scene, {});
+  EXPECT_TRUE(path.result.finished) << path.result.failure;
+  EXPECT_GT(path.tip[1], 0.0);
+  EXPECT_LT(plain_newton(scene, 50)[1], 0.0);
 }
 
 TEST(LoadPath, NothingToDo) {
