@@ -34,6 +34,9 @@ constexpr int kMostRootSamples = 30;
 /// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
 /// to a critical point those of neighbours differ by no more than 0.05 rad.
 constexpr double kSmallestCosine = 0.5, kSmoothCosine = 0.999;
+/// A rate of the load factor over the largest in its bracket whose sign is not one of rounding, nor of the place where
+/// a limit point's count changes, which the cap shifts.
+constexpr double kSignificantRate = 1e-2;
 /// Where no eigenvalue of the vertices passes zero, an element is unstable inside: the place is that where the count
 /// changes, to this share of the step.
 constexpr double kCountedPlace = 1e-10;
@@ -193,11 +196,12 @@ bool CriticalPointFinder::vanish_together(const PathPiece& piece, const Bracket&
 void CriticalPointFinder::isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found) {
   const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
   if (changes == 0) {
-    if (turns(bracket) && bracket.high.at - bracket.low.at > kTogether) {  // a limit point and another one
-      const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));
-      isolate(piece, {bracket.low, middle}, found);
-      isolate(piece, {middle, bracket.high}, found);
-    }
+    if (!turns(bracket)) return;
+    if (bracket.high.at - bracket.low.at < kTogether)
+      return require_smoothness(piece, bracket.low.station, bracket.high.station);
+    const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));  // a limit point and another one
+    isolate(piece, {bracket.low, middle}, found);
+    isolate(piece, {middle, bracket.high}, found);
     return;
   }
   const bool first_only = !found.empty() && !separates_;
@@ -208,6 +212,18 @@ void CriticalPointFinder::isolate(const PathPiece& piece, const Bracket& bracket
   const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));
   isolate(piece, {bracket.low, middle}, found);
   isolate(piece, {middle, bracket.high}, found);
+}
+
+/// On one path the load factor turns only where the count changes: a sample at which it runs as at no end of the
+/// bracket with the same count lies behind other critical points, or on another path.
+void CriticalPointFinder::require_order(const Bracket& bracket, const Sample& sample) const {
+  const double rate = sample.station.tangent.load, low = bracket.low.station.tangent.load,
+               high = bracket.high.station.tangent.load;
+  if (std::abs(rate) < kSignificantRate * std::max(std::abs(low), std::abs(high))) return;
+  const bool as_low = (rate > 0.0) == (low > 0.0), as_high = (rate > 0.0) == (high > 0.0);
+  if (!turns(bracket) && as_low) return;
+  if (turns(bracket) && (sample.negative() == bracket.low.negative() ? as_low : as_high)) return;
+  throw MorePoints{sample};
 }
 
 /// What passes zero at the critical point of the bracket: the load's rate along the path at a limit point, else the
@@ -260,7 +276,9 @@ double CriticalPointFinder::coarse_root(const PathPiece& piece, const Bracket& b
     const double next = std::clamp(b - fb * (b - a) / (fb - fa), std::min(a, b), std::max(a, b));
     if (std::abs(next - at) < 0.25 * distance && i > 0) return next;
     at = next;
-    const double f = passing(bracket, sample(piece, at));
+    const Sample there = sample(piece, at);
+    require_order(bracket, there);
+    const double f = passing(bracket, there);
     if (f == 0.0) return at;
     if ((f < 0.0) != (fb < 0.0)) {
       a = b;
@@ -374,10 +392,20 @@ std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece)
   std::vector<Bracket> brackets;
   isolate(piece, {{0.0, piece.start}, {1.0, piece.end}}, brackets);
   std::vector<CriticalPoint> points;
-  for (const Bracket& bracket : brackets) {
+  for (size_t i = 0; i < brackets.size(); ++i) {
+    const Bracket bracket = brackets[i];
     const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
     if (separates_ || points.empty()) {
-      points.push_back(locate(piece, bracket));
+      try {
+        points.push_back(locate(piece, bracket));
+      } catch (const MorePoints& more) {
+        std::vector<Bracket> parts;
+        isolate(piece, {bracket.low, more.sample}, parts);
+        isolate(piece, {more.sample, bracket.high}, parts);
+        brackets.erase(brackets.begin() + i);
+        brackets.insert(brackets.begin() + i, parts.begin(), parts.end());
+        --i;
+      }
       continue;
     }
     CriticalPoint point{

@@ -37,6 +37,11 @@ class CriticalPointFinder {
     Sample low, high;
   };
 
+  /// There is more than one critical point in a bracket: it is to be divided at this sample.
+  struct MorePoints {
+    Sample sample;
+  };
+
   std::vector<CriticalPoint> find_all(const PathPiece& piece);
   Sample sample(const PathPiece& piece, double at);
   void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
@@ -45,6 +50,7 @@ class CriticalPointFinder {
   bool vanish_together(const PathPiece& piece, const Bracket& bracket);
   void isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found);
   bool turns(const Bracket& bracket) const;
+  void require_order(const Bracket& bracket, const Sample& sample) const;
   double passing(const Bracket& bracket, const Sample& sample);
   double coarse_root(const PathPiece& piece, const Bracket& bracket, double distance);
   bool needs_counting(const Bracket& bracket);

@@ -23,6 +23,8 @@ constexpr int kMostHalvings = 3;
 constexpr double kLeastGain = 0.5;
 /// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
 constexpr double kLargestEndAngle = 2.8;
+/// A change of the load factor along a step, over the load factor: the cap alone shifts critical loads by 1e-7.
+constexpr double kFlat = 1e-5;
 /// A structure has stiffened when its rate at the end would move it by less than this share of the step's chord, and
 /// the direction of that rate is of no importance from angles of 60 degrees on.
 constexpr double kStiffened = 0.1, kEndCosine = 0.5;
@@ -48,6 +50,12 @@ bool has_counts(const PathPiece& piece, int inside) {
 bool may_turn(const PathPiece& piece, const StepTest& test) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
   return test.counts_may_change && (!comparable(a, b) || a->negative != b->negative);
+}
+
+/// Whether the load factor hardly changes along the step, so that the signs of its rates may be those of rounding.
+bool load_is_flat(const PathMeasure& measure, const PathPiece& piece) {
+  const double rate = std::max(std::abs(piece.start.tangent.load), std::abs(piece.end.tangent.load));
+  return rate * measure.motion(piece.moved.x) <= kFlat * std::max(1.0, std::abs(piece.end.load_factor));
 }
 
 }  // namespace
@@ -224,7 +232,9 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   const std::string count = objection_to_count(piece, test, seen.negative);
   if (!count.empty()) return objection_of_halves(piece, test, depth);  // beside the path counts may differ
   // Stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better.
-  if (turns_unseen) return has_counts(piece, seen.negative) && seen.correction <= kSure ? "" : kGoesBack;
+  if (turns_unseen)
+    return load_is_flat(measure_, piece) && has_counts(piece, seen.negative) && seen.correction <= kSure ? ""
+                                                                                                         : kGoesBack;
   if (dips && depth == 0 && has_counts(piece, seen.negative)) return "";
   if (!turns && !dips && seen.goes_back) return kGoesBack;
   if (dips) return objection_of_halves(piece, test, depth);
