@@ -136,6 +136,8 @@ class Assembler {
   void use_scales(const ResidualScales& scales) { scales_ = scales; }
   /// Takes rows scaled by `from` to `to`, which are used from then on.
   void rescale(MixedVector& rows, const ResidualScales& from, const ResidualScales& to);
+  /// Takes rows scaled by scales() to forces, moments and integrals of strains.
+  void unscale(MixedVector& rows) const { scale_rows(rows, true); }
   /// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
   double equilibrium_norm(const MixedVector& scaled_residual) const;
   /// Largest row of N or M of a scaled residual: compatibility and the constitutive law.

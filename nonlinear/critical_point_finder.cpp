@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -50,7 +51,10 @@ double eigenvalue(const Spectrum& spectrum, int k) {
   for (const EigenMode& mode : spectrum.modes) (mode.eigenvalue < 0.0 ? below : above).push_back(mode.eigenvalue);
   std::sort(below.rbegin(), below.rend());
   std::sort(above.begin(), above.end());
-  const int negative = spectrum.stability.negative;
+  // the nearest to zero that count as zero have a sign as well
+  const int null = std::min(spectrum.stability.null, static_cast<int>(spectrum.modes.size()));
+  int negative = spectrum.stability.negative;
+  for (int i = 0; i < null; ++i) negative += spectrum.modes[i].eigenvalue < 0.0 ? 1 : 0;
   const bool is_below = k <= negative;
   const std::vector<double>& side = is_below ? below : above;
   const size_t place = static_cast<size_t>(is_below ? negative - k : k - negative - 1);
@@ -88,11 +92,12 @@ double slope_of(const std::vector<Sampled>& samples, size_t count, double x, dou
   return slope;
 }
 
-/// Zero of a function in [low, high], by secants that keep the bracket (Illinois).
+/// Zero of a function in [low, high], by secants that keep the bracket (Illinois); not a number where it changes no
+/// sign.
 template <class Function>
 double root_of(const Function& function, double low, double high) {
   double a = low, b = high, fa = function(a), fb = function(b);
-  if ((fa < 0.0) == (fb < 0.0)) return 0.5 * (low + high);
+  if ((fa < 0.0) == (fb < 0.0)) return std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < 60 && std::abs(b - a) > 1e-15; ++i) {
     const double next = b - fb * (b - a) / (fb - fa), f = function(next);
     if (f == 0.0 || next == b) return next;

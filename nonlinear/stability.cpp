@@ -2,8 +2,6 @@
 
 #include "discretization/added_compliance.hpp"
 
-#include <Teuchos_LAPACK.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,6 +43,16 @@ constexpr double kNearZero = 1e-4;
 constexpr double kNearRounding = 100.0;
 /// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
 constexpr int kFirstNull = 4, kMostNull = 16;
+/// Where rounding leaves less of an eigenvalue than this share of what counts as zero, its critical load is known to
+/// ten digits.
+constexpr double kRoundingMatters = 0.1;
+/// Motion (largest rotation, or displacement over the length) of the largest of the differences below, and these: parts
+/// of it and their weights, which leave an error of its sixth power over 64 * 7!. Rounding is multiplied by 200.
+constexpr double kDifferenceMotion = 1.0 / 32.0;
+constexpr std::array<std::array<double, 2>, 3> kDifferences = {
+    {{1.0, 1.0 / 45.0}, {0.5, -20.0 / 45.0}, {0.25, 64.0 / 45.0}}};
+/// Rotations of Jacobi's method: sweeps, of which five are enough.
+constexpr int kSweeps = 20;
 /// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
 constexpr int kInverseIterations = 3;
 
@@ -377,7 +385,7 @@ Spectrum Stability::spectrum(const State& state, double load_factor, int count) 
   assemble(state, load_factor);
   Spectrum result{inertia(), {}};
   const Reduced reduced = nearest(result.stability, count);
-  result.modes = corrected_modes(state, result.stability, reduced);
+  result.modes = corrected_modes(state, load_factor, result.stability, reduced);
   if (result.stability.symmetric)
     recount(reduced, result);
   else
@@ -412,33 +420,112 @@ void Stability::recount_unsymmetric(Spectrum& spectrum) {
 
 namespace {
 
-/// Eigenvalues (into `values`) and eigenvectors (columns of the result) of diag(values) + correction.
-std::vector<double> small_eigenproblem(std::vector<double>& values, std::vector<double> correction) {
-  const int m = static_cast<int>(values.size());
-  for (int i = 0; i < m; ++i) correction[i * (m + 1)] += values[i];
-  std::vector<double> work(4 * m + 1);
-  int info = 0;
-  Teuchos::LAPACK<int, double>().SYEV('V', 'L', m, correction.data(), m, values.data(), work.data(), 4 * m + 1, &info);
-  if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dsyev " + std::to_string(info));
-  return correction;
+/// Eigenvalues (the diagonal afterwards) and eigenvectors (columns of the result) of a symmetric matrix of m rows by
+/// Jacobi's rotations: small eigenvalues keep their digits beside large ones.
+std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
+  std::vector<double> vectors(a.size(), 0.0);
+  for (int i = 0; i < m; ++i) vectors[i * (m + 1)] = 1.0;
+  const auto at = [m](std::vector<double>& x, int i, int j) -> double& { return x[i + static_cast<size_t>(j) * m]; };
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < kSweeps; ++sweep) {
+    rotated = false;
+    for (int p = 0; p < m; ++p)
+      for (int q = p + 1; q < m; ++q) {
+        const double beside = at(a, p, q), size = std::sqrt(std::abs(at(a, p, p) * at(a, q, q)));
+        if (!(std::abs(beside) > std::numeric_limits<double>::epsilon() * size)) continue;
+        rotated = true;
+        const double half = 0.5 * (at(a, q, q) - at(a, p, p));
+        const double t = beside / (half + std::copysign(std::hypot(half, beside), half));
+        const double c = 1.0 / std::hypot(1.0, t), s = t * c;
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, k, p), y = at(a, k, q), v = at(vectors, k, p), w = at(vectors, k, q);
+          at(a, k, p) = c * x - s * y;
+          at(a, k, q) = s * x + c * y;
+          at(vectors, k, p) = c * v - s * w;
+          at(vectors, k, q) = s * v + c * w;
+        }
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, p, k), y = at(a, q, k);
+          at(a, p, k) = c * x - s * y;
+          at(a, q, k) = s * x + c * y;
+        }
+        at(a, p, q) = at(a, q, p) = 0.0;
+      }
+  }
+  return vectors;
 }
 
 }  // namespace
 
+/// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
+/// stiffness: nothing large is there to drown what is small. Rows of N and M are zero.
+MixedVector Stability::derivative_along(const State& state, double load_factor, const MixedVector& motion) {
+  Assembler& assembler = problem_.assembler;
+  const Structure& structure = assembler.structure();
+  const LargestParts size = largest_parts(*assembler.map()->getComm(), motion.vertex());
+  const double unit = kDifferenceMotion / std::max(size.moved / structure.length, size.turned);
+  MixedVector sum = assembler.create_vector(), rows = assembler.create_vector();
+  for (const auto& [part, weight] : kDifferences)
+    for (double step : {part * unit, -part * unit}) {
+      assembler.residual(assembler.apply(state, motion, step), load_factor, rows);
+      assembler.unscale(rows);
+      sum.update(0.5 * weight / step, rows, 1.0);
+    }
+  const KernelView<double*> interior = sum.writable_interior(true);
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      double* first = &interior(block.increment_offset + static_cast<size_t>(e) * block.interior.increments());
+      std::fill(first, first + block.interior.relative_rotation(1), 0.0);
+    }
+  return sum;
+}
+
+/// Of the mixed potential in motions that complete_motion() made of the vectors of `reduced`, as a matrix; symmetric
+/// tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves added_compliance().
+std::vector<double> Stability::second_variations(const State& state, double load_factor,
+                                                 const std::vector<MixedVector>& motions, const Reduced& reduced) {
+  const int m = static_cast<int>(motions.size());
+  const ResidualScales scales = problem_.assembler.scales();
+  std::vector<double> form(static_cast<size_t>(m) * m, 0.0), of_vertices(form.size(), 0.0);
+  for (int j = 0; j < m; ++j) {
+    const MixedVector derivative = derivative_along(state, load_factor, motions[j]);
+    const std::vector<double> rows = unknowns_->reduced_rows(derivative.vertex_dofs());
+    derivative.vertex_dofs().putScalar(0.0);
+    for (int i = 0; i < m; ++i) {
+      if (unknowns_->is_root()) of_vertices[i + static_cast<size_t>(j) * m] = dot_product(reduced.vector[i], rows);
+      form[i + static_cast<size_t>(j) * m] =
+          motions[i].inner_product(derivative) + added_compliance(problem_.assembler, motions[i], motions[j]);
+    }
+  }
+  problem_.assembler.use_scales(scales);
+  MPI_Bcast(of_vertices.data(), m * m, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  for (size_t i = 0; i < form.size(); ++i) of_vertices[i] += form[i];
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) form[i + j * m] = 0.5 * (of_vertices[i + j * m] + of_vertices[j + i * m]);
+  return form;
+}
+
 /// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
-std::vector<EigenMode> Stability::corrected_modes(const State& state, const StabilityResult& stability,
-                                                  const Reduced& reduced) {
+std::vector<EigenMode> Stability::corrected_modes(const State& state, double load_factor,
+                                                  const StabilityResult& stability, const Reduced& reduced) {
   Assembler& assembler = problem_.assembler;
   const int m = static_cast<int>(reduced.eigenvalue.size());
   std::vector<MixedVector> found;
   for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(assembler, *unknowns_, state, y));
-  std::vector<double> values = reduced.eigenvalue, weights(static_cast<size_t>(m) * m, 0.0);
+  std::vector<double> values = reduced.eigenvalue, error = reduced.error, weights(static_cast<size_t>(m) * m, 0.0);
   if (stability.symmetric) {
-    for (int i = 0; i < m; ++i)
-      for (int j = 0; j <= i; ++j)
-        weights[i + static_cast<size_t>(j) * m] = weights[j + static_cast<size_t>(i) * m] =
-            added_compliance(assembler, found[i], found[j]);
-    weights = small_eigenproblem(values, weights);
+    std::vector<double> form = weights;
+    if (m > 0 && zero_ > 0.0 && error.front() > kRoundingMatters * zero_) {
+      form = second_variations(state, load_factor, found, reduced);
+      for (double& e : error) e = std::min(e, zero_);
+    } else {
+      for (int i = 0; i < m; ++i) {
+        for (int j = 0; j < m; ++j) form[i + j * m] = added_compliance(assembler, found[i], found[j]);
+        form[i * (m + 1)] += values[i];
+      }
+    }
+    weights = small_eigenproblem(form, m);
+    for (int i = 0; i < m; ++i) values[i] = form[i * (m + 1)];
   } else {
     for (int i = 0; i < m; ++i) {
       weights[i * (m + 1)] = 1.0;
@@ -457,7 +544,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, const Stab
   for (int k : order) {
     MixedVector mode = combination(found, &weights[static_cast<size_t>(k) * m]);
     normalize_mode(assembler, mode);
-    modes.push_back({values[k], std::move(mode), reduced.error[k], reduced.converged[k] != 0});
+    modes.push_back({values[k], std::move(mode), error[k], reduced.converged[k] != 0});
   }
   return modes;
 }

@@ -16,6 +16,10 @@
 /// The tangent caps the stiffness of forces (Assembler), which lowers critical loads by about 1e-5 of them, 1e-7 where
 /// eigenvalues are only counted. Modes are corrected to the true stiffness, to second order in the cap, and next to
 /// zero the corrected eigenvalues are counted.
+///
+/// Where stiff members stand beside soft ones, the condensed tangent keeps of its small eigenvalues only what the
+/// rounding of the stiff entries leaves, but its modes to rounding. There eigenvalues are taken from the second
+/// variation of the mixed potential in these modes, which holds compliances and no stiffness.
 #pragma once
 
 #include "discretization/condensed_system.hpp"
@@ -104,7 +108,11 @@ class Stability {
   Reduced nearest(const StabilityResult& stability, int count);
   void recount(const Reduced& reduced, Spectrum& spectrum) const;
   static void recount_unsymmetric(Spectrum& spectrum);
-  std::vector<EigenMode> corrected_modes(const State& state, const StabilityResult& stability, const Reduced& reduced);
+  MixedVector derivative_along(const State& state, double load_factor, const MixedVector& motion);
+  std::vector<double> second_variations(const State& state, double load_factor, const std::vector<MixedVector>& motions,
+                                        const Reduced& reduced);
+  std::vector<EigenMode> corrected_modes(const State& state, double load_factor, const StabilityResult& stability,
+                                         const Reduced& reduced);
 
   BeamProblem& problem_;
   Assembler::InteriorCount interior_;  ///< of the last tangent
