@@ -34,7 +34,10 @@ constexpr int kManyUnknowns = 1'000'000;         // order times elements of one 
 constexpr int kFewElementsOfOrderOne = 4;
 constexpr double kMostAngleOfElement = 1.6;  // pi/2: beyond, one element describes more than a quarter of a circle
 constexpr double kMostLoad = 1e6;            // F L^2 / EI; a strut buckles at 2.5 to 40, a coil of ten turns needs 4e3
-constexpr double kNoticeableStart = 1e-12;   // of an amplitude at t = 0: less is rounding of a formula
+// The range that scenes.md states ("Ratios are free in wide ranges"): what is softer drowns in the rounding of the
+// rest.
+constexpr double kMostStiffnessRatio = 1e12;
+constexpr double kNoticeableStart = 1e-12;  // of an amplitude at t = 0: less is rounding of a formula
 
 std::string number(double value) {
   char text[32];
@@ -186,6 +189,42 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   if (nothing) list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
 }
 
+/// A spring as a bending stiffness: moment per angle times length, force per way times its third power.
+void add_range_warning(const SceneSurvey& survey, WarningList& list) {
+  struct Named {
+    double value;
+    std::string name;
+  };
+  Named softest{std::numeric_limits<double>::infinity(), ""}, stiffest{0.0, ""};
+  const auto note = [&](double value, const std::string& name) {
+    if (!(value > 0.0) || !std::isfinite(value)) return;
+    if (value < softest.value) softest = {value, name};
+    if (value > stiffest.value) stiffest = {value, name};
+  };
+  const double size = survey.size, cube = size * size * size;
+  for (const Member& member : survey.scene.members) {
+    const Section& section = survey.section_of(member);
+    const std::string name = "section \"" + excerpt(section.name) + "\"";
+    note(section.torsional_stiffness, name);
+    for (const double stiffness : section.bending_stiffness) note(stiffness, name);
+  }
+  for (const Support& support : survey.scene.supports)
+    for (int i = 0; i < 3; ++i) {
+      const std::string name = "the spring at point \"" + excerpt(support.point) + "\"";
+      note(support.rotation_stiffness[i] * size, name);
+      note(support.displacement_stiffness[i] * cube, name);
+    }
+  for (const Joint& joint : survey.scene.joints)
+    note(joint.stiffness * (joint.kind == JointKind::slider ? cube : size),
+         "the spring of joint \"" + excerpt(joint.name) + "\"");
+  const double ratio = stiffest.value / softest.value;
+  if (ratio > kMostStiffnessRatio)
+    list.add("scenes with stiffnesses too far apart",
+             "Sections: " + stiffest.name + " is " + number(ratio) + " times as stiff as " + softest.name +
+                 " in a structure of this size; beyond 1e12 (scenes.md, \"Sections\") rounding leaves nothing of the "
+                 "softer one; usually one of them is in other units, and 1e9 times as stiff is as good as rigid");
+}
+
 template <typename Load>
 void add_amplitude_warnings(const std::vector<Load>& loads, const std::string& what, WarningList& list) {
   for (const Load& load : loads) {
@@ -229,6 +268,7 @@ std::vector<std::string> warnings(const Scene& scene) {
   add_neighbour_warnings(survey, list);
   add_geometry_warnings(survey, list);
   add_load_warnings(survey, list);
+  add_range_warning(survey, list);
   add_amplitude_warnings(scene.point_loads, "Point Loads", list);
   add_amplitude_warnings(scene.distributed_loads, "Distributed Loads", list);
   add_amplitude_warnings(scene.eigenstrains, "Eigenstrains", list);

@@ -31,9 +31,30 @@ SectionConstants section_constants(const Section& section) {
 /// A stiffness this much above the softest is rigid beside it: what is softer decides how a structure bends.
 constexpr double kStiffnessRange = 1e4;
 
+/// Springs may be softer still, but they need not be what decides: of the reference that sections have they leave this
+/// share, with which flexible members keep the stiffness that they have in the tangent (Assembler's cap).
+constexpr double kShareBesideSprings = 1e-3;
+
+/// Softest spring of supports and joints as a bending stiffness: moment per angle times length, force per way times its
+/// third power. Infinite where there is none.
+double softest_spring(const Scene& scene, double length) {
+  double softest = std::numeric_limits<double>::infinity();
+  const auto note = [&](double stiffness, double unit) {
+    if (stiffness > 0.0) softest = std::min(softest, stiffness * unit);
+  };
+  const double cube = length * length * length;
+  for (const Support& support : scene.supports)
+    for (int i = 0; i < 3; ++i) {
+      note(support.rotation_stiffness[i], length);
+      note(support.displacement_stiffness[i], cube);
+    }
+  for (const Joint& joint : scene.joints) note(joint.stiffness, joint.kind == JointKind::slider ? cube : length);
+  return softest;
+}
+
 /// Largest finite bending or torsional stiffness that is not rigid beside the softest; one, in whatever unit, where all
 /// are rigid and nothing bends.
-double bending_reference(const Scene& scene) {
+double bending_reference(const Scene& scene, double length) {
   double softest = std::numeric_limits<double>::infinity(), largest = 0.0;
   for (const Section& s : scene.sections)
     for (double value : {s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]})
@@ -41,7 +62,9 @@ double bending_reference(const Scene& scene) {
         softest = std::min(softest, value);
         largest = std::max(largest, value);
       }
-  return largest == 0.0 ? 1.0 : std::min(largest, kStiffnessRange * softest);
+  if (largest == 0.0) return 1.0;
+  const double of_sections = std::min(largest, kStiffnessRange * softest);
+  return std::clamp(kStiffnessRange * softest_spring(scene, length), kShareBesideSprings * of_sections, of_sections);
 }
 
 /// Elements of one kind share their kernels.
@@ -179,7 +202,7 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   Structure structure;
   structure.partition = VertexPartition(rank, ranks, mesh);
   structure.length = characteristic_length(mesh);
-  structure.bending_reference = bending_reference(scene);
+  structure.bending_reference = bending_reference(scene, structure.length);
   structure.shortest_element = std::numeric_limits<double>::max();
   for (const MeshElement& element : mesh.elements)
     structure.shortest_element = std::min(structure.shortest_element, mesh.element_length(element));

@@ -398,6 +398,7 @@ void Stability::recount(const Reduced& reduced, Spectrum& spectrum) const {
   StabilityResult& stability = spectrum.stability;
   if (std::any_of(reduced.converged.begin(), reduced.converged.end(), [](int c) { return c == 0; })) return;
   for (double before : reduced.eigenvalue) stability.negative -= before < 0.0 ? 1 : 0;
+  stability.negative = std::max(0, stability.negative);  // rounding may turn the sign of an inverse
   stability.null = 0;
   for (const EigenMode& mode : spectrum.modes) {
     if (std::abs(mode.eigenvalue) <= std::max(zero_, mode.error))

@@ -4,6 +4,7 @@
 #include "input_text.hpp"
 
 #include <chrono>
+#include <cmath>
 
 namespace mixbeam {
 namespace {
@@ -95,6 +96,19 @@ TEST(SceneWarnings, OfRigidSectionsThereIsNothingToSay) {
                 s.sections[0].axial_stiffness = infinity;
                 s.sections[0].shear_stiffness = {infinity, infinity};
               })).empty());
+}
+
+TEST(SceneWarnings, OfStiffnessesTooFarApart) {
+  const auto with_spring = [](double stiffness) {
+    return frame_with([&](Scene& s) {
+      s.supports[0].rotation_fixed = {true, false, true};
+      s.supports[0].rotation_stiffness = {0, stiffness, 0};
+    });
+  };
+  // 4.9e5 over the size of sqrt(50) and the spring
+  expect_only(with_spring(4.9e5 / std::sqrt(50.0) / 1.1e12),
+              {"section \"steel\" is 1.1e+12 times as stiff as the spring at point \"foot\"", "1e12", "scenes.md"});
+  EXPECT_TRUE(warnings(with_spring(4.9e5 / std::sqrt(50.0) / 0.9e12)).empty());
 }
 
 TEST(SceneWarnings, OfElements) {
