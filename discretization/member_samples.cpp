@@ -37,6 +37,7 @@ RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point) {
   RecordedCriticalPoint kept;
   kept.kind = point.kind;
   kept.load_factor = point.load_factor;
+  kept.load_factor_error = point.load_factor_error;
   kept.negative_before = point.negative_before;
   kept.negative_after = point.negative_after;
   kept.modes = point.modes;

@@ -101,6 +101,7 @@ struct RecordedStability {
 struct RecordedCriticalPoint {
   std::string kind{};  ///< "limit point", "bifurcation"
   double load_factor = 0.0;
+  double load_factor_error = 0.0;               ///< estimated
   int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
   int modes = 1;                                ///< that become singular together
   std::vector<Vector3> position{}, displacement{};

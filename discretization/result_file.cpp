@@ -131,6 +131,7 @@ void write_state(hid_t step, const StateShare& state, const PathPoint& point) {
 void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
   hdf5::write_attribute(group, "kind", point.kind);
   hdf5::write_attribute(group, "load_factor", point.load_factor);
+  hdf5::write_attribute(group, "load_factor_error", point.load_factor_error);
   hdf5::write_attribute(group, "negative_before", point.negative_before);
   hdf5::write_attribute(group, "negative_after", point.negative_after);
   hdf5::write_attribute(group, "modes", point.modes);

@@ -91,6 +91,8 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
   RecordedCriticalPoint point;
   point.kind = hdf5::read_text_attribute(group, "kind");
   point.load_factor = hdf5::read_number(group, "load_factor");
+  if (has_attribute(group, "load_factor_error"))
+    point.load_factor_error = hdf5::read_number(group, "load_factor_error");
   point.negative_before = whole(group, "negative_before");
   point.negative_after = whole(group, "negative_after");
   point.modes = whole(group, "modes");

@@ -367,11 +367,15 @@ CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, const Bracket&
     const Sample there = sample(piece, root);
     point.state = there.station.state;
     point.load_factor = there.station.load_factor;
+    point.error = std::abs(interpolate(samples, all, root, &Sampled::load_factor) -
+                           interpolate(samples, all - 2, root, &Sampled::load_factor));
   } else {
     const std::vector<EigenMode> modes =
         stability_.modes_near_zero(beside->station.state, beside->station.load_factor, point.modes);
     point.state = state_at_bifurcation(piece, root, point.load_factor, modes);
-    point.error = error * std::abs(slope_of(samples, all, root, &Sampled::load_factor));
+    const double noise = modes.empty() ? 0.0 : modes.front().error;  // of the eigenvalue
+    point.error = (error + noise / std::abs(slope_of(samples, all, root, &Sampled::passing))) *
+                  std::abs(slope_of(samples, all, root, &Sampled::load_factor));
   }
   find_modes(point);
   return point;

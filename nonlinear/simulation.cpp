@@ -151,6 +151,7 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   RecordedCriticalPoint record;
   record.kind = name_of(point.kind);
   record.load_factor = point.load_factor;
+  record.load_factor_error = point.error;
   record.negative_before = point.negative_before;
   record.negative_after = point.negative_after;
   record.modes = point.modes;

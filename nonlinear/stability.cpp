@@ -51,6 +51,8 @@ constexpr double kRoundingMatters = 0.1;
 constexpr double kDifferenceMotion = 1.0 / 32.0;
 constexpr std::array<std::array<double, 2>, 3> kDifferences = {
     {{1.0, 1.0 / 45.0}, {0.5, -20.0 / 45.0}, {0.25, 64.0 / 45.0}}};
+/// What is left of an error, of what counts as zero: states are equilibria to 1e-11.
+constexpr double kVariationError = 1e-2;
 /// Rotations of Jacobi's method: sweeps, of which five are enough.
 constexpr int kSweeps = 20;
 /// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
@@ -518,7 +520,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, double loa
     std::vector<double> form = weights;
     if (m > 0 && zero_ > 0.0 && error.front() > kRoundingMatters * zero_) {
       form = second_variations(state, load_factor, found, reduced);
-      for (double& e : error) e = std::min(e, zero_);
+      for (double& e : error) e = std::min(e, kVariationError * zero_);
     } else {
       for (int i = 0; i < m; ++i) {
         for (int j = 0; j < m; ++j) form[i + j * m] = added_compliance(assembler, found[i], found[j]);

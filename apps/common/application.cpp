@@ -106,6 +106,7 @@ std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const 
                         simulation.assembler().create_vector(),
                         stored.modes};
     if (stored.kind == name_of(CriticalKind::bifurcation)) point.kind = CriticalKind::bifurcation;
+    point.error = stored.load_factor_error;
     points.push_back(point);
   }
   return points;

@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -126,6 +127,18 @@ std::string in_style_of(double value, const std::string& printed) {
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   const Decimal style = read_decimal(printed);
   return scaled_digits(value, style) + style.exponent_text;
+}
+
+std::string in_known_digits(double value, double error) {
+  constexpr int kMostKnown = 10;
+  const double known = error > 0.0 ? std::floor(std::log10(std::abs(value) / error)) : kMostKnown;
+  const int digits = static_cast<int>(std::fmin(std::fmax(known, 1.0), kMostKnown));
+  std::array<char, 64> text{};
+  if (digits == kMostKnown)
+    std::snprintf(text.data(), text.size(), "%.*g", digits, value);
+  else
+    std::snprintf(text.data(), text.size(), "%#.*g +- %.0e", digits, value, error);
+  return text.data();
 }
 
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place) {

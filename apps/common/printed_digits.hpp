@@ -14,6 +14,10 @@ double printed_value(const std::string& printed);
 /// "nan", "inf" or "-inf" when `value` is not finite.
 std::string in_style_of(double value, const std::string& printed);
 
+/// `value` with as many significant digits, up to ten, as an estimated error leaves; where these are fewer the error
+/// follows: 0.8333333331, or "0.83333 +- 3e-06". An error of zero or less is not known.
+std::string in_known_digits(double value, double error);
+
 /// True when `value`, rounded to the last digit of `printed`, differs from it by at most `units_in_last_place` of that
 /// digit. Exact in decimal arithmetic: no tolerance is added. False when `value` is not finite, or so large that it has
 /// more than 17 digits down to that place.

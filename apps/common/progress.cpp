@@ -1,5 +1,7 @@
 #include "apps/common/progress.hpp"
 
+#include "apps/common/printed_digits.hpp"
+
 #include <cmath>
 #include <cstdio>
 #include <ostream>
@@ -50,8 +52,9 @@ void Progress::report(const StepReport& report, double share_done) {
 
 void Progress::report_critical(const CriticalPoint& point) {
   char line[200];
-  std::snprintf(line, sizeof line, ": %s at load factor %.10g: negative eigenvalues %d before, %d after\n",
-                name_of(point.kind), point.load_factor, point.negative_before, point.negative_after);
+  std::snprintf(line, sizeof line, ": %s at load factor %s: negative eigenvalues %d before, %d after\n",
+                name_of(point.kind), in_known_digits(point.load_factor, point.error).c_str(), point.negative_before,
+                point.negative_after);
   out_ << label_ << line;
 }
 

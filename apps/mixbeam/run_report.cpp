@@ -1,5 +1,6 @@
 #include "apps/mixbeam/run_report.hpp"
 
+#include "apps/common/printed_digits.hpp"
 #include "apps/mixbeam/text_of.hpp"
 
 #include <algorithm>
@@ -110,8 +111,9 @@ void RunReport::print_buckling(std::ostream& out) const {
 void RunReport::print_critical_points(std::ostream& out) const {
   for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
     const RecordedCriticalPoint& point = critical_[i];
-    out << text_of("  critical point %zu: %s at load factor %.10g, negative eigenvalues %d before, %d after\n", i + 1,
-                   point.kind.c_str(), point.load_factor, point.negative_before, point.negative_after);
+    out << text_of("  critical point %zu: %s at load factor %s, negative eigenvalues %d before, %d after\n", i + 1,
+                   point.kind.c_str(), in_known_digits(point.load_factor, point.load_factor_error).c_str(),
+                   point.negative_before, point.negative_after);
   }
   print_left_out(out, critical_.size());
 }

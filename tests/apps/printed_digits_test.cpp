@@ -64,6 +64,17 @@ TEST(PrintedDigits, RoundsTextsAsTheTableIsSet) {
   EXPECT_EQ(rounded_to_figures("7.250e-05", 3), "7.25e-05");
 }
 
+TEST(PrintedDigits, AsManyDigitsAsAreKnown) {
+  const double value = 0.83333333305555;
+  EXPECT_EQ(in_known_digits(value, 0.0), "0.8333333331");
+  EXPECT_EQ(in_known_digits(value, 1e-13), "0.8333333331");
+  EXPECT_EQ(in_known_digits(value, 9e-9), "0.8333333 +- 9e-09");
+  EXPECT_EQ(in_known_digits(value, 3e-6), "0.83333 +- 3e-06");
+  EXPECT_EQ(in_known_digits(-value, 0.1), "-0.8 +- 1e-01");
+  EXPECT_EQ(in_known_digits(value, 5.0), "0.8 +- 5e+00");
+  EXPECT_EQ(in_known_digits(0.28, 4e-10), "0.28000000 +- 4e-10");
+}
+
 TEST(PrintedDigits, ValuesAndStyle) {
   EXPECT_EQ(printed_value("-1.249e-1"), -0.1249);
   EXPECT_EQ(printed_value("54.0950"), 54.095);

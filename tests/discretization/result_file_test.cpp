@@ -210,6 +210,7 @@ StepRecord step_behind_limit_point(int step) {
   RecordedCriticalPoint point;
   point.kind = "limit point";
   point.load_factor = 0.75;
+  point.load_factor_error = 2e-9;
   point.negative_after = 1;
   for (std::size_t i = 0; i < 5; ++i) {
     point.position.push_back(vector_of(1, 2, i, step));
@@ -239,6 +240,7 @@ TEST_F(ResultFileTest, CriticalPointsStandInTheStepBehindThem) {
   EXPECT_EQ(read_number(file_, "/steps/000001", "negative_eigenvalues"), 1);
   const std::string point = "/steps/000001/critical_points/0";
   EXPECT_EQ(read_number(file_, point, "load_factor"), 0.75);
+  EXPECT_EQ(read_number(file_, point, "load_factor_error"), 2e-9);
   EXPECT_EQ(read_number(file_, point, "negative_before"), 0);
   EXPECT_EQ(read_number(file_, point, "negative_after"), 1);
   EXPECT_EQ(read_number(file_, point, "modes"), 1);
@@ -322,6 +324,7 @@ TEST_F(ResultFileTest, WhatResumingNeedsComesBack) {
   ASSERT_EQ(critical.size(), 1U);
   EXPECT_EQ(critical[0].kind, "limit point");
   EXPECT_EQ(critical[0].load_factor, 0.75);
+  EXPECT_EQ(critical[0].load_factor_error, 2e-9);
   EXPECT_EQ(critical[0].state.held.interior, sample_state().interior);
 }
 
