@@ -14,8 +14,6 @@ namespace mixbeam {
 
 namespace {
 
-/// The inverse of a stiff tangent is known to about 1e-16 times its condition; eigenvalues have the square of this.
-constexpr double kResidualTolerance = 1e-9;
 /// After orthogonalisation less than this of a vector is rounding: the space holds it already.
 constexpr double kNothingNew = 1e-10;
 constexpr int kLongestSpace = 15;  ///< blocks of one space, before it is begun again with what it has found
@@ -190,15 +188,17 @@ double largest_residual(const std::vector<RitzPair>& pairs, int count) {
 /// Residuals of the blocks so far, and whether there is no use in going on.
 class Progress {
  public:
+  explicit Progress(double tolerance) : tolerance_(tolerance) {}
   bool is_enough(double residual) {
     history_.push_back(residual);
-    if (residual <= kResidualTolerance) return true;
+    if (residual <= tolerance_) return true;
     const size_t n = history_.size();
     return n > kStandstillBlocks && residual <= kLargestStandstill &&
            residual > kStandstill * history_[n - 1 - kStandstillBlocks];
   }
 
  private:
+  double tolerance_;
   std::vector<double> history_;
 };
 
@@ -229,7 +229,7 @@ std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count
   for (int blocks = 0; blocks < kMostBlocks;) {
     KrylovSpace krylov(problem, width);
     std::vector<Vector> block = start;
-    Progress progress;
+    Progress progress(problem.tolerance);
     for (int step = 0; step < kLongestSpace && blocks < kMostBlocks; ++step, ++blocks) {
       const size_t first = krylov.size();
       const bool grown = krylov.grow(block);

@@ -18,6 +18,9 @@ struct KrylovProblem {
   bool symmetric = true;
   /// y = B x, positive definite; empty: B = 1.
   std::function<void(const double* x, double* y)> inner{};
+  /// Largest residual of the pairs asked for. The inverse of a stiff tangent is known to about 1e-16 times its
+  /// condition; eigenvalues of symmetric operators have the square of this.
+  double tolerance = 1e-9;
 };
 
 struct RitzPair {

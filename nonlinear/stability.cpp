@@ -58,6 +58,12 @@ constexpr int kSweeps = 20;
 /// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
 constexpr int kInverseIterations = 3;
 
+/// Residuals of modes as results, and of those that only span a space.
+constexpr double kExactModes = 1e-9, kRoughModes = 1e-2;
+
+/// Inverse iterations with the vectors of a space before eigenvalues are taken in it.
+constexpr int kSpaceIterations = 2;
+
 bool is_real(const RitzPair& pair) { return std::abs(pair.imaginary) <= kReal * std::abs(pair.value); }
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
@@ -182,7 +188,7 @@ void Stability::assemble(const State& state, double load_factor) {
 }
 
 /// Inertia, or the sign of the determinant.
-Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers) {
+Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers& solvers) const {
   RootResult root;
   StabilityResult& result = root.result;
   result.asymmetry = asymmetry(matrix);
@@ -196,11 +202,14 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
   result.null = signs.null;
   result.negative = signs.negative;
   result.sign = signs.determinant_sign;
-  if (result.null > 0 || !result.symmetric) return root;
-  const auto [size, rounding] = nearest_to_zero(matrix, *solver);
+  return root;
+}
+
+void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, RootResult& root) const {
+  if (matrix.rows() == 0 || root.result.null > 0 || !root.result.symmetric) return;
+  const auto [size, rounding] = nearest_to_zero(matrix, *solvers.symmetric);
   root.nearest = size;
   root.is_near_zero = !(size > std::max(kNearZero / kZero * zero_, kNearRounding * rounding));
-  return root;
 }
 
 /// Adds what interiors and chains have. Collective.
@@ -234,7 +243,10 @@ Stability::RootResult Stability::factorized_beside_chains(const State& state) {
   const SparseMatrix& matrix = unknowns_beside_chains_->reduce(problem_.assembler, state);
   const RootCopy& copy = unknowns_beside_chains_->root();
   RootResult root;
-  on_root(copy, [&] { root = factorized(matrix, beside_chains_); });
+  on_root(copy, [&] {
+    root = factorized(matrix, beside_chains_);
+    look_for_zero(matrix, beside_chains_, root);
+  });
   long negative = chains_->negative_pivots();
   MPI_Allreduce(MPI_IN_PLACE, &reliable, 1, MPI_INT, MPI_MIN, copy.communicator());
   MPI_Allreduce(MPI_IN_PLACE, &negative, 1, MPI_LONG, MPI_SUM, copy.communicator());
@@ -342,7 +354,7 @@ StabilityResult Stability::count_held(const State& state, double load_factor, co
 }
 
 /// Uses the factors that inertia() left.
-Stability::Reduced Stability::nearest(const StabilityResult& stability, int count) {
+Stability::Reduced Stability::nearest(const StabilityResult& stability, int count, double tolerance) {
   Reduced reduced;
   on_root(unknowns_->root(), [&] {
     InertiaSolver& factors = solver(stability);
@@ -350,6 +362,7 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
     KrylovProblem problem;
     problem.unknowns = unknowns_->count();
     problem.symmetric = stability.symmetric;
+    problem.tolerance = tolerance;
     problem.apply = [&](double* block, int columns) { factors.solve(block, columns); };
     std::vector<RitzPair> right = largest_eigenpairs(problem, count);
     right.erase(std::remove_if(right.begin(), right.end(), [](const RitzPair& p) { return !is_real(p); }), right.end());
@@ -386,7 +399,7 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
   assemble(state, load_factor);
   Spectrum result{inertia(), {}};
-  const Reduced reduced = nearest(result.stability, count);
+  const Reduced reduced = nearest(result.stability, count, kExactModes);
   result.modes = corrected_modes(state, load_factor, result.stability, reduced);
   if (result.stability.symmetric)
     recount(reduced, result);
@@ -550,6 +563,115 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, double loa
     modes.push_back({values[k], std::move(mode), error[k], reduced.converged[k] != 0});
   }
   return modes;
+}
+
+namespace {
+
+int number_below_zero(const std::vector<double>& values) {
+  return static_cast<int>(std::count_if(values.begin(), values.end(), [](double v) { return v < 0.0; }));
+}
+
+/// Places of the eigenvalues number first .. first + count - 1 among those found, of which `negative` lie below zero.
+std::vector<int> places_of(const std::vector<double>& found, int negative, int first, int count) {
+  std::vector<int> order(found.size()), places;
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return found[a] < found[b]; });
+  const int lowest = negative - number_below_zero(found);
+  for (int k = first - 1 - lowest; k < first - 1 - lowest + count; ++k)
+    if (k >= 0 && k < static_cast<int>(order.size())) places.push_back(order[k]);
+  return places;
+}
+
+}  // namespace
+
+int SpaceValues::negative() const {
+  return static_cast<int>(
+      std::count_if(modes.begin(), modes.end(), [](const EigenMode& mode) { return mode.eigenvalue < 0.0; }));
+}
+
+CriticalSpace Stability::space_of(const State& state, double load_factor, int first, int count) {
+  constexpr int kMore = 2;  // negative ones may be nearer to zero than those that come next
+  assemble(state, load_factor);
+  const StabilityResult result = inertia();
+  if (!result.symmetric) return {};
+  Reduced reduced = nearest(result, count + kMore, kRoughModes);
+  CriticalSpace space;
+  for (int place : places_of(reduced.eigenvalue, result.negative, first, count))
+    space.vectors.push_back(std::move(reduced.vector[place]));
+  space.size = static_cast<int>(space.vectors.size());
+  return space.size == count ? space : CriticalSpace{};
+}
+
+namespace {
+
+/// Gram-Schmidt, twice for its rounding; `images` are those under a linear operator and stay so.
+void orthonormalize(std::vector<std::vector<double>>& columns, std::vector<std::vector<double>>& images) {
+  const auto add = [](double a, const std::vector<double>& x, std::vector<double>& y) {
+    for (size_t i = 0; i < x.size(); ++i) y[i] += a * x[i];
+  };
+  for (size_t j = 0; j < columns.size(); ++j) {
+    for (int pass = 0; pass < 2; ++pass) {
+      const double scale = 1.0 / std::sqrt(dot_product(columns[j], columns[j]));
+      for (std::vector<double>* v : {&columns[j], &images[j]})
+        for (double& x : *v) x *= scale;
+      for (size_t i = 0; i < j; ++i) {
+        const double share = -dot_product(columns[i], columns[j]);
+        add(share, columns[i], columns[j]);
+        add(share, images[i], images[j]);
+      }
+    }
+    const double scale = 1.0 / std::sqrt(dot_product(columns[j], columns[j]));
+    for (std::vector<double>* v : {&columns[j], &images[j]})
+      for (double& x : *v) x *= scale;
+  }
+}
+
+}  // namespace
+
+/// Rayleigh-Ritz in K^-p B, with the factors that inertia() left.
+Stability::Reduced Stability::ritz_values(const StabilityResult& stability, const CriticalSpace& space) {
+  const size_t m = space.size;
+  Reduced reduced;
+  reduced.eigenvalue.assign(m, 0.0);
+  reduced.error.assign(m, 0.0);
+  reduced.converged.assign(m, 1);
+  reduced.vector.resize(m);
+  on_root(unknowns_->root(), [&] {
+    const size_t n = unknowns_->count();
+    std::vector<std::vector<double>> columns = space.vectors, images;
+    for (int i = 0; i < kSpaceIterations; ++i) {
+      images = columns;
+      std::vector<double> block;
+      for (const std::vector<double>& x : columns) block.insert(block.end(), x.begin(), x.end());
+      solver(stability).solve(block.data(), space.size);
+      for (size_t j = 0; j < m; ++j) columns[j].assign(&block[j * n], &block[j * n] + n);
+      orthonormalize(columns, images);
+    }
+    std::vector<double> projected(m * m);
+    for (size_t i = 0; i < m; ++i)
+      for (size_t j = 0; j < m; ++j) projected[i + j * m] = dot_product(columns[i], images[j]);
+    const std::vector<double> weights = small_eigenproblem(reduced.eigenvalue, projected);
+    const double shift = stability.null > 0 ? kShift : 0.0;
+    for (size_t k = 0; k < m; ++k) {
+      reduced.eigenvalue[k] -= shift;
+      reduced.vector[k].assign(n, 0.0);
+      for (size_t j = 0; j < m; ++j)
+        for (size_t i = 0; i < n; ++i) reduced.vector[k][i] += weights[j + k * m] * columns[j][i];
+    }
+  });
+  MPI_Bcast(reduced.eigenvalue.data(), space.size, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  return reduced;
+}
+
+SpaceValues Stability::in_space(const State& state, double load_factor, const CriticalSpace& space) {
+  assemble(state, load_factor);
+  const StabilityResult stability = inertia();
+  const Reduced reduced = ritz_values(stability, space);
+  SpaceValues seen{corrected_modes(state, stability, reduced),
+                   stability.negative - number_below_zero(reduced.eigenvalue)};
+  std::stable_sort(seen.modes.begin(), seen.modes.end(),
+                   [](const EigenMode& a, const EigenMode& b) { return a.eigenvalue < b.eigenvalue; });
+  return seen;
 }
 
 }  // namespace mixbeam

@@ -56,6 +56,23 @@ struct Spectrum {
   std::vector<EigenMode> modes;  ///< nearest to zero first; unsymmetric: real ones alone
 };
 
+/// A few vectors B of the unknowns, close to the modes whose eigenvalues pass zero on a piece of a path.
+struct CriticalSpace {
+  int size = 0;
+  std::vector<std::vector<double>> vectors{};  ///< rank 0
+};
+
+/// What a space sees of a tangent K: the eigenvalues that Rayleigh and Ritz find in K^-p B, with a small p. They vanish
+/// where those of K do and as many of them, and those of a few modes need no eigenvalue solver. By Haynsworth the
+/// number of negative eigenvalues of K exceeds theirs by one that changes only where K^(2p-1), bordered by B, is
+/// singular: as long as it stays the same the space sees all that passes zero.
+struct SpaceValues {
+  std::vector<EigenMode> modes;  ///< in the order of their eigenvalues
+  int unseen = 0;                ///< negative eigenvalues of K less those of the space
+
+  int negative() const;  ///< of the space
+};
+
 /// Works on the tangent of the assembler and leaves another state there: Newton's method assembles its own again.
 /// All functions are collective, give the same on every rank and throw LinearSolverError.
 class Stability {
@@ -76,6 +93,12 @@ class Stability {
   std::vector<EigenMode> modes_near_zero(const State& state, double load_factor, int count) {
     return spectrum(state, load_factor, count).modes;
   }
+
+  /// The space of the eigenvalues number first .. first + count - 1, from one, in the order of their size: roughly the
+  /// modes. Empty where they are not among those nearest to zero, or the tangent has no symmetry.
+  CriticalSpace space_of(const State& state, double load_factor, int first, int count);
+  /// One factorisation, and `size` solutions with it.
+  SpaceValues in_space(const State& state, double load_factor, const CriticalSpace& space);
 
  private:
   /// Eigenvectors of the reduced matrix on rank 0, the rest everywhere.
@@ -98,14 +121,16 @@ class Stability {
   void evaluate_tangent(const State& state, double load_factor, double raise);
   void assemble(const State& state, double load_factor);
   double softness();
-  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers);
+  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
+  void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, RootResult& root) const;
   RootResult completed(RootResult root, MPI_Comm communicator, long of_chains) const;
   RootResult factorized_beside_chains(const State& state);
   double nearest_with_chains(const State& state);
   std::optional<StabilityResult> inertia_with_chains(const State& state);
   StabilityResult inertia();
   InertiaSolver& solver(const StabilityResult& result);
-  Reduced nearest(const StabilityResult& stability, int count);
+  Reduced ritz_values(const StabilityResult& stability, const CriticalSpace& space);
+  Reduced nearest(const StabilityResult& stability, int count, double tolerance);
   void recount(const Reduced& reduced, Spectrum& spectrum) const;
   static void recount_unsymmetric(Spectrum& spectrum);
   MixedVector derivative_along(const State& state, double load_factor, const MixedVector& motion);

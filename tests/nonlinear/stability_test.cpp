@@ -71,6 +71,41 @@ TEST(Stability, ModesOfAColumn) {
   for (int k = 0; k < 3; ++k) EXPECT_TRUE(same_bits(again.modes[k].mode, spectrum.modes[k].mode));
 }
 
+/// A space of modes taken far from the critical load sees that it is passed, and where; the double eigenvalue as one.
+TEST(Stability, SpaceOfCriticalModes) {
+  Scene scene = column(6, 4);
+  scene.sections[0].bending_stiffness = {1.0, 1.0};
+  StabilityFixture fixture(scene);
+  const double exact = 0.25 * kPi * kPi;
+  const CriticalSpace space = fixture.stability().space_of(fixture.equilibrium(0.5 * exact), 0.5 * exact, 1, 2);
+  ASSERT_EQ(space.size, 2);
+  const auto seen_at = [&](double share) {
+    return fixture.stability().in_space(fixture.equilibrium(share * exact), share * exact, space);
+  };
+  const SpaceValues before = seen_at(1.0 - 1e-8), after = seen_at(1.0 + 1e-8);
+  EXPECT_EQ(before.unseen, 0);
+  EXPECT_EQ(after.unseen, 0);
+  EXPECT_EQ(before.negative(), 0);
+  EXPECT_EQ(after.negative(), 2);
+  EXPECT_NEAR(after.modes[0].eigenvalue, after.modes[1].eigenvalue, 1e-9);
+}
+
+/// The twin: a space of other modes does not see it, and says so.
+TEST(Stability, SpaceOfOtherModes) {
+  StabilityFixture fixture(column(6, 4));
+  const double exact = 0.25 * kPi * kPi;
+  EXPECT_EQ(fixture.stability().space_of(fixture.equilibrium(0.5 * exact), 0.5 * exact, 40, 1).size, 0);
+  CriticalSpace other = fixture.stability().space_of(fixture.equilibrium(0.5 * exact), 0.5 * exact, 1, 1);
+  ASSERT_EQ(other.size, 1);
+  for (size_t i = 0; i < other.vectors[0].size(); ++i) other.vectors[0][i] = i == 0 ? 1.0 : 0.0;  // stretched
+  const auto seen_at = [&](double share) {
+    return fixture.stability().in_space(fixture.equilibrium(share * exact), share * exact, other);
+  };
+  const SpaceValues before = seen_at(0.9), after = seen_at(1.1);
+  EXPECT_EQ(before.negative(), after.negative());
+  EXPECT_EQ(after.unseen - before.unseen, 1);
+}
+
 TEST(Stability, OneElement) {
   for (int order : {1, 2, 4}) {
     StabilityFixture fixture(column(order, 1));
