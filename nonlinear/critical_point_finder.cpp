@@ -3,7 +3,6 @@
 #include "nonlinear/linear_solver.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -19,55 +18,53 @@ constexpr int kMostIterations = 15;
 constexpr int kMostSamples = 120;
 /// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
 constexpr int kMostSeparated = 6;
+/// And only in steps as short as this (the structure moves by so much of its size); longer ones are halved.
+constexpr double kShortStep = 1e-3;
 /// Points closer together than this share of the step are one multiple point.
 constexpr double kTogether = 1e-6;
 /// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that
-/// reaches from there by kCloser of it to both sides.
-constexpr double kNearlyTogether = 1e-2, kCloser = 0.02;
-/// Next to a bifurcation the equations are nearly singular, so the root is interpolated from six points beside it: at
-/// multiples of this share of the bracket they leave an error of its sixth power.
-constexpr double kDistance = 0.01;
+/// reaches from there by kCloser of it to both sides. Else the bracket is divided, at this share of it at least.
+constexpr double kNearlyTogether = 1e-2, kCloser = 0.02, kLeastPart = 0.1;
+/// Next to a bifurcation the equations are nearly singular, so the root is interpolated from four points beside it, at
+/// multiples of this share of the bracket, and three from farther away: they leave an error of its fourth power and
+/// less. Other points may lie beyond the ends of the bracket: the samples keep away from there, unless the share became
+/// less than kLeastDistance.
+constexpr double kDistance = 0.004, kLeastDistance = 1e-4;
+/// At limit points nothing is singular, and the load factor's own rounding is what must be outweighed.
+constexpr double kDistanceOfLimit = 0.016;
+constexpr size_t kFarSamples = 3;
 /// Where polynomials of two degrees differ by more than this share of the distance, the samples lie on no one smooth
 /// path.
 constexpr double kWorstRoot = 1e-2;
-/// Of the rule of false position, which takes five as a rule and halves its bracket at worst.
-constexpr int kMostRootSamples = 30;
+/// On the way to a root the next sample is taken where the polynomial through so many passes zero, but every so many
+/// times half-way, since polynomials may mislead. Three samples as a rule.
+constexpr size_t kPolynomialSamples = 5;
+constexpr int kHalfway = 5, kMostRootSamples = 40;
+/// Of the rule of false position for a polynomial.
+constexpr int kMostRootSteps = 60;
+constexpr double kRootRounding = 1e-15;
+/// A prediction by the cubic through known points has the error of the one along the tangents at both ends times the
+/// ratio of the products of the distances to the four points of support. The latter are not quite those of the path
+/// where rotations do not commute.
+constexpr size_t kSupports = 4;
 /// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
 /// to a critical point those of neighbours differ by no more than 0.05 rad.
 constexpr double kSmallestCosine = 0.5, kSmoothCosine = 0.999;
-/// A rate of the load factor over the largest in its bracket whose sign is not one of rounding, nor of the place where
-/// a limit point's count changes, which the cap shifts.
+/// An imperfection e turns a path aside over a distance of about sqrt(e / 0.05) from a bifurcation: tangents at this
+/// share of the distance of the samples still show those of 1e-8, and 1e-11 that Newton's method leaves is no corner.
+constexpr double kCloseLook = 0.03;
+/// A rate of the load factor over the largest in its bracket whose sign is not one of rounding.
 constexpr double kSignificantRate = 1e-2;
 /// Where no eigenvalue of the vertices passes zero, an element is unstable inside: the place is that where the count
 /// changes, to this share of the step.
 constexpr double kCountedPlace = 1e-10;
-/// Deflated iterations: the state is known to 1e-6 or better from its neighbours, and each squares the error.
+/// Deflated iterations at most: the state is known to 1e-6 or better from its neighbours, and each squares the error.
 constexpr int kDeflatedIterations = 4;
 
-/// The k-th smallest eigenvalue, k from 1. Throws where it is not among those known: a number in its place would be
-/// taken for one.
-double eigenvalue(const Spectrum& spectrum, int k) {
-  std::vector<double> below, above;  // each with the nearest to zero first
-  for (const EigenMode& mode : spectrum.modes) (mode.eigenvalue < 0.0 ? below : above).push_back(mode.eigenvalue);
-  std::sort(below.rbegin(), below.rend());
-  std::sort(above.begin(), above.end());
-  // the nearest to zero that count as zero have a sign as well
-  const int null = std::min(spectrum.stability.null, static_cast<int>(spectrum.modes.size()));
-  int negative = spectrum.stability.negative;
-  for (int i = 0; i < null; ++i) negative += spectrum.modes[i].eigenvalue < 0.0 ? 1 : 0;
-  const bool is_below = k <= negative;
-  const std::vector<double>& side = is_below ? below : above;
-  const size_t place = static_cast<size_t>(is_below ? negative - k : k - negative - 1);
-  if (place < side.size()) return side[place];
-  throw NotLocated("a critical point could not be located: its eigenvalue is not among those nearest to zero");
-}
-
-struct Sampled {
-  double at, passing, load_factor;
-};
+using Samples = std::vector<PassingSample>;
 
 /// Value at x of the polynomial through the first `count` samples (Neville's scheme).
-double interpolate(const std::vector<Sampled>& samples, size_t count, double x, double Sampled::*value) {
+double interpolate(const Samples& samples, size_t count, double x, double PassingSample::*value) {
   std::vector<double> p;
   for (size_t i = 0; i < count; ++i) p.push_back(samples[i].*value);
   for (size_t k = 1; k < count; ++k)
@@ -77,7 +74,7 @@ double interpolate(const std::vector<Sampled>& samples, size_t count, double x, 
 }
 
 /// Slope of that polynomial at x.
-double slope_of(const std::vector<Sampled>& samples, size_t count, double x, double Sampled::*value) {
+double slope_of(const Samples& samples, size_t count, double x, double PassingSample::*value) {
   double slope = 0.0;
   for (size_t i = 0; i < count; ++i) {
     double basis = 1.0, basis_slope = 0.0;
@@ -92,13 +89,13 @@ double slope_of(const std::vector<Sampled>& samples, size_t count, double x, dou
   return slope;
 }
 
-/// Zero of a function in [low, high], by secants that keep the bracket (Illinois); not a number where it changes no
-/// sign.
+/// Zero of a function in [a, b], by secants that keep the bracket (rule of false position, Illinois); not a number
+/// where it does not change its sign.
 template <class Function>
-double root_of(const Function& function, double low, double high) {
-  double a = low, b = high, fa = function(a), fb = function(b);
+double root_of(const Function& function, double a, double b) {
+  double fa = function(a), fb = function(b);
   if ((fa < 0.0) == (fb < 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  for (int i = 0; i < 60 && std::abs(b - a) > 1e-15; ++i) {
+  for (int i = 0; i < kMostRootSteps && std::abs(b - a) > kRootRounding; ++i) {
     const double next = b - fb * (b - a) / (fb - fa), f = function(next);
     if (f == 0.0 || next == b) return next;
     if ((f < 0.0) != (fb < 0.0)) {
@@ -113,35 +110,66 @@ double root_of(const Function& function, double low, double high) {
   return b;
 }
 
+void sort_by_distance(Samples& samples, double at) {
+  std::stable_sort(samples.begin(), samples.end(), [&](const PassingSample& a, const PassingSample& b) {
+    return std::abs(a.at - at) < std::abs(b.at - at);
+  });
+}
+
 /// Where the polynomial through the first `count` samples passes zero; at a limit point where that of the load factor,
 /// which is known to more digits than its rate, is stationary.
-double root_of_samples(const std::vector<Sampled>& samples, size_t count, bool is_limit, double low, double high) {
+double root_of_samples(const Samples& samples, size_t count, bool is_limit, double low, double high) {
   const bool by_load = is_limit && count >= 4;
   return root_of(
       [&](double x) {
-        return by_load ? slope_of(samples, count, x, &Sampled::load_factor)
-                       : interpolate(samples, count, x, &Sampled::passing);
+        return by_load ? slope_of(samples, count, x, &PassingSample::load_factor)
+                       : interpolate(samples, count, x, &PassingSample::passing);
       },
       low, high);
 }
 
 }  // namespace
 
-CriticalPointFinder::Sample CriticalPointFinder::sample(const PathPiece& piece, double at) {
+/// Through the nearest points known, where they are nearer than the ends of the step.
+PathDirection CriticalPointFinder::predicted(const PathPiece& piece, double at) const {
+  std::vector<const Known*> nearest;
+  for (const Known& known : known_) nearest.push_back(&known);
+  std::stable_sort(nearest.begin(), nearest.end(),
+                   [&](const Known* a, const Known* b) { return std::abs(a->at - at) < std::abs(b->at - at); });
+  nearest.resize(std::min(nearest.size(), kSupports));
+  double distances = 1.0;
+  for (const Known* known : nearest) distances *= std::abs(known->at - at);
+  if (nearest.size() < kSupports || distances > at * at * (1.0 - at) * (1.0 - at)) return judge_.cubic(piece, at);
+  PathDirection result = scaled(piece.moved, 0.0);
+  for (const Known* known : nearest) {
+    double weight = 1.0;
+    for (const Known* other : nearest)
+      if (other != known) weight *= (at - other->at) / (known->at - other->at);
+    result.x.update(weight, known->moved.x, 1.0);
+    result.load += weight * known->moved.load;
+  }
+  return result;
+}
+
+CriticalPointFinder::Sample CriticalPointFinder::sample(const PathPiece& piece, double at, Asked asked) {
   if (++samples_ > kMostSamples) throw NotLocated("critical points could not be told apart");
   const double chord = measure_.length(piece.moved);
-  const PathDirection guess = judge_.cubic(piece, at);
+  const PathDirection guess = predicted(piece, at);
   const ControlRow row = measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, at * chord);
   const Correction found =
       corrector_.on_row({piece.start.state, piece.start.load_factor + guess.load, &guess.x}, row, kMostIterations);
   if (!found.converged)
     throw NotLocated("a critical point could not be located: near load factor " +
                      std::to_string(piece.start.load_factor + guess.load) + ", " + found.cause);
-  Sample result{at, judge_.station(found.state, found.load_factor, &piece.moved)};
+  Sample result{at, {found.state, found.load_factor, {scaled(guess, 0.0).x, std::nan("")}}};
+  if (asked != Asked::state)
+    result.station = judge_.station(found.state, found.load_factor, &piece.moved, asked == Asked::count);
   if (measure_.motion(piece.moved.x) > kNoMotion && result.station.has_tangent() &&
       measure_.cosine(result.station.tangent.x, piece.moved.x) < kSmallestCosine)
     throw NotLocated("the path leaves the direction of the step: another one may have been met");
-  if (!result.station.stability) throw NotLocated("the eigenvalues could not be counted");
+  if (asked == Asked::count && !result.station.stability) throw NotLocated("the eigenvalues could not be counted");
+  if (std::none_of(known_.begin(), known_.end(), [&](const Known& known) { return known.at == at; }))
+    known_.push_back({at, {found.moved.clone(true), found.load_factor - piece.start.load_factor}});
   return result;
 }
 
@@ -153,106 +181,152 @@ void CriticalPointFinder::require_smoothness(const PathPiece& piece, const Stati
     throw NotLocated("the path turns aside close to a critical point: it is that of another path");
 }
 
-/// Eigenvalues number first .. first + count - 1 in the order of their size.
-std::vector<double> CriticalPointFinder::critical_eigenvalues(const Sample& sample, int first, int count) {
-  constexpr int kMore = 2;
-  const Spectrum spectrum = stability_.spectrum(sample.station.state, sample.station.load_factor, count + kMore);
-  std::vector<double> values;
-  for (int k = first; k < first + count; ++k) values.push_back(eigenvalue(spectrum, k));
-  return values;
-}
-
 bool CriticalPointFinder::turns(const Bracket& bracket) const {
   return (bracket.low.station.tangent.load > 0.0) != (bracket.high.station.tangent.load > 0.0);
 }
 
-/// Where the eigenvalues that change sign between two samples vanish by their secants: first and last place, as shares
-/// of the bracket.
-std::array<double, 2> CriticalPointFinder::secant_roots(const Bracket& bracket) {
-  const int before = bracket.low.negative(), after = bracket.high.negative();
-  const int first = std::min(before, after) + 1, count = std::abs(after - before);
-  const std::vector<double> a = critical_eigenvalues(bracket.low, first, count),
-                            b = critical_eigenvalues(bracket.high, first, count);
-  std::array<double, 2> range{1.0, 0.0};
-  for (int i = 0; i < count; ++i) {
-    const double root = a[i] / (a[i] - b[i]);
-    range = {std::min(range[0], root), std::max(range[1], root)};
+const SpaceValues& CriticalPointFinder::values_of(Sample& sample, const Space& space) {
+  if (sample.space != space) {
+    sample.seen = stability_.in_space(sample.station.state, sample.station.load_factor, *space);
+    sample.space = space;
   }
-  return range;
+  return sample.seen;
 }
 
-/// Whether these eigenvalues vanish at one place: their secants say so, and once more close to that place.
-bool CriticalPointFinder::vanish_together(const PathPiece& piece, const Bracket& bracket) {
-  const double width = bracket.high.at - bracket.low.at;
-  if (width < kTogether) return true;
-  if (turns(bracket)) return false;
-  if (needs_counting(bracket)) return true;
-  const auto [first, last] = secant_roots(bracket);
-  if (!(last - first < kNearlyTogether)) return false;
-  const double root = bracket.low.at + 0.5 * (first + last) * width;
-  const Bracket closer{sample(piece, root - kCloser * width), sample(piece, root + kCloser * width)};
-  if (closer.low.negative() != bracket.low.negative() || closer.high.negative() != bracket.high.negative())
-    return false;
-  const auto [closer_first, closer_last] = secant_roots(closer);
-  return closer_last - closer_first < kNearlyTogether;
+/// Whether the space sees all that passes zero in the bracket.
+bool CriticalPointFinder::sees_changes(Bracket& bracket, const Space& space) {
+  const SpaceValues &low = values_of(bracket.low, space), &high = values_of(bracket.high, space);
+  return low.unseen == high.unseen && std::abs(low.negative() - high.negative()) == bracket.changes();
 }
 
-/// Halves brackets until one critical point is left in each.
-void CriticalPointFinder::isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found) {
-  const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
-  if (changes == 0) {
-    if (!turns(bracket)) return;
-    if (bracket.high.at - bracket.low.at < kTogether)
-      return require_smoothness(piece, bracket.low.station, bracket.high.station);
-    const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));  // a limit point and another one
-    isolate(piece, {bracket.low, middle}, found);
-    isolate(piece, {middle, bracket.high}, found);
+/// That of the larger bracket, or the modes at one of the ends.
+void CriticalPointFinder::choose_space(Bracket& bracket) {
+  if (bracket.space && sees_changes(bracket, bracket.space)) return;
+  bracket.space.reset();
+  const int first = std::min(bracket.low.negative(), bracket.high.negative()) + 1;
+  for (const Sample* end : {&bracket.low, &bracket.high}) {
+    const auto space = std::make_shared<const CriticalSpace>(
+        stability_.space_of(end->station.state, end->station.load_factor, first, bracket.changes()));
+    if (space->size == 0 || !sees_changes(bracket, space)) continue;
+    bracket.space = space;
     return;
   }
-  const bool first_only = !found.empty() && !separates_;
-  if (changes == 1 || first_only || (changes <= kMostSeparated && vanish_together(piece, bracket))) {
-    found.push_back(bracket);
-    return;
-  }
-  const Sample middle = sample(piece, 0.5 * (bracket.low.at + bracket.high.at));
-  isolate(piece, {bracket.low, middle}, found);
-  isolate(piece, {middle, bracket.high}, found);
 }
 
-/// On one path the load factor turns only where the count changes: a sample at which it runs as at no end of the
-/// bracket with the same count lies behind other critical points, or on another path.
-void CriticalPointFinder::require_order(const Bracket& bracket, const Sample& sample) const {
-  const double rate = sample.station.tangent.load, low = bracket.low.station.tangent.load,
+/// Whether elements become unstable inside, between vertices that stand still, or the tangent has no symmetry and its
+/// count only tells the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
+bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
+  if (turns(bracket) || bracket.space) return false;
+  if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric) return true;
+  const auto interior = [&](const Sample& sample) {
+    stability_.count(sample.station.state, sample.station.load_factor);
+    return problem_->assembler.interior_count().negative;
+  };
+  const int changes = std::abs(interior(bracket.high) - interior(bracket.low));
+  return changes == bracket.changes() || (changes > 0 && bracket.width() < kTogether);
+}
+
+/// Samples that divide the bracket; none where its eigenvalues vanish at one place: their secants say so, and once more
+/// close to that place.
+std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const PathPiece& piece, const Bracket& bracket) {
+  const auto secant_places = [&](const SpaceValues& low, const SpaceValues& high) {
+    std::vector<double> places;  // as shares
+    const int first = bracket.first_crossing(), last = first + bracket.changes();
+    for (int i = first; i < last; ++i)
+      places.push_back(low.modes[i].eigenvalue / (low.modes[i].eigenvalue - high.modes[i].eigenvalue));
+    std::sort(places.begin(), places.end());
+    return places;
+  };
+  const std::vector<double> places = secant_places(bracket.low.seen, bracket.high.seen);
+  if (places.back() - places.front() >= kNearlyTogether) {  // at the widest gap
+    size_t gap = 1;
+    for (size_t i = 2; i < places.size(); ++i)
+      if (places[i] - places[i - 1] > places[gap] - places[gap - 1]) gap = i;
+    const double share = std::clamp(0.5 * (places[gap - 1] + places[gap]), kLeastPart, 1.0 - kLeastPart);
+    return {sample(piece, bracket.low.at + share * bracket.width(), Asked::count)};
+  }
+  const double share = std::clamp(0.5 * (places.front() + places.back()), 2.0 * kCloser, 1.0 - 2.0 * kCloser);
+  const double place = bracket.low.at + share * bracket.width();
+  std::vector<Sample> closer{sample(piece, place - kCloser * bracket.width(), Asked::count),
+                             sample(piece, place + kCloser * bracket.width(), Asked::count)};
+  if (closer.front().negative() != bracket.low.negative() || closer.back().negative() != bracket.high.negative())
+    return closer;
+  const std::vector<double> again =
+      secant_places(values_of(closer.front(), bracket.space), values_of(closer.back(), bracket.space));
+  if (again.back() - again.front() < kNearlyTogether) closer.clear();
+  return closer;
+}
+
+/// Divides brackets until one critical point is left in each.
+void CriticalPointFinder::isolate(const PathPiece& piece, Bracket bracket, std::vector<Bracket>& found) {
+  const int changes = bracket.changes();
+  const bool first_only = !found.empty() && !separates_, is_short = bracket.width() < kTogether;
+  if (changes == 0 && !turns(bracket)) return;
+  if (changes == 0 && is_short)  // else a limit point and another one are two
+    return require_smoothness(piece, bracket.low.station, bracket.high.station);
+  if (changes > 0 && (first_only || (turns(bracket) && (changes == 1 || is_short)))) {
+    found.push_back(std::move(bracket));
+    return;
+  }
+  std::vector<Sample> middle;
+  if (changes > 0 && changes <= kMostSeparated && !turns(bracket)) {
+    choose_space(bracket);
+    if (bracket.space && changes > 1 && !is_short) middle = between(piece, bracket);
+    if (middle.empty() && (bracket.space || needs_counting(bracket))) {
+      found.push_back(std::move(bracket));
+      return;
+    }
+    if (is_short) throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
+  }
+  if (middle.empty()) middle.push_back(sample(piece, bracket.low.at + 0.5 * bracket.width(), Asked::count));
+  middle.push_back(bracket.high);
+  Sample low = bracket.low;
+  for (Sample& high : middle) {
+    isolate(piece, {low, high, bracket.space}, found);
+    low = std::move(high);
+  }
+}
+
+/// On one path the load factor turns only where the count changes: a sample in the bracket of a bifurcation with a rate
+/// of the other sign lies behind other critical points, or on another path.
+void CriticalPointFinder::require_order(const PathPiece& piece, const Bracket& bracket, const Sample& here) {
+  const double rate = here.station.tangent.load, low = bracket.low.station.tangent.load,
                high = bracket.high.station.tangent.load;
+  if (turns(bracket) || (rate > 0.0) == (low > 0.0)) return;
   if (std::abs(rate) < kSignificantRate * std::max(std::abs(low), std::abs(high))) return;
-  const bool as_low = (rate > 0.0) == (low > 0.0), as_high = (rate > 0.0) == (high > 0.0);
-  if (!turns(bracket) && as_low) return;
-  if (turns(bracket) && (sample.negative() == bracket.low.negative() ? as_low : as_high)) return;
-  throw MorePoints{sample};
+  throw MorePoints{sample(piece, here.at, Asked::count)};
 }
 
-/// What passes zero at the critical point of the bracket: the load's rate along the path at a limit point, else the
-/// mean of the eigenvalues that vanish together, which is smooth even where they cross.
-double CriticalPointFinder::passing(const Bracket& bracket, const Sample& sample) {
-  if (turns(bracket)) return sample.station.tangent.load;
-  const int before = bracket.low.negative(), after = bracket.high.negative();
-  const std::vector<double> values =
-      critical_eigenvalues(sample, std::min(before, after) + 1, std::abs(after - before));
-  double sum = 0.0;
-  for (double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+/// At a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that vanish together,
+/// which is smooth even where they cross.
+PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
+  PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
+  if (turns(bracket)) return result;
+  const std::vector<EigenMode>& modes = values_of(sample, bracket.space).modes;
+  result.passing = 0.0;
+  for (int i = 0; i < bracket.changes(); ++i)
+    result.passing += modes[bracket.first_crossing() + i].eigenvalue / bracket.changes();
+  return result;
+}
+
+/// Of the eigenvalues that vanish together.
+std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& bracket, Sample& sample) {
+  const std::vector<EigenMode>& seen = values_of(sample, bracket.space).modes;
+  std::vector<MixedVector> modes;
+  for (int i = 0; i < bracket.changes(); ++i) modes.push_back(seen[bracket.first_crossing() + i].mode.clone(true));
+  return modes;
 }
 
 /// Newton's method at the load factor of the root with the critical modes taken out of every increment: regular where
 /// the path crosses other ones.
 State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
-                                                const std::vector<EigenMode>& critical) {
-  const PathDirection guess = judge_.cubic(piece, at);
+                                                const std::vector<MixedVector>& critical) {
+  const PathDirection guess = predicted(piece, at);
   BeamGroup group(corrector_.global(), problem_, piece.start.state, load_factor, {});
   group.setX(BeamVector(guess.x));
   std::vector<MixedVector> orthogonal;
-  for (const EigenMode& mode : critical) {
-    MixedVector v = mode.mode.clone(true);
+  for (const MixedVector& mode : critical) {
+    MixedVector v = mode.clone(true);
     for (const MixedVector& o : orthogonal) v.update(-measure_.motion(v, o), o, 1.0);
     const double size = measure_.motion(v);
     if (!(size > 0.0)) continue;
@@ -263,7 +337,7 @@ State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double a
     group.computeJacobian();
     MixedVector increment = BeamVector::of(group.getNewton()).clone(true);
     for (const MixedVector& o : orthogonal) increment.update(-measure_.motion(increment, o), o, 1.0);
-    if (!std::isfinite(increment.maximum_norm())) break;
+    if (!std::isfinite(increment.maximum_norm()) || measure_.motion(increment) < kNoMotion) break;
     BeamVector x(BeamVector::of(group.getX()).clone(true));
     x.values().update(1.0, increment, 1.0);
     group.setX(x);
@@ -271,53 +345,40 @@ State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double a
   return group.state();
 }
 
-/// The place by the rule of false position (Illinois), to a quarter of `distance`.
-double CriticalPointFinder::coarse_root(const PathPiece& piece, const Bracket& bracket, double distance) {
-  double a = bracket.low.at, b = bracket.high.at, fa = passing(bracket, bracket.low),
-         fb = passing(bracket, bracket.high);
-  if ((fa < 0.0) == (fb < 0.0)) throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
-  double at = a;
-  for (int i = 0; i < kMostRootSamples; ++i) {
-    const double next = std::clamp(b - fb * (b - a) / (fb - fa), std::min(a, b), std::max(a, b));
-    if (std::abs(next - at) < 0.25 * distance && i > 0) return next;
-    at = next;
-    const Sample there = sample(piece, at);
-    require_order(bracket, there);
-    const double f = passing(bracket, there);
-    if (f == 0.0) return at;
-    if ((f < 0.0) != (fb < 0.0)) {
-      a = b;
-      fa = fb;
-    } else {
-      fa *= 0.5;
-    }
-    b = at;
-    fb = f;
-  }
-  return at;
+/// Where samples beside a critical point lie: multiples of this.
+double CriticalPointFinder::distance_at(const Bracket& bracket, double at) const {
+  const double to_end = std::min(at - bracket.low.at, bracket.high.at - at), width = bracket.width();
+  return std::clamp(0.25 * to_end, kLeastDistance * width, (turns(bracket) ? kDistanceOfLimit : kDistance) * width);
 }
 
-/// Whether elements become unstable inside, between vertices that stand still, or the tangent has no symmetry and its
-/// count only tells the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
-bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
-  if (turns(bracket)) return false;
-  if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric) return true;
-  try {
-    if ((passing(bracket, bracket.low) < 0.0) != (passing(bracket, bracket.high) < 0.0)) return false;
-  } catch (const NotLocated&) {
-    // the vertices have no such eigenvalue
+/// The place as well as the distance of samples asks for; adds what was sampled on the way, the ends first.
+double CriticalPointFinder::coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples) {
+  const Asked asked = turns(bracket) ? Asked::tangent : Asked::state;
+  samples = {passing(bracket, bracket.low), passing(bracket, bracket.high)};
+  PassingSample low = samples.front(), high = samples.back();
+  if ((low.passing < 0.0) == (high.passing < 0.0))
+    throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
+  double at = low.at;
+  for (int i = 1; i < kMostRootSamples; ++i) {
+    const bool is_halfway = i % kHalfway == 0;
+    const double middle = 0.5 * (low.at + high.at);
+    sort_by_distance(samples, middle);
+    const size_t count = std::min(samples.size(), kPolynomialSamples);
+    const double next = is_halfway ? middle : root_of_samples(samples, count, false, low.at, high.at);
+    if (i > 1 && !is_halfway && std::abs(next - at) < distance_at(bracket, next)) return next;
+    at = next;
+    Sample here = sample(piece, at, asked);
+    samples.push_back(passing(bracket, here));
+    if (samples.back().passing == 0.0) return at;
+    ((samples.back().passing < 0.0) == (low.passing < 0.0) ? low : high) = samples.back();
   }
-  const auto interior = [&](const Sample& sample) {
-    stability_.count(sample.station.state, sample.station.load_factor);
-    return problem_->assembler.interior_count().negative;
-  };
-  return interior(bracket.low) != interior(bracket.high);
+  return at;
 }
 
 CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const Bracket& bracket) {
   Sample low = bracket.low, high = bracket.high;
   while (high.at - low.at > kCountedPlace) {
-    Sample middle = sample(piece, 0.5 * (low.at + high.at));
+    Sample middle = sample(piece, 0.5 * (low.at + high.at), Asked::count);
     if (middle.negative() != low.negative() && middle.negative() != high.negative())
       throw NotLocated("a critical point could not be located: the count changes to and fro");
     (middle.negative() == low.negative() ? low : high) = std::move(middle);
@@ -332,25 +393,32 @@ CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const
   return point;
 }
 
-CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, const Bracket& bracket) {
+CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& bracket) {
   const bool is_limit = turns(bracket);
-  const double distance = kDistance * (bracket.high.at - bracket.low.at);
-  if (needs_counting(bracket)) return locate_by_count(piece, bracket);
-  const double near = coarse_root(piece, bracket, distance);
-  std::vector<Sampled> samples;
+  if (!is_limit && !bracket.space) return locate_by_count(piece, bracket);
+  Samples on_the_way, samples;
+  const double near = coarse_root(piece, bracket, on_the_way), distance = distance_at(bracket, near);
   std::optional<Sample> beside, other_side;
-  for (const int place : {1, -1, 2, -2, 3, -3}) {
-    Sample here = sample(piece, near + place * distance);
-    samples.push_back({here.at, passing(bracket, here), here.station.load_factor});
+  for (const int place : {1, -1, 2, -2}) {
+    Sample here = sample(piece, near + place * distance, Asked::tangent);
+    require_order(piece, bracket, here);
+    samples.push_back(passing(bracket, here));
     std::optional<Sample>& nearest = place > 0 ? beside : other_side;
     if (!nearest)
       nearest = std::move(here);
     else
       require_smoothness(piece, nearest->station, here.station);
   }
-  require_smoothness(piece, beside->station, other_side->station);
+  const Sample after = sample(piece, near + kCloseLook * distance, Asked::tangent),
+               before = sample(piece, near - kCloseLook * distance, Asked::tangent);
+  require_smoothness(piece, beside->station, after.station);
+  require_smoothness(piece, after.station, before.station);
+  require_smoothness(piece, before.station, other_side->station);
+  sort_by_distance(on_the_way, near);
+  for (const PassingSample& far : on_the_way)
+    if (samples.size() < 4 + kFarSamples && std::abs(far.at - near) > 3.0 * distance) samples.push_back(far);
   const size_t all = samples.size();
-  const double low = near - 4.0 * distance, high = near + 4.0 * distance;
+  const double low = near - 3.0 * distance, high = near + 3.0 * distance;
   const double root = root_of_samples(samples, all, is_limit, low, high);
   const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
   if (!(error < kWorstRoot * distance))
@@ -362,29 +430,30 @@ CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, const Bracket&
                       beside->station.state,
                       problem_->assembler.create_vector()};
   point.modes = std::abs(bracket.high.negative() - bracket.low.negative());
-  point.load_factor = interpolate(samples, all, root, &Sampled::load_factor);
+  point.load_factor = interpolate(samples, all, root, &PassingSample::load_factor);
   if (is_limit) {
-    const Sample there = sample(piece, root);
+    const Sample there = sample(piece, root, Asked::tangent);
     point.state = there.station.state;
     point.load_factor = there.station.load_factor;
-    point.error = std::abs(interpolate(samples, all, root, &Sampled::load_factor) -
-                           interpolate(samples, all - 2, root, &Sampled::load_factor));
-  } else {
-    const std::vector<EigenMode> modes =
-        stability_.modes_near_zero(beside->station.state, beside->station.load_factor, point.modes);
-    point.state = state_at_bifurcation(piece, root, point.load_factor, modes);
-    const double noise = modes.empty() ? 0.0 : modes.front().error;  // of the eigenvalue
-    point.error = (error + noise / std::abs(slope_of(samples, all, root, &Sampled::passing))) *
-                  std::abs(slope_of(samples, all, root, &Sampled::load_factor));
+    point.error = std::abs(interpolate(samples, all, root, &PassingSample::load_factor) -
+                           interpolate(samples, all - 2, root, &PassingSample::load_factor));
+    find_modes(point);
+    return point;
   }
-  find_modes(point);
+  point.state = state_at_bifurcation(piece, root, point.load_factor, critical_modes(bracket, *beside));
+  const double noise = find_modes(point);
+  point.error = (error + noise / std::abs(slope_of(samples, all, root, &PassingSample::passing))) *
+                std::abs(slope_of(samples, all, root, &PassingSample::load_factor));
   return point;
 }
 
-void CriticalPointFinder::find_modes(CriticalPoint& point) {
-  for (EigenMode& mode : stability_.modes_near_zero(point.state, point.load_factor, point.modes))
-    point.eigenspace.push_back(std::move(mode.mode));
-  if (!point.eigenspace.empty()) point.mode = point.eigenspace.front().clone(true);
+/// Returns the error of the eigenvalue nearest to zero.
+double CriticalPointFinder::find_modes(CriticalPoint& point) {
+  std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
+  for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
+  if (modes.empty()) return 0.0;
+  point.mode = point.eigenspace.front().clone(true);
+  return modes.front().error;
 }
 
 std::vector<CriticalPoint> CriticalPointFinder::find(const PathPiece& piece) {
@@ -397,20 +466,24 @@ std::vector<CriticalPoint> CriticalPointFinder::find(const PathPiece& piece) {
 
 std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece) {
   samples_ = 0;
+  known_.clear();
+  known_.push_back({0.0, scaled(piece.moved, 0.0)});
+  known_.push_back({1.0, scaled(piece.moved, 1.0)});
   separates_ = std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated;
+  if (!separates_ && measure_.length(piece.moved) > kShortStep)
+    throw NotLocated("more than " + std::to_string(kMostSeparated) + " critical points in one step");
   std::vector<Bracket> brackets;
   isolate(piece, {{0.0, piece.start}, {1.0, piece.end}}, brackets);
   std::vector<CriticalPoint> points;
   for (size_t i = 0; i < brackets.size(); ++i) {
-    const Bracket bracket = brackets[i];
-    const int changes = std::abs(bracket.high.negative() - bracket.low.negative());
+    Bracket& bracket = brackets[i];
     if (separates_ || points.empty()) {
       try {
         points.push_back(locate(piece, bracket));
       } catch (const MorePoints& more) {
         std::vector<Bracket> parts;
-        isolate(piece, {bracket.low, more.sample}, parts);
-        isolate(piece, {more.sample, bracket.high}, parts);
+        isolate(piece, {bracket.low, more.sample, bracket.space}, parts);
+        isolate(piece, {more.sample, bracket.high, bracket.space}, parts);
         brackets.erase(brackets.begin() + i);
         brackets.insert(brackets.begin() + i, parts.begin(), parts.end());
         --i;
@@ -421,7 +494,7 @@ std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece)
         CriticalKind::bifurcation,  0.5 * (bracket.low.station.load_factor + bracket.high.station.load_factor),
         bracket.low.negative(),     bracket.high.negative(),
         bracket.high.station.state, problem_->assembler.create_vector()};
-    point.modes = changes;
+    point.modes = bracket.changes();
     point.error = 0.5 * std::abs(bracket.high.station.load_factor - bracket.low.station.load_factor);
     point.located = false;
     points.push_back(std::move(point));

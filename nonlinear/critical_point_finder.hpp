@@ -4,7 +4,8 @@
 #include "nonlinear/critical_point.hpp"
 #include "nonlinear/step_judge.hpp"
 
-#include <array>
+#include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -13,6 +14,11 @@ namespace mixbeam {
 class NotLocated : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// A point of a step, with what passes zero at its critical point.
+struct PassingSample {
+  double at, passing, load_factor;
 };
 
 class CriticalPointFinder {
@@ -26,15 +32,30 @@ class CriticalPointFinder {
   std::vector<CriticalPoint> find(const PathPiece& piece);
 
  private:
+  using Space = std::shared_ptr<const CriticalSpace>;
   /// A point of the path within the step.
   struct Sample {
     double at = 0.0;  ///< share of the chord
     Station station;
+    Space space{};       ///< the last one asked for
+    SpaceValues seen{};  ///< with it
     int negative() const { return station.stability->negative; }
   };
-  /// Two samples between which eigenvalues pass zero together.
+  /// What is asked of a sample beside its state.
+  enum class Asked { state, tangent, count };
+  /// Two samples between which eigenvalues pass zero.
   struct Bracket {
     Sample low, high;
+    Space space{};  ///< sees all that passes zero; none: not known
+    int changes() const { return std::abs(high.negative() - low.negative()); }
+    double width() const { return high.at - low.at; }
+    /// Of the values that the space sees at both ends.
+    int first_crossing() const { return std::min(low.seen.negative(), high.seen.negative()); }
+  };
+  /// A state of the path, as increments since the start of the step.
+  struct Known {
+    double at;
+    PathDirection moved;
   };
 
   /// There is more than one critical point in a bracket: it is to be divided at this sample.
@@ -43,29 +64,35 @@ class CriticalPointFinder {
   };
 
   std::vector<CriticalPoint> find_all(const PathPiece& piece);
-  Sample sample(const PathPiece& piece, double at);
+  Sample sample(const PathPiece& piece, double at, Asked asked);
+  PathDirection predicted(const PathPiece& piece, double at) const;
   void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
-  std::vector<double> critical_eigenvalues(const Sample& sample, int first, int count);
-  std::array<double, 2> secant_roots(const Bracket& bracket);
-  bool vanish_together(const PathPiece& piece, const Bracket& bracket);
-  void isolate(const PathPiece& piece, const Bracket& bracket, std::vector<Bracket>& found);
   bool turns(const Bracket& bracket) const;
-  void require_order(const Bracket& bracket, const Sample& sample) const;
-  double passing(const Bracket& bracket, const Sample& sample);
-  double coarse_root(const PathPiece& piece, const Bracket& bracket, double distance);
+  const SpaceValues& values_of(Sample& sample, const Space& space);
+  bool sees_changes(Bracket& bracket, const Space& space);
+  void choose_space(Bracket& bracket);
   bool needs_counting(const Bracket& bracket);
-  void find_modes(CriticalPoint& point);
+  std::vector<Sample> between(const PathPiece& piece, const Bracket& bracket);
+  void isolate(const PathPiece& piece, Bracket bracket, std::vector<Bracket>& found);
+  void require_order(const PathPiece& piece, const Bracket& bracket, const Sample& here);
+  PassingSample passing(const Bracket& bracket, Sample& sample);
+  double distance_at(const Bracket& bracket, double at) const;
+  double coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples);
+  double find_modes(CriticalPoint& point);
   CriticalPoint locate_by_count(const PathPiece& piece, const Bracket& bracket);
-  CriticalPoint locate(const PathPiece& piece, const Bracket& bracket);
+  CriticalPoint locate(const PathPiece& piece, Bracket& bracket);
+  std::vector<MixedVector> critical_modes(const Bracket& bracket, Sample& sample);
   State state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
-                             const std::vector<EigenMode>& critical);
+                             const std::vector<MixedVector>& critical);
 
   Teuchos::RCP<BeamProblem> problem_;
   Corrector& corrector_;
   Stability& stability_;
   const PathMeasure& measure_;
   const StepJudge& judge_;
-  int samples_ = 0;        ///< taken in this step
+  // Of the present step:
+  std::vector<Known> known_;
+  int samples_ = 0;        ///< taken
   bool separates_ = true;  ///< its critical points are few enough to be located one by one
 };
 

@@ -650,16 +650,18 @@ Stability::Reduced Stability::ritz_values(const StabilityResult& stability, cons
     std::vector<double> projected(m * m);
     for (size_t i = 0; i < m; ++i)
       for (size_t j = 0; j < m; ++j) projected[i + j * m] = dot_product(columns[i], images[j]);
-    const std::vector<double> weights = small_eigenproblem(reduced.eigenvalue, projected);
+    const std::vector<double> weights = small_eigenproblem(projected, space.size);
     const double shift = stability.null > 0 ? kShift : 0.0;
     for (size_t k = 0; k < m; ++k) {
-      reduced.eigenvalue[k] -= shift;
+      reduced.eigenvalue[k] = projected[k * (m + 1)] - shift;
       reduced.vector[k].assign(n, 0.0);
       for (size_t j = 0; j < m; ++j)
         for (size_t i = 0; i < n; ++i) reduced.vector[k][i] += weights[j + k * m] * columns[j][i];
+      reduced.error[k] = rounding_level(unknowns_->matrix(), reduced.vector[k]);
     }
   });
-  MPI_Bcast(reduced.eigenvalue.data(), space.size, MPI_DOUBLE, 0, unknowns_->root().communicator());
+  for (std::vector<double>* values : {&reduced.eigenvalue, &reduced.error})
+    MPI_Bcast(values->data(), space.size, MPI_DOUBLE, 0, unknowns_->root().communicator());
   return reduced;
 }
 
@@ -667,7 +669,7 @@ SpaceValues Stability::in_space(const State& state, double load_factor, const Cr
   assemble(state, load_factor);
   const StabilityResult stability = inertia();
   const Reduced reduced = ritz_values(stability, space);
-  SpaceValues seen{corrected_modes(state, stability, reduced),
+  SpaceValues seen{corrected_modes(state, load_factor, stability, reduced),
                    stability.negative - number_below_zero(reduced.eigenvalue)};
   std::stable_sort(seen.modes.begin(), seen.modes.end(),
                    [](const EigenMode& a, const EigenMode& b) { return a.eigenvalue < b.eigenvalue; });

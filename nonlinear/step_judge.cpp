@@ -124,7 +124,7 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
   }
 }
 
-Station StepJudge::station(const State& state, double load_factor, const PathDirection* along) const {
+Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
   BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
   group.computeJacobian();
   BeamVector slope(problem_->assembler.create_vector()), by_load(problem_->assembler.create_vector());
@@ -134,7 +134,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
   const PathDirection rate{by_load.values().clone(true), -1.0};
   PathDirection tangent = scaled(rate, -1.0 / measure_.length(rate));
   if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
-  return {state, load_factor, std::move(tangent), count(state, load_factor)};
+  return {state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
 }
 
 PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {

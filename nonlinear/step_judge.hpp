@@ -46,7 +46,7 @@ class StepJudge {
 
   /// The station at a converged state. The tangent runs in the direction of `along`, or of a growing load factor where
   /// that is null. Collective.
-  Station station(const State& state, double load_factor, const PathDirection* along) const;
+  Station station(const State& state, double load_factor, const PathDirection* along, bool counts = true) const;
 
   /// Point of the cubic through both ends with their tangents at share `at` of the way, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
