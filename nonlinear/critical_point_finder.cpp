@@ -18,6 +18,8 @@ constexpr int kMostIterations = 15;
 constexpr int kMostSamples = 120;
 /// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
 constexpr int kMostSeparated = 6;
+/// Unless they vanish at one place, as those of symmetric structures with as many equal parts.
+constexpr int kMostMultiple = 24;
 /// And only in steps as short as this (the structure moves by so much of its size); longer ones are halved.
 constexpr double kShortStep = 1e-3;
 /// Points closer together than this share of the step are one multiple point.
@@ -269,7 +271,7 @@ void CriticalPointFinder::isolate(const PathPiece& piece, Bracket bracket, std::
     return;
   }
   std::vector<Sample> middle;
-  if (changes > 0 && changes <= kMostSeparated && !turns(bracket)) {
+  if (changes > 0 && changes <= kMostMultiple && !turns(bracket)) {
     choose_space(bracket);
     if (bracket.space && changes > 1 && !is_short) middle = between(piece, bracket);
     if (middle.empty() && (bracket.space || needs_counting(bracket))) {
@@ -464,13 +466,21 @@ std::vector<CriticalPoint> CriticalPointFinder::find(const PathPiece& piece) {
   }
 }
 
+/// Whether all that passes zero in the step does so at one place.
+bool CriticalPointFinder::is_one_point(const PathPiece& piece) {
+  Bracket whole{{0.0, piece.start}, {1.0, piece.end}};
+  if (turns(whole) || whole.changes() > kMostMultiple) return false;
+  choose_space(whole);
+  return whole.space && between(piece, whole).empty();
+}
+
 std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece) {
   samples_ = 0;
   known_.clear();
   known_.push_back({0.0, scaled(piece.moved, 0.0)});
   known_.push_back({1.0, scaled(piece.moved, 1.0)});
   separates_ = std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated;
-  if (!separates_ && measure_.length(piece.moved) > kShortStep)
+  if (!separates_ && measure_.length(piece.moved) > kShortStep && !is_one_point(piece))
     throw NotLocated("more than " + std::to_string(kMostSeparated) + " critical points in one step");
   std::vector<Bracket> brackets;
   isolate(piece, {{0.0, piece.start}, {1.0, piece.end}}, brackets);

@@ -64,6 +64,7 @@ class CriticalPointFinder {
   };
 
   std::vector<CriticalPoint> find_all(const PathPiece& piece);
+  bool is_one_point(const PathPiece& piece);
   Sample sample(const PathPiece& piece, double at, Asked asked);
   PathDirection predicted(const PathPiece& piece, double at) const;
   void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
