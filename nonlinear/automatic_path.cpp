@@ -35,6 +35,8 @@ constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
 /// is traced.
 constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kPathStep{0.85, 0.85, true, false},
     kTracedStep{0.95, 0.95, true, true};
+/// Loads that turn back are looked for so many steps ahead.
+constexpr double kReach = 2.0;
 /// The path is given up below this length (1: the structure moves by its own size).
 constexpr double kShortestStep = 1e-9;
 /// A path that runs away from the end of its stage is followed this far, in load factors of one stage.
@@ -97,7 +99,9 @@ class AutomaticPath {
 
   bool begin();
   bool step_to_goal();
+  bool shorten_load_step(double size);
   bool start_along_path();
+  bool meets_turning_loads();
   bool step_along_path();
   bool attempt(Correction& result, double& length);
   /// Takes a converged step if it follows the path; else says why not.
@@ -310,15 +314,32 @@ bool AutomaticPath::step_to_goal() {
   const bool is_known = here_.has_tangent() && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
   const Correction found =
       correct_at_goal(is_last ? goal() : now + size, is_known && !is_controlled() ? &way : nullptr, most);
+  const bool turns = !is_controlled() && !examiner_.loads_are_straight(now, now + size);
   if (!found.converged) {
     not_converged();
-    return start_along_path();
+    return turns ? shorten_load_step(size) : start_along_path();
   }
   const double before = size_;
   size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
   if (take(found, kLoadStep)) return true;
   size_ = before;
-  return start_along_path();
+  return turns ? shorten_load_step(size) : start_along_path();
+}
+
+/// Where loads turn back the path does so too, and steps along it would have to turn on the spot.
+bool AutomaticPath::shorten_load_step(double size) {
+  size_ = 0.5 * std::abs(size);
+  return size_ >= rule_.minimum;
+}
+
+/// Whether the loads turn back within reach of the next step along the path; then it is one of the load.
+bool AutomaticPath::meets_turning_loads() {
+  if (is_controlled() || !(here_.tangent.load > 0.0)) return false;
+  const double reach = std::min(kReach * length_ * here_.tangent.load, range_.to - here_.load_factor);
+  if (examiner_.loads_are_straight(here_.load_factor, here_.load_factor + reach)) return false;
+  along_path_ = false;
+  size_ = std::clamp(reach, rule_.minimum, rule_.maximum);
+  return true;
 }
 
 bool AutomaticPath::start_along_path() {
@@ -382,6 +403,7 @@ void AutomaticPath::adapt_length(const Correction& found, double length, const P
 }
 
 bool AutomaticPath::step_along_path() {
+  if (meets_turning_loads()) return true;
   Correction found{false, here_.state, here_.load_factor, problem_->assembler.create_vector()};
   double length = 0.0;
   if (!attempt(found, length)) {

@@ -195,10 +195,18 @@ const SpaceValues& CriticalPointFinder::values_of(Sample& sample, const Space& s
   return sample.seen;
 }
 
+/// Throws where there are none.
+const std::vector<EigenMode>& CriticalPointFinder::modes_of(Sample& sample, const Space& space) {
+  const std::vector<EigenMode>& modes = values_of(sample, space).modes;
+  if (modes.empty()) throw NotLocated("a critical point could not be located: the tangent loses its symmetry");
+  return modes;
+}
+
 /// Whether the space sees all that passes zero in the bracket.
 bool CriticalPointFinder::sees_changes(Bracket& bracket, const Space& space) {
   const SpaceValues &low = values_of(bracket.low, space), &high = values_of(bracket.high, space);
-  return low.unseen == high.unseen && std::abs(low.negative() - high.negative()) == bracket.changes();
+  return !low.modes.empty() && !high.modes.empty() && low.unseen == high.unseen &&
+         std::abs(low.negative() - high.negative()) == bracket.changes();
 }
 
 /// That of the larger bracket, or the modes at one of the ends.
@@ -231,15 +239,15 @@ bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
 /// Samples that divide the bracket; none where its eigenvalues vanish at one place: their secants say so, and once more
 /// close to that place.
 std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const PathPiece& piece, const Bracket& bracket) {
-  const auto secant_places = [&](const SpaceValues& low, const SpaceValues& high) {
+  using Modes = std::vector<EigenMode>;
+  const auto secant_places = [&](const Modes& low, const Modes& high) {
     std::vector<double> places;  // as shares
     const int first = bracket.first_crossing(), last = first + bracket.changes();
-    for (int i = first; i < last; ++i)
-      places.push_back(low.modes[i].eigenvalue / (low.modes[i].eigenvalue - high.modes[i].eigenvalue));
+    for (int i = first; i < last; ++i) places.push_back(low[i].eigenvalue / (low[i].eigenvalue - high[i].eigenvalue));
     std::sort(places.begin(), places.end());
     return places;
   };
-  const std::vector<double> places = secant_places(bracket.low.seen, bracket.high.seen);
+  const std::vector<double> places = secant_places(bracket.low.seen.modes, bracket.high.seen.modes);
   if (places.back() - places.front() >= kNearlyTogether) {  // at the widest gap
     size_t gap = 1;
     for (size_t i = 2; i < places.size(); ++i)
@@ -254,7 +262,7 @@ std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Path
   if (closer.front().negative() != bracket.low.negative() || closer.back().negative() != bracket.high.negative())
     return closer;
   const std::vector<double> again =
-      secant_places(values_of(closer.front(), bracket.space), values_of(closer.back(), bracket.space));
+      secant_places(modes_of(closer.front(), bracket.space), modes_of(closer.back(), bracket.space));
   if (again.back() - again.front() < kNearlyTogether) closer.clear();
   return closer;
 }
@@ -304,7 +312,7 @@ void CriticalPointFinder::require_order(const PathPiece& piece, const Bracket& b
 PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
   PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
   if (turns(bracket)) return result;
-  const std::vector<EigenMode>& modes = values_of(sample, bracket.space).modes;
+  const std::vector<EigenMode>& modes = modes_of(sample, bracket.space);
   result.passing = 0.0;
   for (int i = 0; i < bracket.changes(); ++i)
     result.passing += modes[bracket.first_crossing() + i].eigenvalue / bracket.changes();
@@ -313,7 +321,7 @@ PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sampl
 
 /// Of the eigenvalues that vanish together.
 std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& bracket, Sample& sample) {
-  const std::vector<EigenMode>& seen = values_of(sample, bracket.space).modes;
+  const std::vector<EigenMode>& seen = modes_of(sample, bracket.space);
   std::vector<MixedVector> modes;
   for (int i = 0; i < bracket.changes(); ++i) modes.push_back(seen[bracket.first_crossing() + i].mode.clone(true));
   return modes;

@@ -70,6 +70,7 @@ class CriticalPointFinder {
   void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
   bool turns(const Bracket& bracket) const;
   const SpaceValues& values_of(Sample& sample, const Space& space);
+  const std::vector<EigenMode>& modes_of(Sample& sample, const Space& space);
   bool sees_changes(Bracket& bracket, const Space& space);
   void choose_space(Bracket& bracket);
   bool needs_counting(const Bracket& bracket);

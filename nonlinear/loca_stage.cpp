@@ -45,8 +45,12 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
   /// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
   /// tests would ask for, would change the state.
   StepsAreExamined(const Teuchos::RCP<BeamProblem>& problem, const Teuchos::RCP<NOX::StatusTest::Generic>& newton,
-                   StepExaminer& examiner, bool begins_converged)
-      : problem_(problem), newton_(newton), examiner_(examiner), begins_converged_(begins_converged) {}
+                   StepExaminer& examiner, bool begins_converged, bool load_grows)
+      : problem_(problem),
+        newton_(newton),
+        examiner_(examiner),
+        begins_converged_(begins_converged),
+        load_grows_(load_grows) {}
 
   NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
                                           NOX::StatusTest::CheckType type) override {
@@ -78,7 +82,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
     }
     PathDirection moved{x.clone(true), group.load_factor() - here_->load_factor};
     moved.x.update(-1.0, *moved_to_, 1.0);
-    next_ = examiner_.station(group.state(), group.load_factor(), &moved);
+    next_ = examiner_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
     findings_ = examiner_.examine({*here_, moved, *next_}, kExamined);
     problem_->last_failure.clear();
     problem_->objection = findings_.objection;
@@ -89,6 +93,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
   Teuchos::RCP<NOX::StatusTest::Generic> newton_;
   StepExaminer& examiner_;
   bool begins_converged_;
+  bool load_grows_;  ///< in each step; else LOCA follows the path by its length
   NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
   // Sums of increments since the stage began belong to the stations:
   std::optional<Station> here_, next_;
@@ -128,8 +133,10 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
   bool arrived = false;
   try {
     StepExaminer examiner(problem, parameters, recorder.counts(), range.to);
+    const bool load_grows =
+        top->sublist("LOCA").sublist("Stepper").get<std::string>("Continuation Method") == "Natural";
     const auto status = Teuchos::rcp(new StepsAreExamined(problem, guarded_status_tests(parameters, *global->locaUtils),
-                                                          examiner, range.before.has_value()));
+                                                          examiner, range.before.has_value(), load_grows));
     const auto observer = [&recorder, &sizes, status](const BeamGroup& group, double load_factor) {
       const StepSizeStrategy* strategy = sizes->strategy();
       if (strategy != nullptr) {

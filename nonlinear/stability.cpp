@@ -668,6 +668,7 @@ Stability::Reduced Stability::ritz_values(const StabilityResult& stability, cons
 SpaceValues Stability::in_space(const State& state, double load_factor, const CriticalSpace& space) {
   assemble(state, load_factor);
   const StabilityResult stability = inertia();
+  if (!stability.symmetric) return {};
   const Reduced reduced = ritz_values(stability, space);
   SpaceValues seen{corrected_modes(state, load_factor, stability, reduced),
                    stability.negative - number_below_zero(reduced.eigenvalue)};

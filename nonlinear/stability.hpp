@@ -67,7 +67,7 @@ struct CriticalSpace {
 /// number of negative eigenvalues of K exceeds theirs by one that changes only where K^(2p-1), bordered by B, is
 /// singular: as long as it stays the same the space sees all that passes zero.
 struct SpaceValues {
-  std::vector<EigenMode> modes;  ///< in the order of their eigenvalues
+  std::vector<EigenMode> modes;  ///< in the order of their eigenvalues; none: K has no symmetry
   int unseen = 0;                ///< negative eigenvalues of K less those of the space
 
   int negative() const;  ///< of the space

@@ -22,6 +22,9 @@ class StepExaminer {
 
   const PathMeasure& measure() const { return measure_; }
 
+  /// See LoadHistory.
+  bool loads_are_straight(double from, double to) const { return judge_.loads().is_straight(from, to); }
+
   /// See StepJudge::station. Collective.
   Station station(const State& state, double load_factor, const PathDirection* along) const {
     return judge_.station(state, load_factor, along);

@@ -30,6 +30,8 @@ constexpr double kFlat = 1e-5;
 constexpr double kStiffened = 0.1, kEndCosine = 0.5;
 /// Parts that move by a smaller share of what the part that moves farthest does stand still.
 constexpr double kLeastShare = 1e-8;
+/// Points of the middle rule for the change of loads.
+constexpr int kHistoryParts = 64;
 /// Newton's method half-way starts near the path.
 constexpr int kMostIterations = 15;
 
@@ -124,17 +126,50 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
   }
 }
 
+/// For the given derivative of the residual with the load factor, which grows along it.
+PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
+  group.computeJacobian();
+  BeamVector by_load(problem_->assembler.create_vector());
+  Teuchos::ParameterList none;
+  group.applyJacobianInverse(none, BeamVector(slope), by_load);
+  const PathDirection rate{by_load.values().clone(true), -1.0};
+  return scaled(rate, -1.0 / measure_.length(rate));
+}
+
 Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
   BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
   group.computeJacobian();
-  BeamVector slope(problem_->assembler.create_vector()), by_load(problem_->assembler.create_vector());
-  problem_->assembler.load_derivative(state, within_stage(load_factor, stage_end_), slope.values());
-  Teuchos::ParameterList none;
-  group.applyJacobianInverse(none, slope, by_load);
-  const PathDirection rate{by_load.values().clone(true), -1.0};
-  PathDirection tangent = scaled(rate, -1.0 / measure_.length(rate));
+  MixedVector slope = problem_->assembler.create_vector();
+  problem_->assembler.load_derivative(state, within_stage(load_factor, stage_end_), slope);
+  PathDirection tangent = tangent_of(group, slope);
   if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
   return {state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
+}
+
+/// For the mean of the derivatives between two load factors.
+PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
+  BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
+  group.computeJacobian();
+  MixedVector mean = problem_->assembler.create_vector(), slope = mean.clone(false);
+  mean.fill(0.0);
+  for (int part = 0; part < kHistoryParts; ++part) {
+    problem_->assembler.load_derivative(at.state, from + (to - from) * (part + 0.5) / kHistoryParts, slope);
+    mean.update(1.0 / kHistoryParts, slope, 1.0);
+  }
+  return tangent_of(group, mean);
+}
+
+/// Where loads turn back, the structure follows the change of the loads from end to end, if it is nearly linear: then
+/// the tangents for that change point along the chord at both ends.
+std::string StepJudge::objection_where_loads_turn(const PathPiece& piece) const {
+  const double from = piece.start.load_factor, to = piece.end.load_factor;
+  Station start = piece.start, end = piece.end;
+  start.tangent = secant_tangent(piece.start, from, to);
+  end.tangent = secant_tangent(piece.end, from, to);
+  if (!start.has_tangent() || !end.has_tangent()) return kBends;
+  for (const Part& part : parts_of({start, piece.moved, end}))
+    if (!(std::min(part.first, part.last) >= kStraight)) return "the loads turn back within the step";
+  return "";
 }
 
 PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
@@ -214,6 +249,7 @@ std::string StepJudge::objection_to_count(const PathPiece& piece, const StepTest
 
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) const {
   if (measure_.motion(piece.moved.x) < kNoMotion || !piece.start.has_tangent() || !piece.end.has_tangent()) return "";
+  if (!loads_.is_straight(piece.start.load_factor, piece.end.load_factor)) return objection_where_loads_turn(piece);
   bool looks = test.always_looks, dips = false, is_bent = false;
   for (const Part& part : parts_of(piece)) {
     const bool hardly_moves = test.may_stiffen && part.ends_stiff;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "nonlinear/corrector.hpp"
+#include "nonlinear/load_history.hpp"
 #include "nonlinear/path_measure.hpp"
 
 #include <string>
@@ -39,7 +40,12 @@ class StepJudge {
   /// `stability` may be null; then counts are not compared. All must outlive this object. `stage_end`: load factor.
   StepJudge(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, const PathMeasure& measure,
             Stability* stability, double stage_end)
-      : problem_(problem), corrector_(corrector), measure_(measure), stability_(stability), stage_end_(stage_end) {}
+      : problem_(problem),
+        corrector_(corrector),
+        measure_(measure),
+        stability_(stability),
+        stage_end_(stage_end),
+        loads_(problem->assembler.scene()) {}
 
   /// Empty when the end lies on the path of the start; else what disagrees. Collective.
   std::string objection(const PathPiece& piece, const StepTest& test) const;
@@ -48,6 +54,8 @@ class StepJudge {
   /// that is null. Collective.
   Station station(const State& state, double load_factor, const PathDirection* along, bool counts = true) const;
 
+  const LoadHistory& loads() const { return loads_; }
+
   /// Point of the cubic through both ends with their tangents at share `at` of the way, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
 
@@ -55,6 +63,9 @@ class StepJudge {
   struct Look;
   struct Part;
   std::string objection(const PathPiece& piece, const StepTest& test, int depth) const;
+  std::string objection_where_loads_turn(const PathPiece& piece) const;
+  PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
+  PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;
   std::string objection_to_count(const PathPiece& piece, const StepTest& test, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
@@ -67,6 +78,7 @@ class StepJudge {
   const PathMeasure& measure_;
   Stability* stability_;
   double stage_end_;
+  LoadHistory loads_;
 };
 
 }  // namespace mixbeam

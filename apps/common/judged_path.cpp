@@ -67,15 +67,16 @@ const char* name_of(PathOutcome outcome) {
   return "unknown";
 }
 
-FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm) {
+FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm, bool plainly) {
   FollowedPath path;
   const std::clock_t start = std::clock();
   Simulation simulation(scene, parameters, comm);
-  const LoadPathResult& result = simulation.run([&path](const StepReport& report, const State&) {
+  const PathObserver keep = [&path](const StepReport& report, const State&) {
     path.critical_points += static_cast<int>(report.critical_points.size());
     path.negative = report.stability && report.stability->symmetric ? report.stability->negative : -1;
     if (report.step == 0) path.began_stable = path.negative == 0;
-  });
+  };
+  const LoadPathResult& result = plainly ? simulation.settle(State(simulation.state()), keep) : simulation.run(keep);
   path.processor_seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   path.finished = result.finished;
   path.displacements = displacements(simulation);

@@ -30,7 +30,9 @@ struct FollowedPath {
   std::string failure{};
 };
 
-FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+/// Along the load path; `plainly`: by Newton's method for the whole load at once, without any check.
+FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
+                    bool plainly = false);
 
 /// Whether the states of the path contradict each other: it began stable, met no critical point and ended unstable.
 bool contradicts_itself(const FollowedPath& path);

@@ -14,13 +14,6 @@ constexpr std::uint64_t kSeriesSeed = 15;
 /// Of the paths whose end is known, those that may be given up.
 constexpr double kMostRefused = 0.02;
 
-FollowedPath follow_plainly(const Scene& scene, SolverParameters parameters, const Communicator& comm) {
-  parameters.load_path.method = LoadPathMethod::fixed;
-  parameters.load_path.steps = 1;
-  parameters.analysis.stability = false;
-  return follow(scene, parameters, comm);
-}
-
 RandomPath follow_one(Application& app, int number, double reference_step) {
   RandomPath path;
   path.structure = imperfect_structure(kSeriesSeed, number);
@@ -28,7 +21,7 @@ RandomPath follow_one(Application& app, int number, double reference_step) {
   SolverParameters parameters = app.solver;
   parameters.threads = app.threads_for(scene, parameters);
   path.path = judge_path(scene, parameters, reference_step, app.communicator);
-  path.plain = follow_plainly(scene, parameters, app.communicator);
+  path.plain = follow(scene, parameters, app.communicator, true);
   path.plain_is_right =
       path.path.reference_known && path.plain.finished && is_same_end(scene, path.plain, path.path.reference);
   return path;

@@ -315,6 +315,27 @@ TEST(LoadPath, FixedAndAdaptiveStepsFollowThePath) {
     }
 }
 
+// Steps over the largest load and over a kink. The end is that of a load of the same size.
+TEST(LoadPath, LoadsTurnBack) {
+  const std::vector<std::pair<std::string, double>> histories = {{"sin(4.2*t)", std::sin(4.2)},
+                                                                 {"abs(t-0.4)-0.4", 0.2}};
+  for (LoadPathMethod method : {LoadPathMethod::automatic, LoadPathMethod::fixed, LoadPathMethod::adaptive})
+    for (const auto& [formula, end] : histories) {
+      Scene scene = elastica(10.0);
+      scene.point_loads[0].amplitude = formula;
+      SolverParameters parameters;
+      parameters.load_path.method = method;
+      parameters.load_path.steps = 7;
+      parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.13;
+      const Path path = follow(scene, parameters);
+      EXPECT_TRUE(path.result.finished) << formula << path.result.failure;
+      EXPECT_LE(path.result.steps, 20) << formula;
+      const Path direct = follow(elastica(10.0 * end), {});
+      EXPECT_TRUE(agrees(path.tip, direct.tip, kSameEquilibrium)) << formula;
+      EXPECT_FALSE(agrees(path.tip, follow(elastica(10.01 * end), {}).tip, kSameEquilibrium)) << formula;
+    }
+}
+
 // One of two structures that do not touch: the motion of the other one, by far the larger, hides nothing.
 TEST(LoadPath, PartsAreJudgedOneByOne) {
   Scene scene = imperfect_column(4.0, 1e-2);
