@@ -70,7 +70,7 @@ class StepJudge {
   std::string objection_to_count(const PathPiece& piece, const StepTest& test, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
-  Look look(const PathPiece& piece, double at) const;
+  Look look(const PathPiece& piece, PathDirection guess) const;
   bool ends_stiff(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
