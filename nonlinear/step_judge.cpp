@@ -18,8 +18,8 @@ constexpr double kLargestCorrection = 0.2;
 constexpr double kSure = 1e-2;
 /// A step is halved for a closer look so many times at most.
 constexpr int kMostHalvings = 3;
-/// Between points in which the load factor changes at rates of one sign it changes by at least this share of the
-/// smaller rate, or it may have gone back and forth between them.
+/// Between points in which the load factor changes at rates of one sign the rate stays above this share of the smaller
+/// one, or the load may have gone back and forth between them.
 constexpr double kLeastGain = 0.5;
 /// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
 constexpr double kLargestEndAngle = 2.8;
@@ -93,11 +93,18 @@ struct StepJudge::Look {
   int negative = -1;        ///< none: not counted
 };
 
-/// Whether the load factor goes back somewhere between the ends, as far as their rates can tell.
+/// Whether the load factor may go back somewhere between the ends: the cubic through both with their rates nearly does.
+/// A shallow arch that has snapped through and stiffened far beyond gains on the mean, which tells nothing.
 bool StepJudge::Part::load_dips() const {
   if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
-  const double least = std::min(std::abs(first_rate), std::abs(last_rate));
-  return (first_rate > 0.0 ? mean_rate : -mean_rate) < kLeastGain * least;
+  const double begin = std::abs(first_rate), end = std::abs(last_rate);
+  const double mean = first_rate > 0.0 ? mean_rate : -mean_rate;
+  // the cubic's rate at share s: begin + linear s + square s^2
+  const double linear = 6.0 * mean - 4.0 * begin - 2.0 * end, square = 3.0 * (begin + end - 2.0 * mean);
+  const bool has_least = square > 0.0 && linear < 0.0 && -linear < 2.0 * square;
+  const double ends = std::min(begin, end);
+  const double least = has_least ? begin - linear * linear / (4.0 * square) : ends;
+  return least < kLeastGain * ends;
 }
 
 /// Those that move.
