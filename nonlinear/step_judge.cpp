@@ -21,6 +21,9 @@ constexpr int kMostHalvings = 3;
 /// Between points in which the load factor changes at rates of one sign the rate stays above this share of the smaller
 /// one, or the load may have gone back and forth between them.
 constexpr double kLeastGain = 0.5;
+/// What the cubic leaves out of the load factor half-way, e, is at least a multiple of the parabola of fourth degree
+/// 16 e s^2 (1 - s)^2, whose slope reaches this times e.
+constexpr double kErrorOfRate = 3.1;
 /// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
 constexpr double kLargestEndAngle = 2.8;
 /// A change of the load factor along a step, over the load factor: the cap alone shifts critical loads by 1e-7.
@@ -82,6 +85,7 @@ struct StepJudge::Part {
   bool starts_still;                        ///< loads set out with no rate: the start has no direction
   bool ends_stiff;                          ///< the last bit of a way on which it has stiffened
 
+  double least_rate() const;
   bool load_dips() const;
 };
 
@@ -89,22 +93,26 @@ struct StepJudge::Part {
 struct StepJudge::Look {
   PathDirection corrected;  ///< the guess with that correction, as increments from the start of the step
   double correction = 0.0;  ///< over the chord, of the part where it is largest
+  double load_error = 0.0;  ///< of the cubic
   bool goes_back = false;   ///< the load factor, against its rate at the start
   int negative = -1;        ///< none: not counted
 };
 
-/// Whether the load factor may go back somewhere between the ends: the cubic through both with their rates nearly does.
-/// A shallow arch that has snapped through and stiffened far beyond gains on the mean, which tells nothing.
-bool StepJudge::Part::load_dips() const {
-  if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
-  const double begin = std::abs(first_rate), end = std::abs(last_rate);
-  const double mean = first_rate > 0.0 ? mean_rate : -mean_rate;
-  // the cubic's rate at share s: begin + linear s + square s^2
+/// The least rate of the load factor, in the direction of the first one, on the cubic through both ends with theirs.
+double StepJudge::Part::least_rate() const {
+  const double sign = first_rate > 0.0 ? 1.0 : -1.0;
+  const double begin = sign * first_rate, end = sign * last_rate, mean = sign * mean_rate;
+  // its rate at share s: begin + linear s + square s^2
   const double linear = 6.0 * mean - 4.0 * begin - 2.0 * end, square = 3.0 * (begin + end - 2.0 * mean);
-  const bool has_least = square > 0.0 && linear < 0.0 && -linear < 2.0 * square;
-  const double ends = std::min(begin, end);
-  const double least = has_least ? begin - linear * linear / (4.0 * square) : ends;
-  return least < kLeastGain * ends;
+  const bool is_inside = square > 0.0 && linear < 0.0 && -linear < 2.0 * square;
+  return is_inside ? begin - linear * linear / (4.0 * square) : std::min(begin, end);
+}
+
+/// Whether the load factor may go back somewhere between the ends: the cubic nearly does. A shallow arch that has
+/// snapped through and stiffened far beyond gains on the mean, which tells nothing.
+bool StepJudge::Part::load_dips() const {
+  return (first_rate > 0.0) == (last_rate > 0.0) &&
+         least_rate() < kLeastGain * std::min(std::abs(first_rate), std::abs(last_rate));
 }
 
 /// Those that move.
@@ -197,13 +205,14 @@ PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
   return result;
 }
 
-/// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
-bool StepJudge::ends_stiff(const PathPiece& piece) const {
+StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
   const MixedVector &chord = piece.moved.x, &start = piece.start.tangent.x, &end = piece.end.tangent.x;
   return Part(piece, measure_.motion(chord, chord), measure_.motion(chord, start), measure_.motion(chord, end),
-              measure_.motion(start, start), measure_.motion(end, end))
-      .ends_stiff;
+              measure_.motion(start, start), measure_.motion(end, end));
 }
+
+/// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
+bool StepJudge::ends_stiff(const PathPiece& piece) const { return whole(piece).ends_stiff; }
 
 StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
   const bool in_plane = piece.start.state.in_plane && problem_->assembler.is_in_plane(guess.x);
@@ -231,6 +240,7 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
     seen.goes_back = seen.goes_back || (cr[p] < 0.0) != (piece.start.tangent.load > 0.0);
   }
   const double change = measure_.motion(chord, newton) / measure_.motion(chord, rate);
+  seen.load_error = std::abs(change);
   ++problem_->work.looks;
   if (!std::isfinite(seen.correction)) return seen;
   seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
@@ -273,6 +283,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   const bool turns_unseen = turns && !may_turn(piece, test);
   if (!looks && !dips && !turns_unseen) return "";
   Look seen = look(piece, cubic(piece, 0.5));
+  const double load_error = seen.load_error;
   // Where rates at the ends differ by decades the cubic overshoots in the forces: they alone may spoil count and rate.
   if (seen.correction <= kSure && (seen.goes_back || !objection_to_count(piece, test, seen.negative).empty()))
     seen = look(piece, std::move(seen.corrected));
@@ -283,9 +294,22 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   if (turns_unseen)
     return load_is_flat(measure_, piece) && has_counts(piece, seen.negative) && seen.correction <= kSure ? ""
                                                                                                          : kGoesBack;
-  if (dips && depth == 0 && has_counts(piece, seen.negative)) return "";
+  const bool is_last =
+      depth == 0 && has_counts(piece, seen.negative) && (!test.always_looks || load_is_flat(measure_, piece));
+  if (dips && is_last) return "";
   if (!turns && !dips && seen.goes_back) return kGoesBack;
   if (dips) return objection_of_halves(piece, test, depth);
+  if (!test.always_looks) return "";
+  // where all critical points are looked for the cubic must leave no room for a dip, and pairs between which the count
+  // has changed to and fro are met by further looks
+  const bool is_sure =
+      !turns && kErrorOfRate * load_error <= whole(piece).least_rate() * measure_.motion(piece.moved.x);
+  if (!turns && !is_sure && !is_last) return objection_of_halves(piece, test, depth);
+  for (const double at : {0.25, 0.75}) {
+    const Look there = look(piece, cubic(piece, at));
+    if (!(there.correction <= kLargestCorrection) || !objection_to_count(piece, test, there.negative).empty())
+      return objection_of_halves(piece, test, depth);
+  }
   return "";
 }
 

@@ -71,6 +71,7 @@ class StepJudge {
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, PathDirection guess) const;
+  Part whole(const PathPiece& piece) const;
   bool ends_stiff(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
