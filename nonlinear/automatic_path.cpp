@@ -4,6 +4,7 @@
 #include "discretization/sampling.hpp"
 #include "nonlinear/branch_direction.hpp"
 #include "nonlinear/corrector.hpp"
+#include "nonlinear/linear_solver.hpp"
 #include "nonlinear/loca_stage.hpp"
 #include "nonlinear/step_examiner.hpp"
 
@@ -66,6 +67,23 @@ struct GaveUp {
   std::string cause;
 };
 
+/// Of the controlled displacement over the length of the scene.
+MixedVector weights_of(const Assembler& assembler, const MonitoredComponent& control) {
+  MixedVector weights = assembler.create_vector();
+  weights.fill(0.0);
+  const VertexPartition& partition = assembler.structure().partition;
+  const int vertex = vertex_of(assembler.mesh(), control.point);
+  if (partition.owns(vertex))
+    weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) =
+        1.0 / assembler.structure().length;
+  return weights;
+}
+
+/// Whether a direction moves what is controlled, by more than rounding.
+bool moves(const PathMeasure& measure, const PathDirection& direction, double rate) {
+  return std::abs(rate) > kStill * std::max(measure.motion(direction.x), kNoMotion);
+}
+
 class AutomaticPath {
  public:
   AutomaticPath(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
@@ -93,6 +111,7 @@ class AutomaticPath {
   double goal() const;
   double goal_at(const State& state, double load_factor) const;
   double goal_rate(const PathDirection& direction) const;
+  MixedVector control_weights() const { return weights_of(problem_->assembler, *parameters_.analysis.control); }
   ControlRow control_row(double change) const;
   Correction correct_at_goal(double goal, const PathDirection* way, int most_iterations);
   bool arrived() const;
@@ -157,17 +176,7 @@ double AutomaticPath::goal_at(const State& state, double load_factor) const {
 }
 
 double AutomaticPath::goal_rate(const PathDirection& direction) const {
-  if (!is_controlled()) return direction.load;
-  const MonitoredComponent& control = *parameters_.analysis.control;
-  const Assembler& assembler = problem_->assembler;
-  const VertexPartition& partition = assembler.structure().partition;
-  const int vertex = vertex_of(assembler.mesh(), control.point);
-  double rate = 0.0;
-  if (partition.owns(vertex))
-    rate = direction.x.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component);
-  double sum = 0.0;
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 1, &rate, &sum);
-  return sum / assembler.structure().length;
+  return is_controlled() ? control_weights().inner_product(direction.x) : direction.load;
 }
 
 bool AutomaticPath::arrived() const {
@@ -177,16 +186,7 @@ bool AutomaticPath::arrived() const {
 
 /// The controlled displacement over the length of the scene moves by `change`.
 ControlRow AutomaticPath::control_row(double change) const {
-  const MonitoredComponent& control = *parameters_.analysis.control;
-  const Assembler& assembler = problem_->assembler;
-  ControlRow row{assembler.create_vector(), 0.0, here_.load_factor, change};
-  row.weights.fill(0.0);
-  const VertexPartition& partition = assembler.structure().partition;
-  const int vertex = vertex_of(assembler.mesh(), control.point);
-  if (partition.owns(vertex))
-    row.weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) =
-        1.0 / assembler.structure().length;
-  return row;
+  return {control_weights(), 0.0, here_.load_factor, change};
 }
 
 /// Newton's method at a value of the goal. `way`: what is known of the way there.
@@ -290,8 +290,7 @@ void AutomaticPath::require_motion(const Station& next, const std::string& until
 
 /// Whether the load moves what is controlled at first: else no step of it has a direction.
 bool AutomaticPath::moves_at_first() const {
-  const double rate = std::abs(goal_rate(here_.tangent)), motion = measure_.motion(here_.tangent.x);
-  return !is_controlled() || !here_.has_tangent() || rate > kStill * std::max(motion, kNoMotion);
+  return !is_controlled() || !here_.has_tangent() || moves(measure_, here_.tangent, goal_rate(here_.tangent));
 }
 
 /// Whether the path has come back to its start, in the same direction.
@@ -481,6 +480,19 @@ bool AutomaticPath::follow() {
 bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 const State& start, const StageRange& range, PathRecorder& recorder) {
   return AutomaticPath(problem, parameters, start, range, recorder).follow();
+}
+
+bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters) {
+  if (!parameters.analysis.control) return true;
+  const Assembler& assembler = problem->assembler;
+  const StepExaminer examiner(problem, parameters, nullptr, 1.0);
+  try {
+    const PathDirection tangent = examiner.station(assembler.reference_state(), 0.0, nullptr).tangent;
+    const double rate = weights_of(assembler, *parameters.analysis.control).inner_product(tangent.x);
+    return !std::isfinite(rate) || moves(examiner.measure(), tangent, rate);
+  } catch (const LinearSolverError&) {
+    return true;
+  }
 }
 
 }  // namespace mixbeam

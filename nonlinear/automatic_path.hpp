@@ -14,4 +14,8 @@ namespace mixbeam {
 bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 const State& start, const StageRange& range, PathRecorder& recorder);
 
+/// Whether the load moves the controlled displacement of the unloaded structure; true where none is controlled or the
+/// tangent there is singular. One solve. Collective.
+bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters);
+
 }  // namespace mixbeam

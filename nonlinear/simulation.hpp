@@ -5,6 +5,7 @@
 #include "discretization/sampling.hpp"
 #include "discretization/state_snapshot.hpp"
 #include "discretization/structure_parts.hpp"
+#include "nonlinear/automatic_path.hpp"
 #include "nonlinear/error_estimate.hpp"
 #include "nonlinear/force_sharing.hpp"
 #include "nonlinear/load_path.hpp"
@@ -50,6 +51,9 @@ class Simulation {
   /// Of the linear system that Newton's method would solve next: condition_estimate() of the tangent at state(). Costs
   /// about two iterations; infinity where that system is singular. Collective.
   double condition_estimate();
+
+  /// See load_moves_control() in automatic_path.hpp. Collective.
+  bool load_moves_control() const { return mixbeam::load_moves_control(problem_, parameters_); }
 
   /// The force at state() that rounding errors make least certain, see force_sharing.hpp. Collective.
   std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }

@@ -76,6 +76,18 @@ void print_loads(std::ostream& out, Simulation& simulation) {
   }
 }
 
+/// Solves for the first motion: the run would say the same after it has followed the load as far as it goes.
+void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
+  if (simulation.load_moves_control()) return;
+  const MonitoredComponent& control = *app.solver.analysis.control;
+  app.out()
+      << "warning: \"Analysis / Control\": the load does not move point \"" << control.point << "\" along "
+      << "xyz"[control.component] << " at first; the load is followed until it does, and the run fails (exit code "
+      << "3) if it never does. If the structure buckles that way: \"Branch\" = \"positive\" in \"Analysis\", or a "
+      << "small load along "
+      << "xyz"[control.component] << " (a thousandth of the present one)\n";
+}
+
 void print_check(Application& app, const std::string& load_case) {
   Scene scene = scene_of_case(app.scene, load_case);
   MeshChoice start;
@@ -96,6 +108,7 @@ void print_check(Application& app, const std::string& load_case) {
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
                  scene.distributed_loads.size(), scene.eigenstrains.size());
   print_loads(out, simulation);
+  warn_of_unmoved_control(app, simulation);
 }
 
 }  // namespace

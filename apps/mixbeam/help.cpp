@@ -55,7 +55,8 @@ const std::map<std::string, const char*>& texts() {
        "usage: mixbeam check SCENE.xml [--case NAME]\n\n"
        "Reads and validates a scene and prints its size: members, elements, unknowns, matrix, memory, lengths, loads "
        "of\n"
-       "each stage, supports, warnings. Solves nothing, writes nothing.\n\n"},
+       "each stage, supports, warnings. Solves nothing (but whether the load moves what \"Control\" drives), writes "
+       "nothing.\n\n"},
       {"parameters",
        "usage: mixbeam parameters [--markdown]\n\n"
        "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"

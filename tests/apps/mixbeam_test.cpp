@@ -564,6 +564,23 @@ TEST_F(Mixbeam, ResumingAtTheEndTellsTheSame) {
   EXPECT_EQ(last_line(again.out), last_line(first.out));
 }
 
+/// An axial load does not move the tip sideways at first; along the axis, or with a lateral force, it does.
+TEST_F(Mixbeam, CheckTellsOfAControlledDisplacementThatTheLoadDoesNotMove) {
+  const auto checked = [&](const std::string& component, const std::string& force = "{-1, 0, 0}") {
+    const std::string control =
+        "<ParameterList name=\"Analysis\"><ParameterList name=\"Control\">"
+        "<Parameter name=\"Point\" type=\"string\" value=\"tip\"/><Parameter name=\"Component\" type=\"string\" "
+        "value=\"" +
+        component + "\"/><Parameter name=\"Target\" type=\"double\" value=\"-0.1\"/></ParameterList></ParameterList>";
+    return run({"check", write_scene(changed(column("1", control), "{-1, 0, 0}", force))});
+  };
+  const Ended sideways = checked("y");
+  EXPECT_EQ(sideways.exit_code, kOk) << "a target that is met later is no error";
+  expect_in(sideways.out, {"does not move point \"tip\" along y at first", "\"Branch\"", "small load along y"});
+  EXPECT_EQ(checked("x").out.find("warning"), std::string::npos);
+  EXPECT_EQ(checked("y", "{-1, 1e-3, 0}").out.find("warning"), std::string::npos);
+}
+
 /// A load factor at which no step will end is told before anything is solved, by `check` as by `run`.
 TEST_F(Mixbeam, LoadFactorsWhereNoStepEndsAreRefusedBeforeTheRun) {
   const auto asked_at = [&](const std::string& load_factor, const std::string& lists = "") {
