@@ -21,6 +21,9 @@ constexpr int kMostHalvings = 3;
 /// Between points in which the load factor changes at rates of one sign the rate stays above this share of the smaller
 /// one, or the load may have gone back and forth between them.
 constexpr double kLeastGain = 0.5;
+/// Of the load factor's last rate over its mean: it grows with this power of the motion. Bars in tension make it grow
+/// with the third, what is bent until it is straight with any power, and a cubic says nothing of that.
+constexpr double kFastestGrowth = 6.0;
 /// What the cubic leaves out of the load factor half-way, e, is at least a multiple of the parabola of fourth degree
 /// 16 e s^2 (1 - s)^2, whose slope reaches this times e.
 constexpr double kErrorOfRate = 3.1;
@@ -86,7 +89,7 @@ struct StepJudge::Part {
   bool ends_stiff;                          ///< the last bit of a way on which it has stiffened
 
   double least_rate() const;
-  bool load_dips() const;
+  bool load_dips(const StepTest& test) const;
 };
 
 /// What is seen at a guess of a point inside a step, and Newton's correction of it at right angles to the chord.
@@ -109,10 +112,12 @@ double StepJudge::Part::least_rate() const {
 }
 
 /// Whether the load factor may go back somewhere between the ends: the cubic nearly does. A shallow arch that has
-/// snapped through and stiffened far beyond gains on the mean, which tells nothing.
-bool StepJudge::Part::load_dips() const {
-  return (first_rate > 0.0) == (last_rate > 0.0) &&
-         least_rate() < kLeastGain * std::min(std::abs(first_rate), std::abs(last_rate));
+/// snapped through and stiffened far beyond gains on the mean, which tells nothing unless the cubic tells less.
+bool StepJudge::Part::load_dips(const StepTest& test) const {
+  if ((first_rate > 0.0) != (last_rate > 0.0)) return false;
+  const double mean = first_rate > 0.0 ? mean_rate : -mean_rate;
+  const bool outgrows_cubic = test.may_stiffen && std::abs(last_rate) > kFastestGrowth * mean;
+  return (outgrows_cubic ? mean : least_rate()) < kLeastGain * std::min(std::abs(first_rate), std::abs(last_rate));
 }
 
 /// Those that move.
@@ -275,7 +280,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
     if (!(part.starts_still || part.first >= test.smallest_cosine)) return kBends;
     if (!hardly_moves && !(part.last >= test.least_cosine_at_end)) return kBends;
     is_bent = is_bent || (!hardly_moves && part.last < test.smallest_cosine);
-    dips = dips || part.load_dips();
+    dips = dips || part.load_dips(test);
     looks = looks || part.starts_still || std::min(part.first, part.last) < kStraight;
   }
   if (is_bent) return objection_of_halves(piece, test, depth);

@@ -92,6 +92,33 @@ TEST(Paths, ShallowTrussSnapsThroughBothLimitPoints) {
   EXPECT_FALSE(truss.failures[0].cause.empty());
 }
 
+/// Pressed far beyond the snap, where the truss has stiffened, with a spring that leaves less and less of the dip:
+/// neither both ends of a step nor the mean between them tell of the limit points inside.
+TEST(Paths, ATracedTrussSnapsThroughHoweverFarItIsPressed) {
+  SolverParameters traced;
+  traced.analysis.trace = true;
+  const double bar = std::hypot(kHalfSpan, kRise);
+  const double ends_snap = 2.0 * kAxial * (1.0 / kHalfSpan - 1.0 / bar);  // the bars are softest when they are level
+  for (const double spring : {0.0, 0.5, 0.9})
+    for (const double times : {2.0, 10.0, 100.0}) {
+      SCOPED_TRACE(std::to_string(spring) + " of the spring that ends the snap, load " + std::to_string(times));
+      const double stiffness = spring * ends_snap, force = times * (truss_limit() + stiffness * kRise);
+      Scene scene = shallow_truss(force);
+      scene.supports.back().displacement_stiffness = {0.0, stiffness, 0.0};
+      const Walk truss = walk(scene, traced);
+      ASSERT_EQ(truss.critical.size(), 2u);
+      // where truss_force(v) + stiffness v is stationary
+      const double cosine = std::cbrt(kHalfSpan / bar + stiffness * kHalfSpan / (2.0 * kAxial));
+      const double height = kHalfSpan * std::sqrt(1.0 / (cosine * cosine) - 1.0);
+      for (int i = 0; i < 2; ++i) {
+        const double v = i == 0 ? kRise - height : kRise + height;
+        EXPECT_NEAR(truss.critical[i].load_factor, (truss_force(v) + stiffness * v) / force, kLocated);
+        EXPECT_GT(std::abs(truss_force(v) + stiffness * v - 1.001 * truss.critical[i].load_factor * force), kLocated)
+            << "the comparison sees a limit point that is off by a thousandth";
+      }
+    }
+}
+
 TEST(Paths, StepsOfTheTrussLieOnItsCurve) {
   Simulation simulation(shallow_truss(2.0 * truss_limit()), {}, this_rank());
   std::vector<std::array<double, 2>> points;
