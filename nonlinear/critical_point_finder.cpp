@@ -32,7 +32,8 @@ constexpr double kNearlyTogether = 1e-2, kCloser = 0.02, kLeastPart = 0.1;
 /// less. Other points may lie beyond the ends of the bracket: the samples keep away from there, unless the share became
 /// less than kLeastDistance.
 constexpr double kDistance = 0.004, kLeastDistance = 1e-4;
-/// At limit points nothing is singular, and the load factor's own rounding is what must be outweighed.
+/// At limit points nothing is singular, and the load factor's own rounding is what must be outweighed: six points leave
+/// an error of the sixth power of a larger distance.
 constexpr double kDistanceOfLimit = 0.016;
 constexpr size_t kFarSamples = 3;
 /// Where polynomials of two degrees differ by more than this share of the distance, the samples lie on no one smooth
@@ -409,7 +410,9 @@ CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& brack
   Samples on_the_way, samples;
   const double near = coarse_root(piece, bracket, on_the_way), distance = distance_at(bracket, near);
   std::optional<Sample> beside, other_side;
-  for (const int place : {1, -1, 2, -2}) {
+  std::vector<int> places = {1, -1, 2, -2};
+  if (is_limit) places.insert(places.end(), {3, -3});
+  for (const int place : places) {
     Sample here = sample(piece, near + place * distance, Asked::tangent);
     require_order(piece, bracket, here);
     samples.push_back(passing(bracket, here));
@@ -426,9 +429,10 @@ CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& brack
   require_smoothness(piece, before.station, other_side->station);
   sort_by_distance(on_the_way, near);
   for (const PassingSample& far : on_the_way)
-    if (samples.size() < 4 + kFarSamples && std::abs(far.at - near) > 3.0 * distance) samples.push_back(far);
+    if (samples.size() < places.size() + kFarSamples && std::abs(far.at - near) > 4.0 * distance)
+      samples.push_back(far);
   const size_t all = samples.size();
-  const double low = near - 3.0 * distance, high = near + 3.0 * distance;
+  const double low = near - 4.0 * distance, high = near + 4.0 * distance;
   const double root = root_of_samples(samples, all, is_limit, low, high);
   const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
   if (!(error < kWorstRoot * distance))

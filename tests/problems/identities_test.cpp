@@ -10,6 +10,8 @@ namespace {
 
 // Both sides are solved to a scaled residual of 1e-11 at most; flexible members multiply it by a few.
 constexpr double kSolved = 1e-10;
+// Along a path the sizes of steps see rounding, and a last iteration may be needed or not.
+constexpr int kIterationsApart = 1;
 // Displacements of the arc are of the size of its radius, 100.
 constexpr double kLongLever = 1e-8;
 
@@ -48,7 +50,7 @@ TEST(Identities, TurningTheSceneTurnsTheAnswer) {
       EXPECT_TRUE(agrees(there.rotation(point.name), turned(rotation, here.rotation(point.name)), kSolved))
           << scene.name << ", " << point.name;
     }
-    EXPECT_EQ(here.result().newton_iterations, there.result().newton_iterations) << scene.name;
+    EXPECT_NEAR(here.result().newton_iterations, there.result().newton_iterations, kIterationsApart) << scene.name;
   }
 }
 
