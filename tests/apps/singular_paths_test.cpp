@@ -117,14 +117,19 @@ TEST(SingularPaths, ABatchOfImperfectColumns) {
   const std::vector<double> right = {0.01738200818, 0.66614571490, 0.80251319246, 0.79535909617, 0.76109671324};
   for (const double y : right) {
     ASSERT_TRUE(std::getline(rows, row)) << table;
-    bool found = false;
-    std::istringstream cells(row);
-    for (std::string cell; std::getline(cells, cell, ',');) {
-      char* end = nullptr;
-      const double number = std::strtod(cell.c_str(), &end);
-      found = found || (end != cell.c_str() && std::abs(number - y) < 1e-8);
-    }
-    EXPECT_TRUE(found) << "no y = " << y << " in " << row;
+    const auto holds = [&row](double y_of_tip) {
+      bool found = false;
+      std::istringstream cells(row);
+      for (std::string cell; std::getline(cells, cell, ',');) {
+        char* end = nullptr;
+        const double number = std::strtod(cell.c_str(), &end);
+        found = found || (end != cell.c_str() && std::abs(number - y_of_tip) < 1e-8);
+      }
+      return found;
+    };
+    EXPECT_TRUE(holds(y)) << "no y = " << y << " in " << row;
+    EXPECT_FALSE(holds(-y)) << "the other side passes";
+    EXPECT_FALSE(holds(1.001 * y)) << "a wrong answer passes";
   }
 }
 
