@@ -41,7 +41,7 @@ def _panel(axes, table, sweep):
     axes.semilogy(value, np.maximum(table["error"], LOWEST_ERROR), "o-", color=style.BLUE, label="error of the tip")
     axes.semilogy(value, table["allowed"], color=style.GREY, linestyle=(0, (4, 2)), label="promised")
     axes.semilogy(value[good], table["condition"][good] * np.finfo(float).eps / 2, color=style.GREEN, linewidth=1.0,
-                  label="condition number of the tangent times rounding")
+                  label="condition number x rounding")
     axes.plot(value[~good], np.full(np.count_nonzero(~good), 1.0), "X", color=style.RED, markersize=8,
               label="no equilibrium found")
     axes.set_ylim(LOWEST_ERROR / 3, 10)
