@@ -299,6 +299,13 @@ double MixedVector::inner_product(const MixedVector& other) const {
   return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
 }
 
+double MixedVector::vertex_product(const MixedVector& weights, const MixedVector& other) const {
+  const ConstEntries w = weights.vertex(), u = vertex(), v = other.vertex();
+  const double sum = ordered_sum(
+      u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) * w(i) * v(i); });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
+}
+
 GlobalOrdinal MixedVector::global_length() const {
   if (!pool_->entries) {
     GlobalOrdinal mine = static_cast<GlobalOrdinal>(vertex().extent(0) + interior_.extent(0));

@@ -55,6 +55,8 @@ class MixedVector {
   double maximum_norm() const;  ///< the same for any number of threads and ranks
   double one_norm() const;
   double inner_product(const MixedVector& other) const;
+  /// Of the rows of vertices alone, each times that of `weights`.
+  double vertex_product(const MixedVector& weights, const MixedVector& other) const;
   GlobalOrdinal global_length() const;               ///< collective when it is first asked for
   bool same_values(const MixedVector& other) const;  ///< on every rank
 

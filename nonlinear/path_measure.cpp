@@ -54,11 +54,7 @@ PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create
   part_of_vertex_.assign(parts.begin() + first, parts.begin() + first + w.extent(0) / kVertexDofs);
 }
 
-double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const {
-  MixedVector weighted = a.clone(true);
-  weighted.multiply_by(weights_);
-  return weighted.inner_product(b);
-}
+double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const { return a.vertex_product(weights_, b); }
 
 double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion(a, a)); }
 
