@@ -404,57 +404,64 @@ CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const
   return point;
 }
 
+/// Samples at multiples of the distance to both sides of `near`, which are those of one smooth path; the first of them
+/// in `beside`.
+std::vector<PassingSample> CriticalPointFinder::samples_beside(const PathPiece& piece, const Bracket& bracket,
+                                                               double near, double distance, Sample& beside) {
+  std::vector<Sample> nearest;
+  Samples samples;
+  for (int place = 1; place <= (turns(bracket) ? 3 : 2); ++place)
+    for (const int side : {0, 1}) {
+      Sample here = sample(piece, near + (side == 0 ? place : -place) * distance, Asked::tangent);
+      require_order(piece, bracket, here);
+      samples.push_back(passing(bracket, here));
+      if (place > 1)
+        require_smoothness(piece, nearest[side].station, here.station);
+      else
+        nearest.push_back(std::move(here));
+    }
+  const Sample after = sample(piece, near + kCloseLook * distance, Asked::tangent),
+               before = sample(piece, near - kCloseLook * distance, Asked::tangent);
+  require_smoothness(piece, nearest[0].station, after.station);
+  require_smoothness(piece, after.station, before.station);
+  require_smoothness(piece, before.station, nearest[1].station);
+  beside = std::move(nearest[0]);
+  return samples;
+}
+
 CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& bracket) {
   const bool is_limit = turns(bracket);
   if (!is_limit && !bracket.space) return locate_by_count(piece, bracket);
-  Samples on_the_way, samples;
+  Samples on_the_way;
   const double near = coarse_root(piece, bracket, on_the_way), distance = distance_at(bracket, near);
-  std::optional<Sample> beside, other_side;
-  std::vector<int> places = {1, -1, 2, -2};
-  if (is_limit) places.insert(places.end(), {3, -3});
-  for (const int place : places) {
-    Sample here = sample(piece, near + place * distance, Asked::tangent);
-    require_order(piece, bracket, here);
-    samples.push_back(passing(bracket, here));
-    std::optional<Sample>& nearest = place > 0 ? beside : other_side;
-    if (!nearest)
-      nearest = std::move(here);
-    else
-      require_smoothness(piece, nearest->station, here.station);
-  }
-  const Sample after = sample(piece, near + kCloseLook * distance, Asked::tangent),
-               before = sample(piece, near - kCloseLook * distance, Asked::tangent);
-  require_smoothness(piece, beside->station, after.station);
-  require_smoothness(piece, after.station, before.station);
-  require_smoothness(piece, before.station, other_side->station);
-  sort_by_distance(on_the_way, near);
-  for (const PassingSample& far : on_the_way)
-    if (samples.size() < places.size() + kFarSamples && std::abs(far.at - near) > 4.0 * distance)
-      samples.push_back(far);
-  const size_t all = samples.size();
+  Sample beside = bracket.low;
+  Samples samples = samples_beside(piece, bracket, near, distance, beside);
   const double low = near - 4.0 * distance, high = near + 4.0 * distance;
+  sort_by_distance(on_the_way, near);
+  const size_t most = samples.size() + kFarSamples;
+  for (const PassingSample& far : on_the_way)
+    if (samples.size() < most && (far.at < low || far.at > high)) samples.push_back(far);
+  const size_t all = samples.size();
   const double root = root_of_samples(samples, all, is_limit, low, high);
   const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
   if (!(error < kWorstRoot * distance))
     throw NotLocated("a critical point could not be located: its place is not certain");
   CriticalPoint point{is_limit ? CriticalKind::limit_point : CriticalKind::bifurcation,
-                      0.0,
+                      interpolate(samples, all, root, &PassingSample::load_factor),
                       bracket.low.negative(),
                       bracket.high.negative(),
-                      beside->station.state,
+                      beside.station.state,
                       problem_->assembler.create_vector()};
-  point.modes = std::abs(bracket.high.negative() - bracket.low.negative());
-  point.load_factor = interpolate(samples, all, root, &PassingSample::load_factor);
+  point.modes = bracket.changes();
   if (is_limit) {
     const Sample there = sample(piece, root, Asked::tangent);
+    point.error = std::abs(point.load_factor - interpolate(samples, all - 2, root, &PassingSample::load_factor));
     point.state = there.station.state;
     point.load_factor = there.station.load_factor;
-    point.error = std::abs(interpolate(samples, all, root, &PassingSample::load_factor) -
-                           interpolate(samples, all - 2, root, &PassingSample::load_factor));
     find_modes(point);
     return point;
   }
-  point.state = state_at_bifurcation(piece, root, point.load_factor, critical_modes(bracket, *beside));
+  point.state = state_at_bifurcation(piece, root, point.load_factor, critical_modes(bracket, beside));
   const double noise = find_modes(point);
   point.error = (error + noise / std::abs(slope_of(samples, all, root, &PassingSample::passing))) *
                 std::abs(slope_of(samples, all, root, &PassingSample::load_factor));

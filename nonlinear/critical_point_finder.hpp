@@ -81,6 +81,8 @@ class CriticalPointFinder {
   double distance_at(const Bracket& bracket, double at) const;
   double coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples);
   double find_modes(CriticalPoint& point);
+  std::vector<PassingSample> samples_beside(const PathPiece& piece, const Bracket& bracket, double near,
+                                            double distance, Sample& beside);
   CriticalPoint locate_by_count(const PathPiece& piece, const Bracket& bracket);
   CriticalPoint locate(const PathPiece& piece, Bracket& bracket);
   std::vector<MixedVector> critical_modes(const Bracket& bracket, Sample& sample);

@@ -44,20 +44,16 @@ constexpr int kMostIterations = 15;
 const char* const kBends = "the path bends too much: another one may have been met";
 const char* const kGoesBack = "the load factor goes back within the step";
 
-/// Without symmetry a count is the parity that the sign of the determinant tells: it changes where an eigenvalue passes
-/// zero all the same.
-bool comparable(const std::optional<StabilityResult>& a, const std::optional<StabilityResult>& b) { return a && b; }
-
 /// Whether counts exist at both ends and inside, and agree.
 bool has_counts(const PathPiece& piece, int inside) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  return comparable(a, b) && a->negative == b->negative && inside == a->negative;
+  return a && b && a->negative == b->negative && inside == a->negative;
 }
 
 /// The load factor turns at limit points alone, and each of them changes the count by one.
 bool may_turn(const PathPiece& piece, const StepTest& test) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  return test.counts_may_change && (!comparable(a, b) || a->negative != b->negative);
+  return test.counts_may_change && (!a || !b || a->negative != b->negative);
 }
 
 /// Whether the load factor hardly changes along the step, so that the signs of its rates may be those of rounding.
@@ -257,15 +253,16 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
 
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test) const {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  if (comparable(a, b) && !test.counts_may_change && a->negative != b->negative)
+  if (a && b && !test.counts_may_change && a->negative != b->negative)
     return "stability changes within the step: the path is followed by its length";
   return objection(piece, test, kMostHalvings);
 }
 
-/// A count inside a step must lie between those of its ends.
-std::string StepJudge::objection_to_count(const PathPiece& piece, const StepTest&, int negative) const {
+/// A count inside a step must lie between those of its ends. Without symmetry it is the parity that the sign of the
+/// determinant tells, which changes where an eigenvalue passes zero all the same.
+std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) const {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
-  if (!comparable(a, b) || negative < 0) return "";
+  if (!a || !b || negative < 0) return "";
   const auto [least, most] = std::minmax(a->negative, b->negative);
   if (least <= negative && negative <= most) return "";
   return "stability changes to and fro within the step";
@@ -290,10 +287,10 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   Look seen = look(piece, cubic(piece, 0.5));
   const double load_error = seen.load_error;
   // Where rates at the ends differ by decades the cubic overshoots in the forces: they alone may spoil count and rate.
-  if (seen.correction <= kSure && (seen.goes_back || !objection_to_count(piece, test, seen.negative).empty()))
+  if (seen.correction <= kSure && (seen.goes_back || !objection_to_count(piece, seen.negative).empty()))
     seen = look(piece, std::move(seen.corrected));
   if (!(seen.correction <= kLargestCorrection)) return objection_of_halves(piece, test, depth);
-  const std::string count = objection_to_count(piece, test, seen.negative);
+  const std::string count = objection_to_count(piece, seen.negative);
   if (!count.empty()) return objection_of_halves(piece, test, depth);  // beside the path counts may differ
   // Stiff beside soft, next to a bifurcation, the rate's sign is one of rounding: counts that agree tell better.
   if (turns_unseen)
@@ -312,7 +309,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   if (!turns && !is_sure && !is_last) return objection_of_halves(piece, test, depth);
   for (const double at : {0.25, 0.75}) {
     const Look there = look(piece, cubic(piece, at));
-    if (!(there.correction <= kLargestCorrection) || !objection_to_count(piece, test, there.negative).empty())
+    if (!(there.correction <= kLargestCorrection) || !objection_to_count(piece, there.negative).empty())
       return objection_of_halves(piece, test, depth);
   }
   return "";
@@ -332,7 +329,7 @@ std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTes
   rest.load -= there.load;
   const Station middle = station(found.state, found.load_factor, test.counts_may_change ? &piece.moved : nullptr);
   if (middle.stability) {
-    const std::string count = objection_to_count(piece, test, middle.stability->negative);
+    const std::string count = objection_to_count(piece, middle.stability->negative);
     if (!count.empty()) return count;
   }
   const std::string of_first = objection({piece.start, there, middle}, test, depth - 1);

@@ -67,7 +67,7 @@ class StepJudge {
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;
-  std::string objection_to_count(const PathPiece& piece, const StepTest& test, int negative) const;
+  std::string objection_to_count(const PathPiece& piece, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, PathDirection guess) const;
