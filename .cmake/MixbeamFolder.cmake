@@ -1,11 +1,11 @@
 # mixbeam_add_folder(<target> <dependency>...)
 #
-# Library of the current folder: a static library of its *.cpp, or an interface library as long as it has only headers.
+# Library of the current folder and its rooms: a static library of the *.cpp in them.
 # Each header is compiled alone by the target verify_headers.
 
 function(mixbeam_add_folder target)
-  file(GLOB sources CONFIGURE_DEPENDS "*.cpp")
-  file(GLOB headers CONFIGURE_DEPENDS "*.hpp")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "*.cpp")
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS "*.hpp")
   if(sources)
     set(scope PUBLIC)
     add_library(${target} STATIC ${sources})

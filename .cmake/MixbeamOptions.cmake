@@ -1,7 +1,7 @@
 # Compiler flags of mixbeam's own code, inherited through the folder targets.
 
 add_library(mixbeam_options INTERFACE)
-target_include_directories(mixbeam_options INTERFACE "${CMAKE_SOURCE_DIR}") # #include "kernels/rotation.hpp"
+target_include_directories(mixbeam_options INTERFACE "${CMAKE_SOURCE_DIR}") # #include "kernels/math/rotation.hpp"
 target_compile_options(mixbeam_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # With -O3, GCC 12 gives these two for correct uses of std::vector::insert and of std::string's operator+, inside of the
@@ -15,7 +15,7 @@ endif()
 # -fno-math-errno lets std::sqrt be one instruction, -fno-trapping-math lets comparisons be vectorised; both keep NaN and
 # infinity as IEEE 754 has them. -ffast-math would not: it deletes NaN checks and reorders sums.
 # Fused multiply-add (the compiler's default where the processor has it) changes last digits between machines and
-# between two compiled copies of a formula, not between thread counts: see for_each_index in kernels/openmp_threads.hpp.
+# between two compiled copies of a formula, not between thread counts: see for_each_index in kernels/execution/openmp_threads.hpp.
 set(mixbeam_release_flags -fno-math-errno -fno-trapping-math)
 if(MIXBEAM_NATIVE)
   list(APPEND mixbeam_release_flags -march=native)

@@ -12,7 +12,7 @@ set(mixbeam_trilinos_headers
     <Teuchos_ParameterList.hpp> <Teuchos_XMLParameterListHelpers.hpp> <Teuchos_CommHelpers.hpp>
     <Tpetra_Core.hpp> <Tpetra_CrsMatrix.hpp> <Tpetra_Import.hpp> <Tpetra_Map.hpp> <Tpetra_Vector.hpp>
     <LOCA.H> <LOCA_Abstract_Group.H> <LOCA_Stepper.H> <NOX_Solver_Generic.H>
-    "${CMAKE_SOURCE_DIR}/discretization/tpetra_types.hpp")
+    "${CMAKE_SOURCE_DIR}/discretization/mesh/tpetra_types.hpp")
 
 function(mixbeam_precompile target)
   if(NOT MIXBEAM_JOIN_SOURCES)

@@ -1,5 +1,5 @@
 // Start of every test executable: MPI, Kokkos and Tpetra around Google Test, on one rank or on several.
-#include "apps/common/mpi_session.hpp"
+#include "apps/common/session/mpi_session.hpp"
 
 #include <gtest/gtest.h>
 #include <mpi.h>

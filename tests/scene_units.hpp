@@ -1,9 +1,9 @@
 /// The same scene in other units of length and force, or turned and shifted in space.
 #pragma once
 
-#include "discretization/mesh.hpp"
-#include "discretization/reference_curve.hpp"
-#include "discretization/scene.hpp"
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/mesh/mesh.hpp"
+#include "discretization/scene/scene.hpp"
 
 #include <regex>
 #include <sstream>

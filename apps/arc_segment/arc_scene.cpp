@@ -1,8 +1,8 @@
 #include "apps/arc_segment/arc_scene.hpp"
 
-#include "apps/common/variants.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/vector_algebra.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 /// The scene of the study and its variants: other slenderness, mesh, load, rigidity.
 #pragma once
 
-#include "discretization/scene.hpp"
+#include "discretization/scene/scene.hpp"
 
 namespace mixbeam {
 

@@ -3,12 +3,12 @@
 #include "apps/arc_segment/arc_scene.hpp"
 #include "apps/arc_segment/displacement_field.hpp"
 #include "apps/arc_segment/reference_values.hpp"
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/csv_table.hpp"
-#include "apps/common/printed_digits.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
-#include "discretization/errors.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/table_printer.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 /// convergence of the displacement.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

@@ -1,7 +1,7 @@
 #include "apps/arc_segment/displacement_field.hpp"
 
-#include "kernels/gauss.hpp"
-#include "kernels/legendre.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -2,7 +2,7 @@
 /// another mesh.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 #include <vector>
 

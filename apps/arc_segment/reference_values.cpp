@@ -1,6 +1,6 @@
 #include "apps/arc_segment/reference_values.hpp"
 
-#include "apps/common/printed_digits.hpp"
+#include "apps/common/tables/printed_digits.hpp"
 
 namespace mixbeam {
 

@@ -1,6 +1,6 @@
 #include "apps/economies/economies_page.hpp"
 
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
 
 #include <cstdio>
 #include <ostream>

@@ -1,7 +1,7 @@
 #include "apps/economies/economies_study.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/economies/economies_page.hpp"
 
 #include <algorithm>

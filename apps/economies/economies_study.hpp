@@ -1,7 +1,7 @@
 /// The study: both ways of every economy, timed in turn, tabulated, written.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 #include "apps/economies/economy.hpp"
 
 namespace mixbeam {

@@ -1,7 +1,7 @@
 /// What a scene does not use, and what it would cost to treat it in the general way.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 #include <string>
 #include <vector>

@@ -1,9 +1,9 @@
 #include "apps/extremes/cantilever.hpp"
 
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
 #include "apps/extremes/elastica.hpp"
-#include "discretization/errors.hpp"
-#include "kernels/gauss.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/math/gauss.hpp"
 
 #include <algorithm>
 #include <cmath>

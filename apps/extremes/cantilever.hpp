@@ -1,9 +1,9 @@
 /// The structure of all sweeps, a straight cantilever with EI2 = EI3, and its closed forms.
 #pragma once
 
-#include "discretization/scene.hpp"
-#include "kernels/rotation.hpp"
-#include "nonlinear/simulation.hpp"
+#include "discretization/scene/scene.hpp"
+#include "kernels/math/rotation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 namespace mixbeam {
 

@@ -1,6 +1,6 @@
 #include "apps/extremes/critical_sweeps.hpp"
 
-#include "apps/common/csv_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/extremes/extremes_page.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 /// Sweeps of structures whose critical load factors have a closed form.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 #include <iosfwd>
 

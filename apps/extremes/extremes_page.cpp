@@ -1,6 +1,6 @@
 #include "apps/extremes/extremes_page.hpp"
 
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
 
 #include <algorithm>
 #include <array>

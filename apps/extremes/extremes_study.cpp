@@ -1,7 +1,7 @@
 #include "apps/extremes/extremes_study.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/extremes/critical_sweeps.hpp"
 #include "apps/extremes/elastica.hpp"
 #include "apps/extremes/extremes_page.hpp"

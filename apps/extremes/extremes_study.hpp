@@ -1,7 +1,7 @@
 /// The study: every sweep computed, tabulated, written.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 #include "apps/extremes/sweeps.hpp"
 
 namespace mixbeam {

@@ -1,6 +1,6 @@
 #include "apps/extremes/random_paths.hpp"
 
-#include "apps/common/csv_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,9 +1,9 @@
 /// Paths of random imperfect structures, held against the same paths in small steps.
 #pragma once
 
-#include "apps/common/application.hpp"
-#include "apps/common/imperfect_structures.hpp"
-#include "apps/common/judged_path.hpp"
+#include "apps/common/run/application.hpp"
+#include "apps/common/studies/imperfect_structures.hpp"
+#include "apps/common/studies/judged_path.hpp"
 
 #include <iosfwd>
 

@@ -1,6 +1,6 @@
 #include "apps/extremes/sweeps.hpp"
 
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
 
 #include <cmath>
 #include <limits>

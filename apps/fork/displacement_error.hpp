@@ -1,7 +1,7 @@
 /// Difference of two solutions of the same structure on different meshes.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 #include <vector>
 

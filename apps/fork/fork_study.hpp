@@ -1,7 +1,7 @@
 /// The paper's study of the fork structure, in four parts.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

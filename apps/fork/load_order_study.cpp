@@ -1,6 +1,6 @@
 // Path independence: the two forces in either order.
-#include "apps/common/csv_table.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/fork/fork_study.hpp"
 
 #include <algorithm>

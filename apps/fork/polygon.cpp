@@ -1,6 +1,6 @@
 #include "apps/fork/polygon.hpp"
 
-#include "discretization/reference_curve.hpp"
+#include "discretization/geometry/reference_curve.hpp"
 
 #include <algorithm>
 

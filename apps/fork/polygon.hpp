@@ -1,7 +1,7 @@
 /// A curved member as a chain of straight ones.
 #pragma once
 
-#include "discretization/scene.hpp"
+#include "discretization/scene/scene.hpp"
 
 namespace mixbeam {
 

@@ -1,8 +1,8 @@
 // How the result depends on the representation of the semicircle, about which the paper is silent.
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/csv_table.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/displacement_error.hpp"
 #include "apps/fork/fork_study.hpp"
 #include "apps/fork/paper_table.hpp"

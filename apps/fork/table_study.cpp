@@ -1,8 +1,8 @@
 // The paper's table, row by row.
-#include "apps/common/csv_table.hpp"
-#include "apps/common/printed_digits.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/fork_study.hpp"
 #include "apps/fork/paper_table.hpp"
 

@@ -1,8 +1,8 @@
 #include "apps/helical_rod/helical_rod_study.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/helical_rod/paper_table.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 /// independence of the final state from the load steps.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

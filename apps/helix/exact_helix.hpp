@@ -1,7 +1,7 @@
 /// The helix in closed form, and how far a computed rod is from it.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 namespace mixbeam {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/helix/exact_helix.hpp"
-#include "discretization/scene.hpp"
+#include "discretization/scene/scene.hpp"
 
 namespace mixbeam {
 

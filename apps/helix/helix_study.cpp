@@ -1,12 +1,12 @@
 #include "apps/helix/helix_study.hpp"
 
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/csv_table.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/helix/exact_helix.hpp"
 #include "apps/helix/helix_scenes.hpp"
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

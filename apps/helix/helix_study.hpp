@@ -1,7 +1,7 @@
 /// The study of the helix experiment: accuracy at the vertices and between them, over order, mesh and slenderness.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

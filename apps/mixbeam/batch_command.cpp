@@ -1,16 +1,16 @@
-#include "apps/common/command_line.hpp"
-#include "apps/common/guarded_run.hpp"
-#include "apps/common/interrupt.hpp"
-#include "apps/common/mpi_session.hpp"
-#include "apps/common/scene_file.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/command_line.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/batch_results.hpp"
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/nearest_name.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 #include <chrono>

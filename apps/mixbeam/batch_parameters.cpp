@@ -1,9 +1,9 @@
 #include "apps/mixbeam/batch_parameters.hpp"
 
-#include "discretization/csv_file.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/number_text.hpp"
-#include "discretization/parameter_access.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/text/csv_file.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <filesystem>

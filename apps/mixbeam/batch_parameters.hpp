@@ -1,8 +1,8 @@
 /// The list "Batch": which cases a batch consists of and what is written of each.
 #pragma once
 
-#include "discretization/parameter_source.hpp"
-#include "discretization/parameter_spec.hpp"
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 

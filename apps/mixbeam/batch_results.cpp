@@ -1,7 +1,7 @@
 #include "apps/mixbeam/batch_results.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "discretization/table_file.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "discretization/results/table_file.hpp"
 #include "mixbeam/version.hpp"
 
 #include <limits>

@@ -3,8 +3,8 @@
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
-#include "discretization/merged_scene.hpp"
-#include "nonlinear/accurate_run.hpp"
+#include "discretization/scene/merged_scene.hpp"
+#include "nonlinear/run/accurate_run.hpp"
 
 namespace mixbeam {
 

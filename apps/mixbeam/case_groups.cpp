@@ -1,6 +1,6 @@
 #include "apps/mixbeam/case_groups.hpp"
 
-#include "discretization/load_cases.hpp"
+#include "discretization/scene/load_cases.hpp"
 
 #include <algorithm>
 #include <cmath>

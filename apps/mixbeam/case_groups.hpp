@@ -1,7 +1,7 @@
 /// Which cases of a batch are solved side by side.
 #pragma once
 
-#include "discretization/scene.hpp"
+#include "discretization/scene/scene.hpp"
 
 #include <cstddef>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "apps/mixbeam/case_quantities.hpp"
 
-#include "apps/common/expected_quantity.hpp"
+#include "apps/common/run/expected_quantity.hpp"
 #include "apps/mixbeam/commands.hpp"
-#include "discretization/merged_scene.hpp"
+#include "discretization/scene/merged_scene.hpp"
 
 #include <algorithm>
 

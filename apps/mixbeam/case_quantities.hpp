@@ -1,7 +1,7 @@
 /// What is written of each case of a batch.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 #include "apps/mixbeam/batch_parameters.hpp"
 
 namespace mixbeam {

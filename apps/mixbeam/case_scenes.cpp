@@ -1,11 +1,11 @@
 #include "apps/mixbeam/case_scenes.hpp"
 
-#include "discretization/load_cases.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/nearest_name.hpp"
-#include "discretization/number_text.hpp"
-#include "discretization/parameter_access.hpp"
-#include "discretization/scene_parameters.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <limits>

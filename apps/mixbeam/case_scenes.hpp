@@ -1,7 +1,7 @@
 /// The scenes of the cases of a batch: one scene with some of its numbers replaced.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 #include "apps/mixbeam/batch_parameters.hpp"
 
 namespace mixbeam {

@@ -1,14 +1,14 @@
-#include "apps/common/command_line.hpp"
-#include "apps/common/guarded_run.hpp"
-#include "apps/common/mpi_session.hpp"
-#include "apps/common/scene_file.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/command_line.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/load_cases.hpp"
-#include "discretization/mechanism_check.hpp"
-#include "discretization/scene_warnings.hpp"
+#include "discretization/checks/mechanism.hpp"
+#include "discretization/checks/scene_warnings.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

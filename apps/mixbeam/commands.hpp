@@ -1,7 +1,7 @@
 /// The subcommands of `mixbeam`. Each takes what follows its own name on the command line and returns the exit code.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 // mixbeam: any structure from one scene file.
 #include "apps/mixbeam/commands.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/nearest_name.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
 #include "mixbeam/version.hpp"
 
 #include <algorithm>

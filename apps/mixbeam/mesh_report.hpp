@@ -1,7 +1,7 @@
 /// What a run says about the mesh that it chose for an accuracy.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

@@ -1,10 +1,10 @@
-#include "apps/common/command_line.hpp"
-#include "apps/common/scene_file.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/command_line.hpp"
 #include "apps/mixbeam/batch_parameters.hpp"
 #include "apps/mixbeam/commands.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/print_parameters.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <iostream>
 

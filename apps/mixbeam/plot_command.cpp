@@ -1,5 +1,5 @@
 #include "apps/mixbeam/commands.hpp"
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -1,10 +1,10 @@
-#include "apps/common/guarded_run.hpp"
-#include "apps/common/interrupt.hpp"
-#include "apps/common/mpi_session.hpp"
-#include "apps/common/scene_file.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 #include "mixbeam/version.hpp"
 
 #include <ostream>

@@ -1,12 +1,12 @@
-#include "apps/common/guarded_run.hpp"
-#include "apps/common/interrupt.hpp"
-#include "apps/common/mpi_session.hpp"
-#include "apps/common/scene_file.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/message_text.hpp"
-#include "discretization/nearest_name.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 #include <ostream>

@@ -1,6 +1,6 @@
 #include "apps/mixbeam/run_report.hpp"
 
-#include "apps/common/printed_digits.hpp"
+#include "apps/common/tables/printed_digits.hpp"
 #include "apps/mixbeam/text_of.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 /// What a run says about itself on the terminal when it has ended.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

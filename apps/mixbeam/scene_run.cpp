@@ -1,13 +1,13 @@
 #include "apps/mixbeam/scene_run.hpp"
 
-#include "apps/common/asked_path.hpp"
-#include "apps/common/guarded_run.hpp"
-#include "apps/common/interrupt.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/studies/asked_path.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"
-#include "discretization/errors.hpp"
-#include "discretization/load_cases.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <chrono>
 #include <cstdio>

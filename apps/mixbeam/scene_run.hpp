@@ -1,8 +1,8 @@
 /// What `run` and `resume` share: solving one case of a scene with its record, report and checks.
 #pragma once
 
-#include "apps/common/application.hpp"
-#include "apps/common/command_line.hpp"
+#include "apps/common/run/application.hpp"
+#include "apps/common/session/command_line.hpp"
 
 namespace mixbeam {
 

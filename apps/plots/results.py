@@ -1,4 +1,4 @@
-"""Reads what the applications write: CSV tables and HDF5 result files (layout: discretization/result_file.hpp)."""
+"""Reads what the applications write: CSV tables and HDF5 result files (layout: discretization/results/result_file.hpp)."""
 
 import csv
 from functools import cached_property

@@ -1,9 +1,9 @@
 #include "apps/rollup/bent_rod.hpp"
 
-#include "apps/common/variants.hpp"
-#include "discretization/errors.hpp"
-#include "kernels/gauss.hpp"
-#include "kernels/rotation.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,8 +2,8 @@
 /// without force strains.
 #pragma once
 
-#include "discretization/scene.hpp"
-#include "nonlinear/simulation.hpp"
+#include "discretization/scene/scene.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 namespace mixbeam {
 

@@ -1,9 +1,9 @@
 #include "apps/rollup/rollup_study.hpp"
 
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/csv_table.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/rollup/bent_rod.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 /// slendernesses and integration of the force strains.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

@@ -1,6 +1,6 @@
 #include "apps/slope_discontinuity/paper_table.hpp"
 
-#include "apps/common/printed_digits.hpp"
+#include "apps/common/tables/printed_digits.hpp"
 
 namespace mixbeam {
 

@@ -1,9 +1,9 @@
 #include "apps/slope_discontinuity/slope_study.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/printed_digits.hpp"
-#include "apps/common/table_printer.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/printed_digits.hpp"
+#include "apps/common/tables/table_printer.hpp"
 #include "apps/slope_discontinuity/paper_table.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 /// The paper's study of the structure with slope discontinuity.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

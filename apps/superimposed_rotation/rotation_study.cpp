@@ -1,7 +1,7 @@
 #include "apps/superimposed_rotation/rotation_study.hpp"
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/variants.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/superimposed_rotation/turned_rod.hpp"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 /// The study of the superimposed rotation: what changes in a bent rod while its clamp turns. Nothing should.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

@@ -1,6 +1,6 @@
 #include "apps/superimposed_rotation/turned_rod.hpp"
 
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 /// Compares a rod that turns as a whole with what it was before.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include "apps/thread_scaling/machine_ceilings.hpp"
 
-#include "kernels/element_block.hpp"
-#include "kernels/pack.hpp"
+#include "kernels/execution/pack.hpp"
+#include "kernels/loops/block.hpp"
 
 #include <algorithm>
 #include <chrono>

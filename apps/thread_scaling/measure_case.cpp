@@ -3,8 +3,8 @@
 #include "apps/thread_scaling/chain_unit.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
 #include "apps/thread_scaling/time_iteration.hpp"
-#include "kernels/execution_space.hpp"
-#include "nonlinear/simulation.hpp"
+#include "kernels/execution/execution_space.hpp"
+#include "nonlinear/run/simulation.hpp"
 
 #include <algorithm>
 #include <chrono>

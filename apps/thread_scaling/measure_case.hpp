@@ -2,9 +2,9 @@
 #pragma once
 
 #include "apps/thread_scaling/measurement.hpp"
-#include "discretization/scene.hpp"
-#include "discretization/tpetra_types.hpp"
-#include "nonlinear/solver_parameters.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+#include "discretization/scene/scene.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
 
 namespace mixbeam {
 

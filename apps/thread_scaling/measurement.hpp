@@ -1,7 +1,7 @@
 /// Times of one case of the study, and what is read from them.
 #pragma once
 
-#include "apps/common/phase_costs.hpp"
+#include "apps/common/studies/phase_costs.hpp"
 
 #include <map>
 #include <string>

@@ -1,8 +1,8 @@
 /// Tables of the study, for the terminal and as CSV.
 #pragma once
 
-#include "apps/common/csv_table.hpp"
-#include "apps/common/phase_costs.hpp"
+#include "apps/common/studies/phase_costs.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/thread_scaling/machine_ceilings.hpp"
 #include "apps/thread_scaling/measurement.hpp"
 

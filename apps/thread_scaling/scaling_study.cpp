@@ -1,12 +1,12 @@
 #include "apps/thread_scaling/scaling_study.hpp"
 
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
 #include "apps/thread_scaling/measure_case.hpp"
 #include "apps/thread_scaling/scaling_report.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
-#include "kernels/element_layout.hpp"
-#include "kernels/pack.hpp"
+#include "kernels/element/layout.hpp"
+#include "kernels/execution/pack.hpp"
 
 #include <cstdlib>
 #include <ostream>

@@ -1,7 +1,7 @@
 /// Cost of one Newton iteration against size, order and number of threads.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

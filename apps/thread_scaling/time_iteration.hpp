@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/thread_scaling/measurement.hpp"
-#include "nonlinear/beam_problem.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
 
 #include <memory>
 

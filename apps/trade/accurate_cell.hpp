@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/trade/cell.hpp"
-#include "nonlinear/accurate_run.hpp"
+#include "nonlinear/run/accurate_run.hpp"
 
 #include <limits>
 #include <map>

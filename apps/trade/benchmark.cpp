@@ -1,9 +1,9 @@
 #include "apps/trade/benchmark.hpp"
 
-#include "apps/common/asked_path.hpp"
-#include "apps/common/scene_file.hpp"
-#include "apps/common/variants.hpp"
-#include "discretization/load_cases.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/studies/asked_path.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "discretization/scene/load_cases.hpp"
 
 #include <algorithm>
 #include <filesystem>

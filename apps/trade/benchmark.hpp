@@ -2,7 +2,7 @@
 /// the gallery.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 #include <string>
 #include <vector>

@@ -1,10 +1,10 @@
 #include "apps/trade/cell.hpp"
 
-#include "apps/common/phase_costs.hpp"
+#include "apps/common/studies/phase_costs.hpp"
 #include "apps/trade/estimate_check.hpp"
 #include "apps/trade/run_watch.hpp"
-#include "discretization/errors.hpp"
-#include "kernels/element_layout.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,6 +1,6 @@
 #include "apps/trade/estimate_check.hpp"
 
-#include "apps/common/csv_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/trade/trade_tables.hpp"
 
 #include <algorithm>

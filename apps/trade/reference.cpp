@@ -1,7 +1,7 @@
 #include "apps/trade/reference.hpp"
 
-#include "discretization/errors.hpp"
-#include "discretization/sampling.hpp"
+#include "discretization/state/sampling.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "apps/trade/trade_page.hpp"
 
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/tables/convergence_table.hpp"
 #include "apps/trade/estimate_check.hpp"
 #include "apps/trade/trade_tables.hpp"
 

@@ -1,14 +1,14 @@
 #include "apps/trade/trade_study.hpp"
 
-#include "apps/common/convergence_table.hpp"
-#include "apps/common/csv_table.hpp"
-#include "apps/common/expected_quantity.hpp"
-#include "apps/common/machine_facts.hpp"
+#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 #include "apps/trade/estimate_check.hpp"
 #include "apps/trade/matrix.hpp"
 #include "apps/trade/trade_page.hpp"
 #include "apps/trade/trade_tables.hpp"
-#include "kernels/element_layout.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <fstream>

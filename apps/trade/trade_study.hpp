@@ -1,7 +1,7 @@
 /// The study: every cell of the matrix on every benchmark, judged, tabulated, written.
 #pragma once
 
-#include "apps/common/application.hpp"
+#include "apps/common/run/application.hpp"
 
 namespace mixbeam {
 

@@ -1,6 +1,6 @@
 #include "apps/trade/trade_tables.hpp"
 
-#include "apps/common/csv_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 /// The command line that all applications share, and what a script reads of a run.
-#include "apps/common/command_line.hpp"
+#include "apps/common/session/command_line.hpp"
 
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 #include "process.hpp"
 
 #include <nlohmann/json.hpp>

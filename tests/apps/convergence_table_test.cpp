@@ -1,4 +1,4 @@
-#include "apps/common/convergence_table.hpp"
+#include "apps/common/tables/convergence_table.hpp"
 
 #include <gtest/gtest.h>
 

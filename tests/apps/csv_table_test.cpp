@@ -1,5 +1,5 @@
 /// CSV files read back bit for bit.
-#include "apps/common/csv_table.hpp"
+#include "apps/common/tables/csv_table.hpp"
 
 #include <gtest/gtest.h>
 

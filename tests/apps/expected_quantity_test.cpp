@@ -1,5 +1,5 @@
 /// Every quantity that a scene may expect, of a rod whose answer is exact.
-#include "apps/common/expected_quantity.hpp"
+#include "apps/common/run/expected_quantity.hpp"
 
 #include <gtest/gtest.h>
 #include <Teuchos_DefaultMpiComm.hpp>

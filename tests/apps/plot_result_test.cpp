@@ -1,5 +1,5 @@
 /// Pictures of a result file: every kind is drawn and has content, and a file that is none is refused.
-#include "discretization/result_file.hpp"
+#include "discretization/results/result_file.hpp"
 #include "process.hpp"
 
 namespace mixbeam::plot_result_test {

@@ -1,4 +1,4 @@
-#include "apps/common/progress.hpp"
+#include "apps/common/session/progress.hpp"
 
 #include "process.hpp"
 

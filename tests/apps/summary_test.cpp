@@ -1,5 +1,5 @@
 /// Every kind of check passes when it should and, in a twin beside it, fails when it should.
-#include "apps/common/summary.hpp"
+#include "apps/common/run/summary.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 /// The tables that set the paper's values beside our own.
-#include "apps/common/table_printer.hpp"
+#include "apps/common/tables/table_printer.hpp"
 
 #include <gtest/gtest.h>
 

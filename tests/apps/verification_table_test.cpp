@@ -1,5 +1,5 @@
 /// The verification table of the README is what the summaries say, failures included.
-#include "apps/common/summary.hpp"
+#include "apps/common/run/summary.hpp"
 #include "process.hpp"
 
 #include <cmath>

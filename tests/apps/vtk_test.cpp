@@ -1,12 +1,12 @@
 /// VTK's own reader opens the results as a time series; its points and point data are the solver's, which are printed
 /// here from the state, without the result file.
-#include "discretization/scene_parameters.hpp"
-#include "discretization/validate.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/reading/read_scene.hpp"
 #include "mixbeam_files.hpp"
 #include "tests/problems/solve.hpp"
 
-#include "discretization/xml_reader.hpp"
-#include "kernels/rotation.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include <cstdio>
 

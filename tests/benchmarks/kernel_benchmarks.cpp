@@ -1,8 +1,8 @@
 /// Micro-benchmarks of what Newton's method calls for each point, element and vertex, on one thread and with data that
 /// stay in the cache: rotation maps, element residual and tangent of every order, elimination of one vertex.
-#include "kernels/chain_elimination.hpp"
-#include "kernels/execution_space.hpp"
-#include "kernels/rotation.hpp"
+#include "kernels/chains/elimination.hpp"
+#include "kernels/execution/execution_space.hpp"
+#include "kernels/math/rotation.hpp"
 #include "tests/kernels/element_samples.hpp"
 
 #include <benchmark/benchmark.h>

@@ -1,4 +1,4 @@
-#include "discretization/amplitude.hpp"
+#include "discretization/scene/amplitude.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // The assembled equations: row gather against the naive sum, Newton's increment against differences of the mixed
 // residual, and scales that make units disappear.
-#include "discretization/assembler.hpp"
+#include "discretization/assembly/assembler.hpp"
 
-#include "kernels/element_kinematics.hpp"
+#include "kernels/element/kinematics.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/scene_units.hpp"
 #include "tests/worst_error.hpp"

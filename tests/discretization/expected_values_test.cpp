@@ -1,4 +1,4 @@
-#include "discretization/expected_values.hpp"
+#include "discretization/checks/expected_values.hpp"
 
 #include "scene_text.hpp"
 

@@ -1,4 +1,4 @@
-#include "discretization/expression.hpp"
+#include "discretization/text/expression.hpp"
 
 #include <gtest/gtest.h>
 

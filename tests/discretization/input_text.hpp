@@ -1,11 +1,11 @@
 /// What the tests of the input share: a small valid scene, changes of it, and looking into error messages.
 #pragma once
 
-#include "discretization/errors.hpp"
-#include "discretization/scene_parameters.hpp"
-#include "discretization/scene_reader.hpp"
-#include "discretization/validate.hpp"
-#include "discretization/xml_reader.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/scene_reader.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <gtest/gtest.h>
 

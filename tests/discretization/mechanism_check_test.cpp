@@ -1,4 +1,4 @@
-#include "discretization/mechanism_check.hpp"
+#include "discretization/checks/mechanism.hpp"
 
 #include "input_text.hpp"
 

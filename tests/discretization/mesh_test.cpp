@@ -1,7 +1,7 @@
 // Elements between inner points and at stations, and the points that follow from curves.
-#include "discretization/mesh.hpp"
-#include "discretization/element_division.hpp"
-#include "discretization/errors.hpp"
+#include "discretization/mesh/mesh.hpp"
+#include "discretization/scene/division.hpp"
+#include "discretization/text/errors.hpp"
 #include "tests/problems/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 /// Hostile input: a scene that uses everything, damaged ten thousand times. Every damaged file is read or refused with
 /// a place; nothing crashes, hangs or fills the memory. The same test runs under the sanitizers.
-#include "discretization/expected_values.hpp"
-#include "discretization/load_cases.hpp"
-#include "discretization/scene_warnings.hpp"
+#include "discretization/checks/expected_values.hpp"
+#include "discretization/checks/scene_warnings.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "input_text.hpp"
 #include "rich_scene.hpp"
 

@@ -1,4 +1,4 @@
-#include "discretization/name_pattern.hpp"
+#include "discretization/text/name_pattern.hpp"
 
 #include <gtest/gtest.h>
 

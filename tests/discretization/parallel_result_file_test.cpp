@@ -1,8 +1,8 @@
 // A result file that several ranks write together is the one that a single rank writes, and all ranks hear of an error
 // on any of them.
-#include "discretization/result_file.hpp"
-#include "discretization/sampling.hpp"
-#include "discretization/state_snapshot.hpp"
+#include "discretization/results/result_file.hpp"
+#include "discretization/state/sampling.hpp"
+#include "discretization/state/snapshot.hpp"
 #include "tests/problems/constrained_scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
-#include "discretization/parameter_spec.hpp"
+#include "discretization/parameters/spec.hpp"
 
-#include "discretization/nearest_name.hpp"
-#include "discretization/print_parameters.hpp"
-#include "discretization/validate.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/text/nearest_name.hpp"
 #include "input_text.hpp"
 
 #include <limits>

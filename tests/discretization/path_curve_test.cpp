@@ -1,7 +1,7 @@
 /// Splines, curves given by formulas, and twist: against closed forms of the textbooks and GSL's elliptic integral.
-#include "discretization/reference_curve.hpp"
+#include "discretization/geometry/reference_curve.hpp"
 
-#include "discretization/curve_end.hpp"
+#include "discretization/geometry/curve_end.hpp"
 #include "tests/worst_error.hpp"
 
 #include <gsl/gsl_sf_ellint.h>

@@ -1,6 +1,6 @@
 /// Reference curves against the classic parametrisation of circle and helix, written here with cosine and sine:
 ///   r(t) = c + R (cos t b1 + sin t b2) + t / angle * rise b3,     t = angle s / L.
-#include "discretization/reference_curve.hpp"
+#include "discretization/geometry/reference_curve.hpp"
 
 #include "tests/worst_error.hpp"
 

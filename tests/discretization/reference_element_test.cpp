@@ -1,8 +1,8 @@
 // The undeformed state of curved members: no residual, whatever curve, order and integration rule.
-#include "discretization/reference_element.hpp"
+#include "discretization/mesh/reference_element.hpp"
 
-#include "discretization/assembler.hpp"
-#include "discretization/errors.hpp"
+#include "discretization/assembly/assembler.hpp"
+#include "discretization/text/errors.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/worst_error.hpp"
 

@@ -1,6 +1,6 @@
 /// Result files: what is written is read back with the HDF5 C API; a killed writer leaves a readable file; errors name
 /// their reason.
-#include "discretization/result_file.hpp"
+#include "discretization/results/result_file.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>

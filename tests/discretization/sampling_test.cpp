@@ -1,9 +1,9 @@
 // Fields of configurations that are known at every point.
-#include "discretization/sampling.hpp"
+#include "discretization/state/sampling.hpp"
 
-#include "kernels/element_kinematics.hpp"
-#include "kernels/gauss.hpp"
-#include "kernels/legendre.hpp"
+#include "kernels/element/kinematics.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/worst_error.hpp"
 

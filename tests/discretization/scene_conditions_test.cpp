@@ -1,7 +1,7 @@
 /// Supports, joints, loads, eigenstrains and load cases as a scene file gives them.
-#include "discretization/expression.hpp"
-#include "discretization/load_cases.hpp"
-#include "discretization/print_parameters.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/expression.hpp"
 #include "input_text.hpp"
 
 #include <sstream>

@@ -1,6 +1,6 @@
 #include "scene_text.hpp"
 
-#include "discretization/csv_file.hpp"
+#include "discretization/text/csv_file.hpp"
 
 #include <chrono>
 #include <filesystem>

@@ -1,7 +1,7 @@
 /// Names that the result file and its name cannot bear are refused where they stand in the scene.
 #include "scene_text.hpp"
 
-#include "discretization/result_names.hpp"
+#include "discretization/text/result_names.hpp"
 
 namespace mixbeam::scene_names_test {
 namespace {

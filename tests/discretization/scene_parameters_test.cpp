@@ -1,6 +1,6 @@
-#include "discretization/scene_parameters.hpp"
+#include "discretization/reading/read_scene.hpp"
 
-#include "discretization/print_parameters.hpp"
+#include "discretization/parameters/print.hpp"
 #include "input_text.hpp"
 
 #include <cmath>

@@ -1,10 +1,10 @@
 #include "scene_text.hpp"
 
-#include "discretization/isometry.hpp"
-#include "discretization/mesh.hpp"
-#include "discretization/number_text.hpp"
-#include "discretization/reference_curve.hpp"
-#include "discretization/vector_algebra.hpp"
+#include "discretization/geometry/isometry.hpp"
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/mesh/mesh.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <set>

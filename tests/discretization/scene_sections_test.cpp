@@ -1,4 +1,4 @@
-#include "discretization/section_shape.hpp"
+#include "discretization/scene/section_shape.hpp"
 #include "scene_text.hpp"
 
 #include <cmath>

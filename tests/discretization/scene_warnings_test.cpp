@@ -1,5 +1,5 @@
 /// Each warning has a scene that provokes it and only it, and its twin within the limits that does not.
-#include "discretization/scene_warnings.hpp"
+#include "discretization/checks/scene_warnings.hpp"
 
 #include "input_text.hpp"
 

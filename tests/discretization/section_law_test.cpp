@@ -1,9 +1,9 @@
 // From the section of a scene to its compliance: matrices, rigid components, tapers, and what is rejected.
-#include "discretization/section_law.hpp"
+#include "discretization/scene/section_law.hpp"
 
-#include "discretization/errors.hpp"
-#include "discretization/section_shape.hpp"
-#include "discretization/structure.hpp"
+#include "discretization/mesh/structure.hpp"
+#include "discretization/scene/section_shape.hpp"
+#include "discretization/text/errors.hpp"
 #include "tests/problems/scenes.hpp"
 
 #include <gtest/gtest.h>

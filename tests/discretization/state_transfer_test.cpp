@@ -1,8 +1,8 @@
 // A state carried over to other orders and meshes: what the new elements can express comes over to rounding.
-#include "discretization/state_transfer.hpp"
+#include "discretization/state/transfer.hpp"
 
-#include "discretization/sampling.hpp"
-#include "kernels/element_kinematics.hpp"
+#include "discretization/state/sampling.hpp"
+#include "kernels/element/kinematics.hpp"
 #include "tests/problems/constrained_scenes.hpp"
 
 #include <gtest/gtest.h>

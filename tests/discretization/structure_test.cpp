@@ -1,7 +1,7 @@
 // Mesh and partition: every vertex owned once, every element where it is needed, ghosts at the far ends.
-#include "discretization/structure.hpp"
+#include "discretization/mesh/structure.hpp"
 
-#include "discretization/errors.hpp"
+#include "discretization/text/errors.hpp"
 #include "tests/problems/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "discretization/xml_reader.hpp"
+#include "discretization/parameters/xml_reader.hpp"
 
 #include "input_text.hpp"
 

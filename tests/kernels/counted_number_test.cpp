@@ -1,8 +1,8 @@
 // Operations are counted as a reader of the formulas counts them.
-#include "kernels/counted_number.hpp"
+#include "kernels/execution/counted_number.hpp"
 
-#include "kernels/chain_elimination.hpp"
-#include "kernels/rotation.hpp"
+#include "kernels/chains/elimination.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,10 @@
 /// frame, no eliminated unknown, no derivative by hand.
 #pragma once
 
-#include "kernels/force_integration.hpp"
-#include "kernels/gauss.hpp"
-#include "kernels/legendre.hpp"
-#include "kernels/rotation.hpp"
+#include "kernels/element/force_integration.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include <vector>
 

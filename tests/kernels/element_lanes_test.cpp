@@ -1,6 +1,6 @@
 /// Elements side by side in the lanes of packs give what elements one by one give.
-#include "kernels/reduced_system.hpp"
-#include "kernels/rotation.hpp"
+#include "kernels/element/reduced_system.hpp"
+#include "kernels/math/rotation.hpp"
 #include "tests/kernels/element_comparison.hpp"
 #include "tests/worst_error.hpp"
 

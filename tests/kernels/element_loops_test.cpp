@@ -1,5 +1,5 @@
 /// The parallel loops over a block: any number of threads gives the same bits, and increments mean what they say.
-#include "kernels/execution_space.hpp"
+#include "kernels/execution/execution_space.hpp"
 #include "tests/kernels/element_comparison.hpp"
 
 #include <gtest/gtest.h>

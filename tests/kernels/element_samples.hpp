@@ -1,7 +1,7 @@
 /// Random elements, as plain values for the energy and as a block of the kernels, from the same numbers.
 #pragma once
 
-#include "kernels/element_block.hpp"
+#include "kernels/loops/block.hpp"
 #include "tests/kernels/element_energy.hpp"
 
 #include <array>

@@ -1,5 +1,5 @@
 // The execution space against Kokkos::Serial: the same bits with 1, 2 and 4 threads.
-#include "kernels/execution_space.hpp"
+#include "kernels/execution/execution_space.hpp"
 
 #include <gtest/gtest.h>
 

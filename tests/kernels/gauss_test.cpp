@@ -1,5 +1,5 @@
 /// Gauss rules: degree of exactness from both sides, printed tables, and roots with 64-bit mantissas.
-#include "kernels/gauss.hpp"
+#include "kernels/math/gauss.hpp"
 
 #include "tests/worst_error.hpp"
 

@@ -1,8 +1,8 @@
 /// Legendre polynomials, their derivatives and integrals against printed coefficients, Gauss rules and the standard
 /// library.
-#include "kernels/legendre.hpp"
+#include "kernels/math/legendre.hpp"
 
-#include "kernels/gauss.hpp"
+#include "kernels/math/gauss.hpp"
 #include "tests/worst_error.hpp"
 
 #include <gtest/gtest.h>

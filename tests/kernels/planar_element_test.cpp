@@ -1,5 +1,5 @@
 /// Elements that move in a plane against the spatial kernels and the derivatives of the energy.
-#include "kernels/planar_block.hpp"
+#include "kernels/loops/planar_block.hpp"
 #include "tests/kernels/element_comparison.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 /// Derivatives of rotation.hpp, by hand in the header and by automatic differentiation through its functions, against
 /// automatic differentiation of the power series in rotation_oracle.hpp. All regimes of the angle, zero included.
-#include "kernels/rotation.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include "tests/kernels/rotation_oracle.hpp"
 #include "tests/worst_error.hpp"

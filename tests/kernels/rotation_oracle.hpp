@@ -3,7 +3,7 @@
 /// measured.
 #pragma once
 
-#include "kernels/rotation.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include <Sacado_No_Kokkos.hpp>
 

@@ -1,6 +1,6 @@
 /// Values of rotation.hpp at zero, tiny, moderate angles, at every switch point, next to pi and after many turns,
 /// against long-double power series. Derivatives: rotation_derivatives_test.cpp.
-#include "kernels/rotation.hpp"
+#include "kernels/math/rotation.hpp"
 
 #include "tests/kernels/rotation_oracle.hpp"
 #include "tests/worst_error.hpp"

@@ -1,5 +1,5 @@
 /// Both layouts of the condensed tangent hold the same matrix.
-#include "kernels/pack.hpp"
+#include "kernels/execution/pack.hpp"
 #include "tests/kernels/element_samples.hpp"
 
 #include <gtest/gtest.h>

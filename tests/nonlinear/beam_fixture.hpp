@@ -1,7 +1,7 @@
 /// A beam group with what it needs, for tests of the group and its vectors.
 #pragma once
 
-#include "nonlinear/beam_group.hpp"
+#include "nonlinear/newton/beam_group.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <LOCA_GlobalData.H>

@@ -1,5 +1,5 @@
 // The group that NOX and LOCA see: what it copies, what it restores, and what it solves.
-#include "nonlinear/beam_group.hpp"
+#include "nonlinear/newton/beam_group.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
 

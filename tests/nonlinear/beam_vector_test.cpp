@@ -1,5 +1,5 @@
 // The algebra that NOX and LOCA ask of a vector, against loops over the entries.
-#include "nonlinear/beam_vector.hpp"
+#include "nonlinear/newton/beam_vector.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/worst_error.hpp"

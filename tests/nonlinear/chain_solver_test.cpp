@@ -1,7 +1,7 @@
 // Condensed chains give the solution of the whole matrix; where they cannot, the whole matrix is solved.
-#include "nonlinear/chain_solver.hpp"
+#include "nonlinear/linear/chain_solver.hpp"
 
-#include "kernels/execution_space.hpp"
+#include "kernels/execution/execution_space.hpp"
 #include "tests/problems/constrained_scenes.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/problems/solve.hpp"

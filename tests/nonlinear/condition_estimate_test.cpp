@@ -1,9 +1,9 @@
 // The estimate against the exact number, which takes a solve for every unknown; units of length and force, supports
 // included, do not matter.
-#include "nonlinear/condition_estimate.hpp"
+#include "nonlinear/linear/condition_estimate.hpp"
 
-#include "discretization/assembler.hpp"
-#include "nonlinear/linear_solver.hpp"
+#include "discretization/assembly/assembler.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/scene_units.hpp"
 

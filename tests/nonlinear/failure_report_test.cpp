@@ -1,5 +1,5 @@
 // Where and why no equilibrium was found: the fields of the report, for one scene of each cause.
-#include "nonlinear/failure_report.hpp"
+#include "nonlinear/diagnosis/failure_report.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
 

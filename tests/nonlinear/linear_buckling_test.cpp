@@ -1,5 +1,5 @@
 // Linear buckling against closed forms.
-#include "nonlinear/linear_buckling.hpp"
+#include "nonlinear/stability/linear_buckling.hpp"
 
 #include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"

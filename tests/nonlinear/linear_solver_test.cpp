@@ -1,7 +1,7 @@
 // Right solutions are returned with a small backward error, wrong ones are never returned.
-#include "nonlinear/linear_solver.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
 
-#include "discretization/assembler.hpp"
+#include "discretization/assembly/assembler.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/worst_error.hpp"
 

@@ -1,7 +1,7 @@
 // Load continuation: steps, recovery, stages, and an honest end when no equilibrium is found.
-#include "nonlinear/load_path.hpp"
+#include "nonlinear/path/load_path.hpp"
 
-#include "nonlinear/corrector.hpp"
+#include "nonlinear/path/corrector.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "nonlinear/mesh_choice.hpp"
+#include "nonlinear/accuracy/mesh_choice.hpp"
 
 #include <gtest/gtest.h>
 

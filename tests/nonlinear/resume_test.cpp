@@ -1,5 +1,5 @@
 // A path that goes on from any of its steps arrives with the very bits of the one that never stopped.
-#include "nonlinear/step_size.hpp"
+#include "nonlinear/path/step_size.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 
 #include <vector>

@@ -1,7 +1,7 @@
-#include "nonlinear/solver_parameters.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
 
-#include "discretization/print_parameters.hpp"
-#include "discretization/validate.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/parameters/validate.hpp"
 #include "tests/discretization/input_text.hpp"
 
 #include <sstream>

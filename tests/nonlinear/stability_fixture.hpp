@@ -1,7 +1,7 @@
 /// Equilibria at any load factor and what their tangents say, for tests of stability.
 #pragma once
 
-#include "nonlinear/stability.hpp"
+#include "nonlinear/stability/stability.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/scene_units.hpp"
 

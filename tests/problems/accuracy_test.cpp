@@ -1,7 +1,7 @@
 // What "Accuracy" promises: true errors below it, against closed forms and solutions on far finer meshes.
-#include "discretization/scene_parameters.hpp"
-#include "discretization/xml_reader.hpp"
-#include "nonlinear/accurate_run.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "nonlinear/run/accurate_run.hpp"
 #include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/problems/solve.hpp"

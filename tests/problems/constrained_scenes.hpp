@@ -1,7 +1,7 @@
 /// Scenes with joints, springs and supports in any axes, and the same scenes turned in space.
 #pragma once
 
-#include "kernels/element_kinematics.hpp"
+#include "kernels/element/kinematics.hpp"
 #include "tests/problems/scenes.hpp"
 
 #include <random>

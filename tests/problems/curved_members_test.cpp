@@ -2,7 +2,7 @@
 // equations of the rod, integrated here without finite elements.
 #include "tests/problems/solve.hpp"
 
-#include "discretization/reference_curve.hpp"
+#include "discretization/geometry/reference_curve.hpp"
 
 #include <functional>
 #include <limits>

@@ -1,5 +1,5 @@
 // Strains without stress: what a free member does, and what a held one feels.
-#include "kernels/gauss.hpp"
+#include "kernels/math/gauss.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <vector>

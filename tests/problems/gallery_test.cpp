@@ -1,9 +1,9 @@
 // Every scene of the gallery, whatever it uses: turned and shifted in space, and in other units, it gives the turned
 // and the scaled answer.
-#include "discretization/load_cases.hpp"
-#include "discretization/scene_parameters.hpp"
-#include "discretization/xml_reader.hpp"
-#include "kernels/rotation.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "kernels/math/rotation.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/scene_units.hpp"
 

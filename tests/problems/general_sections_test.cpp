@@ -1,6 +1,6 @@
 // Coupled (full 6 x 6) and tapered sections in whole problems: closed forms, a reference value, and identities.
-#include "discretization/section_shape.hpp"
-#include "kernels/execution_space.hpp"
+#include "discretization/scene/section_shape.hpp"
+#include "kernels/execution/execution_space.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/scene_units.hpp"
 

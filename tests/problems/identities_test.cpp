@@ -1,5 +1,5 @@
 // Exact statements about solutions: they hold for the discrete solution, too, so no mesh enters their tolerances.
-#include "kernels/rotation.hpp"
+#include "kernels/math/rotation.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/scene_units.hpp"
 

@@ -1,10 +1,10 @@
 // Paths near singular points that are easily got wrong, each with an answer that no finite element computed: shooting
 // on the rod equations, or a closed form. The table below is data; one judge looks at every path, and once more at the
 // same path with each number of the answer changed, which it must refuse.
-#include "apps/common/imperfect_structures.hpp"
-#include "apps/common/judged_path.hpp"
-#include "discretization/section_shape.hpp"
-#include "nonlinear/accurate_run.hpp"
+#include "apps/common/studies/imperfect_structures.hpp"
+#include "apps/common/studies/judged_path.hpp"
+#include "discretization/scene/section_shape.hpp"
+#include "nonlinear/run/accurate_run.hpp"
 #include "tests/problems/constrained_scenes.hpp"
 #include "tests/problems/solve.hpp"
 

@@ -1,6 +1,6 @@
 // Cantilevers under loads per length: closed forms and equilibrium.
-#include "kernels/gauss.hpp"
-#include "kernels/rotation.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/rotation.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <vector>

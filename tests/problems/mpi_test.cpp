@@ -1,5 +1,5 @@
 // The same answer on all ranks together as on one rank alone. ctest runs these on 1, 2 and 3 ranks.
-#include "nonlinear/accurate_run.hpp"
+#include "nonlinear/run/accurate_run.hpp"
 #include "tests/problems/solve.hpp"
 
 namespace mixbeam::test {

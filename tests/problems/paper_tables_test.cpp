@@ -1,8 +1,8 @@
 // Tables of Humer, Steinbrecher, Pechstein: "Mixed Finite Elements for Geometrically Exact Beams using Discontinuous
 // Rotations and Discrete Curvature".
-#include "discretization/mesh.hpp"
-#include "kernels/gauss.hpp"
-#include "kernels/legendre.hpp"
+#include "discretization/mesh/mesh.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <vector>

@@ -3,9 +3,9 @@
 /// language leaves open.
 #pragma once
 
-#include "apps/common/random_numbers.hpp"
-#include "discretization/number_text.hpp"
-#include "discretization/vector_algebra.hpp"
+#include "apps/common/studies/random_numbers.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <cmath>
 #include <cstdint>

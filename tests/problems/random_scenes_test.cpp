@@ -2,9 +2,9 @@
 // With the environment variable MIXBEAM_RANDOM_FAILURES = a folder, scenes without equilibrium go there, with reports.
 #include "tests/problems/random_scenes.hpp"
 
-#include "discretization/mechanism_check.hpp"
-#include "discretization/scene_parameters.hpp"
-#include "discretization/xml_reader.hpp"
+#include "discretization/checks/mechanism.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <array>

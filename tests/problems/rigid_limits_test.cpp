@@ -1,8 +1,8 @@
 // Every scene of the gallery with sections as slender as one likes, up to those that do not stretch or shear at all:
 // the answer tends to the rigid one with the inverse square of the slenderness, in as many iterations, and balances.
-#include "discretization/load_cases.hpp"
-#include "discretization/scene_parameters.hpp"
-#include "discretization/xml_reader.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr double kSameSolution = 1e-10;
 constexpr double kNextOrder = 0.1;
 constexpr double kMostImbalance = 1e-10;
 constexpr int kIterationsMoreOrLess = 2;
-// Closed frames of exactly rigid bars find their forces by the capped tangent alone (softening_correction.hpp), which
+// Closed frames of exactly rigid bars find their forces by the capped tangent alone (newton/cap_correction.hpp), which
 // the dome feels: 10 iterations in place of 4.
 constexpr int kIterationsOfClosedRigidFrames = 6;
 

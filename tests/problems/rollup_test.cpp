@@ -1,6 +1,6 @@
 // Pure bending to a double circle: what is exact, and how fast the rest converges. (Humer, Steinbrecher, Pechstein,
 // roll-up.)
-#include "kernels/gauss.hpp"
+#include "kernels/math/gauss.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <vector>

@@ -2,7 +2,7 @@
 /// the solver and of whole problems share.
 #pragma once
 
-#include "discretization/scene.hpp"
+#include "discretization/scene/scene.hpp"
 
 #include <cmath>
 #include <limits>

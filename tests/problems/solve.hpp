@@ -1,7 +1,7 @@
 /// Solving a scene in a test, and comparing vectors.
 #pragma once
 
-#include "nonlinear/simulation.hpp"
+#include "nonlinear/run/simulation.hpp"
 #include "tests/problems/scenes.hpp"
 
 #include <gtest/gtest.h>

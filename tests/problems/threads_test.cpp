@@ -1,5 +1,5 @@
 // The number of threads does not change a single bit of the answer.
-#include "kernels/execution_space.hpp"
+#include "kernels/execution/execution_space.hpp"
 #include "tests/problems/solve.hpp"
 
 #include <cstring>

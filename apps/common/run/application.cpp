@@ -1,0 +1,393 @@
+#include "apps/common/run/application.hpp"
+
+#include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/monitor_table.hpp"
+#include "apps/common/session/progress.hpp"
+#include "kernels/execution/execution_space.hpp"
+#include "mixbeam/version.hpp"
+
+#include <sys/utsname.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+namespace mixbeam {
+
+namespace {
+
+/// See work_of(). An iteration with this much work takes 10 ms on one thread, three times as long as a busy machine may
+/// keep a thread waiting; a run below takes a fraction of a second anyway.
+constexpr long long kWorkForThreads = 10000;
+
+/// Load factors are sums of rounded steps.
+constexpr double kSameLoadFactor = 1e-9;
+
+/// A stream that swallows everything.
+std::ostream& nowhere() {
+  static std::ostream stream(nullptr);
+  return stream;
+}
+
+/// Work of an iteration on a scene: the condensation of order k costs about as much as (k+1)^2 tells.
+long long work_of(const Scene& scene) {
+  long long work = 0;
+  for (const Member& member : scene.members)
+    work += static_cast<long long>(member.elements) * (member.order + 1) * (member.order + 1);
+  return work;
+}
+
+/// `results/scene_failure.txt` of `results/scene.h5`.
+std::filesystem::path failure_file_of(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_failure.txt");
+}
+
+/// System, release, processor and name of the machine.
+std::string machine() {
+  utsname system{};
+  if (uname(&system) != 0) return "unknown";
+  return std::string(system.sysname) + " " + system.release + " " + system.machine + ", " + system.nodename;
+}
+
+}  // namespace
+
+// Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine that
+// has other things to do: then a loop of microseconds waits for a thread that is not running.
+int Application::threads_for(const Scene& solved, const SolverParameters& parameters) const {
+  if (parameters.threads > 0) return parameters.threads;
+  if (std::getenv("OMP_NUM_THREADS") != nullptr) return summary.threads;
+  return work_of(solved) < kWorkForThreads ? 1 : summary.threads;
+}
+
+std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
+
+Simulation Application::walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                             const PathControl& control, const std::function<void(Simulation&)>& prepare,
+                             const RunObserver& observer) {
+  SolverParameters chosen = parameters;
+  chosen.threads = threads_for(solved, parameters);
+  Simulation simulation(solved, chosen, communicator);
+  if (prepare) prepare(simulation);
+  const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
+  const int steps_before = control.resume ? control.resume->step : 0;
+  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages,
+                    control.resume ? simulation.share_done() : 0.0);
+  PathControl watched = control;
+  watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
+  simulation.run(
+      [&](const StepReport& report, const State&) {
+        progress.report(report, simulation.share_done());
+        if (observer) observer(simulation, report);
+      },
+      watched);
+  summary.load_steps += simulation.result().steps - steps_before;
+  summary.newton_iterations += simulation.result().newton_iterations - iterations_before;
+  for (const auto& [phase, seconds] : simulation.times()) summary.seconds[phase] += seconds;
+  return simulation;
+}
+
+namespace {
+
+/// With their states, which is all that expected values ask for; no modes.
+std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const StoredRun& run, std::size_t position) {
+  std::vector<CriticalPoint> points;
+  for (const RecordedCriticalPoint& stored : run.critical_points(position)) {
+    simulation.restore(stored.state.held, stored.load_factor);
+    CriticalPoint point{CriticalKind::limit_point,
+                        stored.load_factor,
+                        stored.negative_before,
+                        stored.negative_after,
+                        simulation.state(),
+                        simulation.assembler().create_vector(),
+                        stored.modes};
+    if (stored.kind == name_of(CriticalKind::bifurcation)) point.kind = CriticalKind::bifurcation;
+    point.error = stored.load_factor_error;
+    points.push_back(point);
+  }
+  return points;
+}
+
+}  // namespace
+
+/// Brings the simulation to the last step of a stored run; on the way, shows the observer those of its steps to which
+/// expected values belong.
+void Application::replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const {
+  for (std::size_t i = 0; i < run.steps().size(); ++i) {
+    const PathPoint& point = run.steps()[i];
+    const bool is_last = i + 1 == run.steps().size();
+    const bool is_critical = point.critical_points > (i == 0 ? 0 : run.steps()[i - 1].critical_points);
+    const auto belongs_here = [&](const ExpectedValue& value) {
+      if (value.critical_point) return is_critical;
+      if (!value.load_factor && solver.analysis.control) return is_last;
+      return std::abs(value.load_factor.value_or(simulation.scene().stages) - point.load_factor) <= kSameLoadFactor;
+    };
+    const bool is_expected = std::any_of(expected.begin(), expected.end(), belongs_here);
+    if (!is_expected && !is_last) continue;
+    StepReport report;
+    report.step = point.step;
+    report.load_factor = point.load_factor;
+    report.point = point;
+    if (is_expected && is_critical) report.critical_points = stored_critical_points(simulation, run, i);
+    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i]);
+    if (is_expected && observer) observer(simulation, report);
+  }
+}
+
+Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                              const RunObserver& observer) {
+  StepReport last;
+  Simulation simulation =
+      walk(solved, parameters, label, {}, {}, [&](const Simulation& running, const StepReport& report) {
+        last = report;
+        if (observer) observer(running, report);
+      });
+  if (simulation.result().finished) return simulation;
+  const std::filesystem::path file = output / ((label.empty() ? name : label) + "_last_converged.h5");
+  const StepRecord last_record = simulation.record(last, kPointsByOrder, {});
+  ResultFile results(file, header(solved), communicator);
+  results.append_step(last_record);
+  results.close();
+  give_up(simulation, label, "The last converged state is in " + file.string() + ".", file);
+}
+
+void Application::give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
+                          const std::filesystem::path& results) const {
+  const std::filesystem::path file = failure_file_of(results);
+  const std::string page = (label.empty() ? "" : label + ": ") + simulation.result().failure + where_state;
+  if (!writes_files()) throw ConvergenceError(page);
+  std::ofstream text(file);
+  text << page << "\n";
+  text.close();
+  throw ConvergenceError(page + (text ? " This page is in " + file.string() + "." : ""));
+}
+
+Simulation Application::solve_and_record(const Scene& solved, const SolverParameters& parameters,
+                                         const std::string& file, int points_per_element, const RunObserver& observer) {
+  Recording recording;
+  recording.file = output / (file + ".h5");
+  recording.points_per_element = points_per_element;
+  recording.observer = observer;
+  return record(solved, parameters, recording);
+}
+
+std::vector<std::string> followed_points(const Scene& scene) {
+  // a scene may hold thousands (a wall of supports); a time series for each of them would take longer to write than
+  // the run
+  constexpr std::size_t kMostFollowedPoints = 100;
+  std::vector<std::string> points;
+  for (const PointLoad& load : scene.point_loads) points.push_back(load.point);
+  for (const Support& support : scene.supports) points.push_back(support.point);
+  std::set<std::string> known;
+  const auto seen = [&known](const std::string& point) { return !known.insert(point).second; };
+  points.erase(std::remove_if(points.begin(), points.end(), seen), points.end());
+  points.resize(std::min(points.size(), kMostFollowedPoints));
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+namespace {
+
+/// Forces and moments of the supports among the followed points, as time series.
+void follow_reactions(const std::vector<std::string>& points, const std::vector<RecordedReaction>& reactions,
+                      std::vector<MonitoredQuantity>& monitored) {
+  std::map<std::string, std::array<Vector3, 2>> at;
+  for (const RecordedReaction& reaction : reactions) {
+    if (!std::binary_search(points.begin(), points.end(), reaction.point)) continue;
+    std::array<Vector3, 2>& sum = at[reaction.point];
+    for (int i = 0; i < 3; ++i) {
+      sum[0][i] += reaction.force[i];
+      sum[1][i] += reaction.moment[i];
+    }
+  }
+  for (const auto& [point, sum] : at) {
+    monitored.push_back({point + ".reaction_force", {sum[0].begin(), sum[0].end()}});
+    monitored.push_back({point + ".reaction_moment", {sum[1].begin(), sum[1].end()}});
+  }
+}
+
+void follow_reactions(const std::vector<std::string>& points, StepRecord& record) {
+  follow_reactions(points, record.reactions, record.monitored);
+  for (RecordedCriticalPoint& point : record.critical_points)
+    follow_reactions(points, point.reactions, point.monitored);
+}
+
+PathControl control_of(const Recording& recording) {
+  PathControl control;
+  control.stop = recording.stop;
+  if (recording.resume != nullptr && !recording.resume->steps().empty())
+    control.resume = recording.resume->steps().back();
+  return control;
+}
+
+}  // namespace
+
+/// The files of a run, and those who listen to it.
+class Application::Recorder {
+ public:
+  Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
+      : parameters_(parameters), recording_(recording), points_(followed_points(scene)) {
+    if (app.writes_files()) {
+      std::error_code ignored;
+      std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
+    }
+    const ResultHeader header = app.header(scene, recording.properties);
+    results_ = recording.resume != nullptr ? std::make_unique<ResultFile>(*recording.resume, app.communicator)
+                                           : std::make_unique<ResultFile>(recording.file, header, app.communicator);
+    if (!app.writes_files()) return;
+    if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
+    if (monitor_ && recording.resume != nullptr) monitor_->add(*recording.resume);
+  }
+
+  bool has_steps() const { return has_steps_; }
+  /// `estimate`: of the state, where it is known already.
+  void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
+    has_steps_ = true;
+    const StepRecord step = record(running, report, estimate);
+    results_->append_step(step);
+    if (monitor_) monitor_->add(step);
+    if (recording_.record_observer) recording_.record_observer(step);
+    if (recording_.observer) recording_.observer(running, report);
+  }
+  StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
+    StepRecord step = running.record(report, recording_.points_per_element, points_);
+    follow_reactions(points_, step);
+    if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
+      step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
+    if (estimate != nullptr)
+      step.error_estimate = running.record_error(*estimate, points_);
+    else if (running.is_end_of_path(running.load_factor()) &&
+             estimates_error(parameters_.analysis, running.assembler().mesh().elements.size()))
+      step.error_estimate = running.record_error(running.estimate_error(), points_);
+    return step;
+  }
+  void close() { results_->close(); }
+
+ private:
+  const SolverParameters& parameters_;
+  const Recording& recording_;
+  std::vector<std::string> points_;
+  std::unique_ptr<ResultFile> results_;
+  std::optional<MonitorTable> monitor_;
+  bool has_steps_ = false;
+};
+
+Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+  Recorder recorder(*this, solved, parameters, recording);
+  const auto prepare = [&](Simulation& simulation) {
+    if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
+  };
+  Simulation simulation =
+      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare,
+           [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
+  if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
+    recording.record_observer(recorder.record(simulation, {}, nullptr));
+  recorder.close();
+  if (simulation.result().finished || simulation.result().interrupted) return simulation;
+  give_up(simulation, recording.file.stem().string(),
+          "The last converged state is the last step in " + recording.file.string() + ".", recording.file);
+}
+
+AccurateRun Application::record_accurately(const Scene& solved, const SolverParameters& parameters,
+                                           const Recording& recording, bool keeps_path) {
+  const std::string label = recording.file.stem().string();
+  std::optional<Recorder> recorder;
+  std::optional<Progress> progress;
+  AccurateRunObserver observer;
+  observer.begin = [&](const Simulation& running) {
+    recorder.reset();  // removes the hidden copy of the file
+    recorder.emplace(*this, running.scene(), parameters, recording);
+    progress.emplace(quiet ? nowhere() : out(), name + " " + label, solved.stages, 0.0);
+    if (recording.restart) recording.restart();
+  };
+  observer.step = [&](const Simulation& running, const StepReport& report) {
+    progress->report(report, running.share_done());
+    recorder->keep(running, report);
+  };
+  observer.end = [&](const Simulation& running, const StepReport& report, const ErrorEstimate& estimate) {
+    progress->report(report, running.share_done());
+    recorder->keep(running, report, &estimate);
+  };
+  observer.stop = recording.stop;
+  observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
+  observer.threads = [&](const Scene& on_mesh) { return threads_for(on_mesh, parameters); };
+  AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
+  recorder->close();
+  for (const MeshRound& round : run.rounds) {
+    summary.load_steps += round.steps;
+    summary.newton_iterations += round.iterations;
+  }
+  for (const auto& [phase, seconds] : run.simulation.times()) summary.seconds[phase] += seconds;
+  if (run.simulation.result().finished || run.simulation.result().interrupted) return run;
+  give_up(run.simulation, label, "The last converged state is the last step in " + recording.file.string() + ".",
+          recording.file);
+}
+
+ResultHeader Application::header(const Scene& solved, const std::map<std::string, std::string>& properties) const {
+  ResultHeader result{solved.name,
+                      xml.text,
+                      kVersion,
+                      {{"program", name},
+                       {"compiler", kCompiler},
+                       {"machine", machine()},
+                       {"threads", std::to_string(number_of_threads())},
+                       {"ranks", std::to_string(communicator->getSize())}}};
+  result.imported = xml.source.files();
+  result.properties.insert(properties.begin(), properties.end());
+  return result;
+}
+
+void Application::compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity) {
+  if (!value.word.empty()) {
+    compared_.insert(value.name);
+    summary.check_word(value.name, simulation.stability().stable, value.word, value.source);
+    return;
+  }
+  std::optional<double> actual = present_value(simulation, value);
+  if (!actual && own_quantity) actual = own_quantity(value);
+  if (!actual) return;
+  compared_.insert(value.name);
+  if (value.kind == ToleranceKind::absolute)
+    summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
+  else
+    summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+}
+
+void Application::check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity) {
+  const bool is_end = simulation.is_end_of_path(load_factor);
+  for (const ExpectedValue& value : expected) {
+    if (value.load_case != load_case || value.critical_point) continue;
+    if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kSameLoadFactor : is_end)
+      compare(simulation, value, own_quantity);
+  }
+}
+
+void Application::check_expected(const Simulation& simulation, const StepReport& report,
+                                 const OwnQuantity& own_quantity) {
+  int number = report.point.critical_points - static_cast<int>(report.critical_points.size());
+  for (const CriticalPoint& point : report.critical_points) {
+    critical_points_[load_case] = ++number;
+    for (const ExpectedValue& value : expected)
+      if (value.load_case == load_case && value.critical_point == number)
+        compare(simulation.at(point.state, point.load_factor), value, {});
+  }
+  check_expected(simulation, report.load_factor, own_quantity);
+}
+
+int Application::critical_points(const std::string& of_case) const {
+  const auto found = critical_points_.find(of_case);
+  return found == critical_points_.end() ? 0 : found->second;
+}
+
+std::vector<ExpectedValue> Application::not_compared() const {
+  std::vector<ExpectedValue> left_out;
+  for (const ExpectedValue& value : expected)
+    if (compared_.count(value.name) == 0) left_out.push_back(value);
+  return left_out;
+}
+
+}  // namespace mixbeam

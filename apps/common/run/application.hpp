@@ -1,0 +1,141 @@
+/// The frame of every application: runs with their records, checks, summary. A benchmark adds its study (what the paper
+/// tabulates and plots) and nothing else.
+#pragma once
+
+#include "apps/common/run/summary.hpp"
+#include "discretization/checks/expected_values.hpp"
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/results/result_file.hpp"
+#include "nonlinear/run/accurate_run.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <iosfwd>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+using RunObserver = std::function<void(const Simulation& simulation, const StepReport& report)>;
+
+/// Points whose motion is followed: those that are held or loaded, the first hundred, in alphabetical order.
+std::vector<std::string> followed_points(const Scene& scene);
+
+/// Where and how a run is recorded.
+struct Recording {
+  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it
+  std::filesystem::path monitor{};  ///< CSV file of what is followed over the steps; empty: none
+  int points_per_element = kPointsByOrder;
+  std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
+  RunObserver observer{};
+  std::function<void(const StepRecord& record)> record_observer{};
+  std::function<bool()> stop{};       ///< see PathControl
+  std::function<void()> restart{};    ///< what was observed so far does not count: another mesh follows
+  const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
+};
+
+/// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and
+/// files are written only where `writes_files()`.
+class Application {
+ public:
+  std::string name;
+  XmlParameters xml;
+  Scene scene;  ///< as the XML file gives it; a study changes copies of it
+  SolverParameters solver;
+  std::vector<ExpectedValue> expected;
+  std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
+  std::filesystem::path output;  ///< existing folder
+  bool quiet = false;            ///< no progress lines
+  Summary summary;
+  Communicator communicator;
+
+  std::ostream& out() const;
+  bool writes_files() const { return communicator->getRank() == 0; }
+  /// Parameters of the list "Study", validated against the application's own declaration.
+  Teuchos::ParameterList& study() { return xml.list->sublist("Study"); }
+
+  /// Solves a scene; counts its steps, iterations and times in the summary. `label` starts each progress line (none:
+  /// silent). Scenes too small to profit from threads run on one, unless the user chose a number; results are the same
+  /// bits. `observer` is called with the simulation after each converged step. When no equilibrium is found, the last
+  /// converged state is written to <output>/<label>_last_converged.h5, the report of the failure beside it to
+  /// <label>_last_converged_failure.txt, and ConvergenceError is thrown.
+  Simulation solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                   const RunObserver& observer = {});
+  Simulation solve(const Scene& solved) { return solve(solved, solver, ""); }
+
+  /// Threads that a scene profits from, unless the user chose a number.
+  int threads_for(const Scene& solved, const SolverParameters& parameters) const;
+
+  /// As solve(), for runs that may fail: result() of what is returned tells how it ended, nothing is written or thrown
+  /// but InputError.
+  Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {}) {
+    return walk(solved, parameters, "", {}, {}, observer);
+  }
+
+  /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
+  /// of a failure beside it in <name of the file>_failure.txt. A run that was
+  /// stopped ends like any other, and result().interrupted tells.
+  Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording);
+
+  /// As record(), for a scene with an accuracy (accurate_run.hpp): the file holds the last mesh, its whole path or,
+  /// where the state was carried over from another mesh, its end. `keeps_path`: the whole path is wanted.
+  AccurateRun record_accurately(const Scene& solved, const SolverParameters& parameters, const Recording& recording,
+                                bool keeps_path);
+
+  /// As record(), to <output>/<file>.h5.
+  Simulation solve_and_record(const Scene& solved, const SolverParameters& parameters, const std::string& file,
+                              int points_per_element = kPointsByOrder, const RunObserver& observer = {});
+
+  /// Checks those values of the list "Expected" that belong to this load factor; a value without one belongs to the end
+  /// of the path. `own_quantity` evaluates the application's own quantities, which are left out without it.
+  using OwnQuantity = std::function<double(const ExpectedValue&)>;
+  void check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity = {});
+  /// Likewise, and those that belong to the critical points since the step before.
+  void check_expected(const Simulation& simulation, const StepReport& report, const OwnQuantity& own_quantity = {});
+  /// At the end of a run.
+  void check_expected(const Simulation& simulation, const OwnQuantity& own_quantity = {}) {
+    check_expected(simulation, simulation.result().load_factor, own_quantity);
+  }
+  /// Expected values that no check_expected() has compared so far.
+  std::vector<ExpectedValue> not_compared() const;
+  /// Critical points on the paths that were followed, by load case, as far as check_expected() was told of them.
+  int critical_points(const std::string& of_case) const;
+
+ private:
+  class Recorder;
+
+  ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
+  /// Walks along the path, after `prepare`, and counts its costs; does not judge how it ended.
+  Simulation walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
+                  const PathControl& control, const std::function<void(Simulation&)>& prepare,
+                  const RunObserver& observer);
+  /// Writes the report to <stem of `results`>_failure.txt beside `results` and throws it as ConvergenceError.
+  [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
+                            const std::filesystem::path& results) const;
+  void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
+  void compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity);
+
+  std::set<std::string> compared_;              ///< names of expected values
+  std::map<std::string, int> critical_points_;  ///< by load case
+};
+
+struct ApplicationDefinition {
+  std::string name;                         ///< also of the default scene file, <name>.xml beside the executable
+  std::string purpose;                      ///< one sentence
+  ListSpec study;                           ///< declaration of the list "Study"
+  std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
+  bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
+  std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
+  std::function<void(Application&)>
+      single;  ///< empty: run the scene, record it to single.h5, check the expected values
+  std::function<void(Application&)> run_study;
+};
+
+/// The whole program. Returns the exit code: 0 all checks passed, 1 a check failed (or something unforeseen happened),
+/// 2 bad input, 3 no convergence.
+int run_application(int argc, char** argv, const ApplicationDefinition& definition);
+
+}  // namespace mixbeam

@@ -1,0 +1,61 @@
+#include "apps/common/run/monitor_table.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace mixbeam {
+
+namespace {
+
+/// These come first; the others follow in alphabetical order.
+constexpr std::array<const char*, 7> kLeading = {"step",          "load_factor",  "newton_iterations", "residual",
+                                                 "strain_energy", "force_energy", "moment_energy"};
+constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
+
+bool is_leading(const std::string& name) { return std::find(kLeading.begin(), kLeading.end(), name) != kLeading.end(); }
+
+}  // namespace
+
+void MonitorTable::add(const StoredRun& run) {
+  for (std::size_t step = 0; step < run.steps().size(); ++step) {
+    Row row;
+    for (const MonitoredSeries& series : run.monitor()) {
+      const auto begin = series.values.begin() + static_cast<std::ptrdiff_t>(step * series.columns);
+      row[series.name].assign(begin, begin + static_cast<std::ptrdiff_t>(series.columns));
+    }
+    write(row, run.stability()[step].stable);
+  }
+}
+
+void MonitorTable::add(const StepRecord& record) {
+  Row row = {{"step", {static_cast<double>(record.step)}},
+             {"load_factor", {record.load_factor}},
+             {"newton_iterations", {static_cast<double>(record.newton_iterations)}},
+             {"residual", {record.residual}},
+             {"strain_energy", {record.strain_energy}},
+             {"force_energy", {record.force_energy}},
+             {"moment_energy", {record.moment_energy}}};
+  for (const MonitoredQuantity& quantity : record.monitored) row[quantity.name] = quantity.components;
+  write(row, record.stability.stable);
+}
+
+void MonitorTable::write(const Row& row, const std::string& stable) {
+  std::vector<std::string> names(kLeading.begin(), kLeading.end());
+  for (const auto& [name, values] : row)
+    if (!is_leading(name)) names.push_back(name);
+  std::vector<std::string> columns;
+  std::vector<CsvCell> cells;
+  for (const std::string& name : names) {
+    const std::vector<double>& values = row.at(name);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      columns.push_back(values.size() == kAxes.size() ? name + "." + kAxes[i] : name);
+      cells.emplace_back(values[i]);
+    }
+  }
+  columns.emplace_back("stable");
+  cells.emplace_back(stable);
+  if (!table_) table_.emplace(path_, columns);
+  table_->add_row(cells);
+}
+
+}  // namespace mixbeam

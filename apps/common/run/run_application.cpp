@@ -1,0 +1,105 @@
+#include "apps/common/run/application.hpp"
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/command_line.hpp"
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/mpi_session.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+
+namespace mixbeam {
+
+namespace {
+
+std::string default_scene_file(const std::string& name) {
+  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / (name + ".xml")).string();
+}
+
+void set_up(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
+  app.quiet = line.quiet;
+  if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
+  read_scene_file(app, read_xml(line.scene_file ? *line.scene_file : default_scene_file(definition.name)), definition);
+  describe_run(app, definition.name, line.threads);
+  app.output = line.output ? *line.output : "results/" + definition.name;
+  on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
+}
+
+void run_single(Application& app) {
+  app.solve_and_record(
+      app.scene, app.solver, "single", kPointsByOrder,
+      [&app](const Simulation& simulation, const StepReport& report) { app.check_expected(simulation, report); });
+}
+
+void say_what_was_not_compared(const Application& app) {
+  const std::vector<ExpectedValue> left_out = app.not_compared();
+  if (left_out.empty()) return;
+  std::vector<std::string> names;
+  names.reserve(left_out.size());
+  for (const ExpectedValue& value : left_out) names.push_back(value.name);
+  app.out() << "The study does not compare these expected values, --single does: " << quoted_list(names) << "\n";
+}
+
+/// Single computation or study; throws whatever goes wrong.
+void compute(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
+  if (!line.single && definition.run_study) {
+    definition.run_study(app);
+    say_what_was_not_compared(app);
+    return;
+  }
+  if (definition.single)
+    definition.single(app);
+  else
+    run_single(app);
+  fail_what_was_missed(app);
+}
+
+int run(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto finish = [&] {
+    app.summary.seconds["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
+  };
+  set_up(app, line, definition);
+  require_reachable(app, app.scene.load_cases.empty() ? std::vector<std::string>{""} : app.scene.load_cases);
+  try {
+    compute(app, line, definition);
+  } catch (const ConvergenceError& error) {
+    app.summary.failure = error.what();
+    finish();
+    throw;
+  }
+  finish();
+  app.summary.print_checks(app.out(), false);
+  std::array<char, 32> seconds{};
+  std::snprintf(seconds.data(), seconds.size(), "%.3f s", app.summary.seconds["total"]);
+  app.out() << app.name << ": " << app.summary.load_steps << " load steps, " << app.summary.newton_iterations
+            << " Newton iterations, " << seconds.data() << ", results in " << app.output.string() << "\n";
+  return app.summary.all_passed() ? 0 : 1;
+}
+
+}  // namespace
+
+int run_application(int argc, char** argv, const ApplicationDefinition& definition) {
+  CommandLine line;
+  try {
+    line = read_command_line(argc, argv);
+  } catch (const InputError& error) {
+    std::cerr << definition.name << ": bad input: " << error.what() << "\n";
+    return kInputErrorExitCode;
+  }
+  if (line.help) print_help(std::cout, definition.name, definition.purpose);
+  if (line.print_parameters) print_parameters(std::cout, root_spec(definition), definition.name);
+  if (line.help || line.print_parameters) return 0;
+  const MpiSession session(argc, argv);
+  return guarded_run(session.communicator(), definition.name, [&] {
+    Application app;
+    app.communicator = session.communicator();
+    return run(app, line, definition);
+  });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,146 @@
+#include "apps/common/run/scene_file.hpp"
+
+#include "discretization/parameters/validate.hpp"
+#include "discretization/reading/import.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/text/number_text.hpp"
+#include "kernels/execution/execution_space.hpp"
+#include "mixbeam/version.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+ListSpec root_spec(const ApplicationDefinition& definition) {
+  ListSpec root("Scene file of " + definition.name +
+                ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
+  root.add_list("Scene", scene_spec(), Presence::required);
+  root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
+  root.add_list("Analysis", analysis_spec(), Presence::defaulted);
+  root.add_list("Solver", solver_spec(), Presence::defaulted);
+  if (definition.batch) root.add_list("Batch", *definition.batch, Presence::optional);
+  root.add_list("Study", definition.study, Presence::defaulted);
+  return root;
+}
+
+namespace {
+
+/// Values at critical points need a path on which these are looked for.
+void check_critical_points_are_found(const Application& app) {
+  for (const ExpectedValue& value : app.expected) {
+    if (!value.critical_point) continue;
+    const ParameterPath path = {"Expected", value.name, "Critical Point"};
+    if (!app.solver.analysis.stability.value_or(true))
+      throw app.xml.source.error(path, R"(given, but critical points are not looked for with "Stability" = false)");
+    if (app.solver.load_path.method != LoadPathMethod::automatic)
+      throw app.xml.source.error(
+          path, R"(given, but critical points are located only with "Method" = "automatic" in "Solver / Load Path")");
+  }
+}
+
+}  // namespace
+
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
+  app.xml = std::move(xml);
+  for (const std::string& text : validate(*app.xml.list, root_spec(definition), app.xml.source)) {
+    app.summary.warnings.push_back(text);
+    app.out() << "warning: " << text << "\n";
+  }
+  if (app.xml.source.files().empty())
+    app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
+  app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
+  if (app.scene.accuracy && !definition.chooses_meshes)
+    throw app.xml.source.error({"Scene", "Accuracy"},
+                               "given, but this program's meshes are those of its study; allowed: "
+                               "in scenes for mixbeam run");
+  app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
+  app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
+  app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
+  check_expected_values(app.expected, app.scene, app.xml.source);
+  check_critical_points_are_found(app);
+}
+
+void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {
+  app.name = app.summary.program = name;
+  app.summary.version = kVersion;
+  app.summary.compiler = kCompiler;
+  app.summary.ranks = app.communicator->getSize();
+  if (threads) app.solver.threads = *threads;
+  if (app.solver.threads > 0) set_number_of_threads(app.solver.threads);
+  app.summary.threads = number_of_threads();
+}
+
+void prepare_output_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError("the folder \"" + folder.string() + "\" for results cannot be made: " + error.message());
+  if (!std::filesystem::is_directory(folder))
+    throw InputError("\"" + folder.string() + "\", meant as a folder for results, is not a folder");
+  if (access(folder.c_str(), W_OK | X_OK) != 0)
+    throw InputError("the folder \"" + folder.string() + "\" for results cannot be written to");
+}
+
+void prepare_summary(const std::filesystem::path& file) {
+  if (std::filesystem::is_directory(file))
+    throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
+  if (file.has_parent_path()) prepare_output_folder(file.parent_path());
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
+}
+
+namespace {
+
+bool is_of(const ExpectedValue& value, const std::vector<std::string>& cases) {
+  return std::find(cases.begin(), cases.end(), value.load_case) != cases.end();
+}
+
+/// Length of the load steps as long as none fails; 1: nothing is known but the ends of stages.
+double regular_step(const SolverParameters& parameters) {
+  const LoadPathParameters& path = parameters.load_path;
+  if (path.method == LoadPathMethod::fixed) return 1.0 / path.steps;
+  const bool grows = path.initial_step < path.maximum_step;
+  return grows || parameters.analysis.trace ? 1.0 : path.maximum_step;
+}
+
+/// Load factors to which a path with these parameters takes a step, unless one before it fails.
+bool is_end_of_some_step(const SolverParameters& parameters, double load_factor) {
+  constexpr double kRounding = 1e-9;  // steps are sums of rounded numbers
+  if (parameters.analysis.control) return load_factor == 0.0;
+  const auto is_whole = [](double number) {
+    return std::abs(number - std::round(number)) <= kRounding * (1.0 + number);
+  };
+  return is_whole(load_factor) || is_whole((load_factor - std::floor(load_factor)) / regular_step(parameters));
+}
+
+}  // namespace
+
+void require_reachable(const Application& app, const std::vector<std::string>& cases) {
+  for (const ExpectedValue& value : app.expected) {
+    if (!value.load_factor || !is_of(value, cases) || is_end_of_some_step(app.solver, *value.load_factor)) continue;
+    const std::string allowed = app.solver.analysis.control
+                                    ? "none, for with \"Control\" a path ends at a displacement, whatever the load"
+                                    : "ends of stages, and in \"Solver / Load Path\" with \"Method\" = \"fixed\" the "
+                                      "multiples of 1 / \"Steps\", else those of \"Maximum Step\"";
+    throw app.xml.source.error({"Expected", value.name, "Load Factor"},
+                               "value " + shortest(*value.load_factor) +
+                                   "; a run would find that no load step ended there; allowed: " + allowed);
+  }
+}
+
+void fail_what_was_missed(Application& app, const std::vector<std::string>& cases) {
+  for (const ExpectedValue& value : app.not_compared()) {
+    if (!is_of(value, cases)) continue;
+    std::string remark = "the run did not compare this value";
+    if (value.load_factor) remark = "no load step ended at load factor " + shortest(*value.load_factor);
+    if (value.critical_point)
+      remark = "critical point " + std::to_string(*value.critical_point) +
+               " did not come; critical points on the path: " + std::to_string(app.critical_points(value.load_case));
+    app.summary.fail(value.name, value.word.empty() ? shortest(value.value) : value.word, value.source, remark);
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,34 @@
+/// Reading a scene file into an application, and the places where it writes.
+#pragma once
+
+#include "apps/common/run/application.hpp"
+
+namespace mixbeam {
+
+/// Declaration of everything below the root of an application's scene file.
+ListSpec root_spec(const ApplicationDefinition& definition);
+
+/// Fills in scene, solver parameters and expected values from the parsed file, and the texts of the files that it names
+/// unless its source has them already. Warns of parameters that no longer exist. Throws InputError with file, line and
+/// XML path.
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
+
+/// Name, version, compiler, ranks, threads. `threads`: of the command line, overrides the scene.
+void describe_run(Application& app, const std::string& name, const std::optional<int>& threads);
+
+/// Makes the folder; throws InputError when that fails or nothing can be written there.
+void prepare_output_folder(const std::filesystem::path& folder);
+
+/// Finds out before the run, not after it, whether the summary can be written; removes the one of an earlier run, which
+/// a script might otherwise take for that of a run that failed.
+void prepare_summary(const std::filesystem::path& file);
+
+/// Before a run: throws InputError for an expected value of these load cases ("": of a scene without any) at whose load
+/// factor no step will end.
+void require_reachable(const Application& app, const std::vector<std::string>& cases = {""});
+
+/// After a run that arrived: what it did not compare, such as a value at a critical point that did not come, is a
+/// failed check.
+void fail_what_was_missed(Application& app, const std::vector<std::string>& cases = {""});
+
+}  // namespace mixbeam

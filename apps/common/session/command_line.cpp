@@ -1,0 +1,116 @@
+#include "apps/common/session/command_line.hpp"
+
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kMostThreads = 1024;
+
+/// "-1" is a value, if a bad one.
+bool is_option(const std::string& argument) {
+  return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
+}
+
+int number_of_threads_from(const std::string& text) {
+  int number = 0;
+  if (parse_number(text, number).empty() && number >= 1 && number <= kMostThreads) return number;
+  throw InputError("option --threads: value \"" + excerpt(text) + "\"; allowed: a whole number from 1 to " +
+                   std::to_string(kMostThreads));
+}
+
+/// What follows an option; another option there means that the value was forgotten.
+std::string value_after(int& i, int argc, const char* const* argv) {
+  const std::string option = argv[i];
+  std::string value = i + 1 < argc ? argv[i + 1] : "";
+  if (value.empty()) throw InputError("option " + option + " needs a value");
+  if (is_option(value)) {
+    throw InputError("option " + option + " needs a value, but \"" + excerpt(value) +
+                     "\" follows; a name that starts with - is written ./" + excerpt(value));
+  }
+  ++i;
+  return value;
+}
+
+void read_file_name(const std::string& argument, const std::string& kind, CommandLine& line) {
+  if (argument.empty())
+    throw InputError("an empty argument; allowed: one " + kind + " and options (--help lists them)");
+  if (line.scene_file) {
+    throw InputError("two " + kind + "s given: \"" + *line.scene_file + "\" and \"" + excerpt(argument) +
+                     "\"; allowed: one");
+  }
+  line.scene_file = argument;
+}
+
+void read_option(const std::string& name, int& i, int argc, const char* const* argv, CommandLine& line) {
+  if (name == "--help")
+    line.help = true;
+  else if (name == "--print-parameters")
+    line.print_parameters = true;
+  else if (name == "--single")
+    line.single = true;
+  else if (name == "--quiet")
+    line.quiet = true;
+  else if (name == "--markdown")
+    line.markdown = true;
+  else if (name == "--output")
+    line.output = value_after(i, argc, argv);
+  else if (name == "--summary")
+    line.summary = value_after(i, argc, argv);
+  else if (name == "--case")
+    line.load_case = value_after(i, argc, argv);
+  else if (name == "--threads")
+    line.threads = number_of_threads_from(value_after(i, argc, argv));
+}
+
+}  // namespace
+
+const std::vector<std::string>& benchmark_options() {
+  static const std::vector<std::string> options = {"--help",   "--print-parameters", "--single", "--quiet",
+                                                   "--output", "--summary",          "--threads"};
+  return options;
+}
+
+CommandLine read_command_line(int argc, const char* const* argv, const std::vector<std::string>& options,
+                              const std::string& kind) {
+  CommandLine line;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    const std::string name = argument == "-h" ? "--help" : argument;
+    if (std::find(options.begin(), options.end(), name) != options.end())
+      read_option(name, i, argc, argv, line);
+    else if (is_option(argument))
+      throw InputError("unknown option \"" + excerpt(argument) + "\"; allowed: " + quoted_list(options) +
+                       did_you_mean(argument, options));
+    else
+      read_file_name(argument, kind, line);
+  }
+  return line;
+}
+
+void print_help(std::ostream& out, const std::string& program, const std::string& purpose) {
+  out << program << ": " << purpose << "\n\n"
+      << "usage: " << program << " [SCENE.xml] [options]\n\n"
+      << "  SCENE.xml            scene, solver, study and expected answers; default: " << program
+      << ".xml beside the program\n"
+      << "  --single             only the scene as it stands, without the study\n"
+      << "  --output DIR         folder for results (HDF5 + XDMF, CSV); default: results/" << program << "\n"
+      << "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"
+      << "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
+      << "                       processors for scenes that are large enough to profit\n"
+      << "  --quiet              no progress lines\n"
+      << "  --print-parameters   all parameters of the scene file with type, default, range and meaning\n"
+      << "  --help               this text\n\n"
+      << "exit code: 0 all checks passed, 1 a check failed, 2 bad input, 3 no convergence\n"
+      << "on several ranks: mpirun --bind-to none -np 2 " << program
+      << " ...   (without --bind-to none the threads of a rank share one core)\n";
+}
+
+}  // namespace mixbeam

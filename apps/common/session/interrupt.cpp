@@ -1,0 +1,53 @@
+#include "apps/common/session/interrupt.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <csignal>
+#include <cstring>
+
+#include <unistd.h>
+
+namespace mixbeam {
+
+namespace {
+
+volatile std::sig_atomic_t requested = 0;
+
+/// A factorisation inside a library cannot be asked to stop: then the program leaves. The last step is on disk.
+constexpr unsigned kPatience = 2;  // seconds
+
+void leave(int) { _exit(kInterruptedExitCode); }
+
+/// Only what is allowed in a signal handler: a flag, the default for the next signal, an alarm and a plain write.
+void on_signal(int signal) {
+  requested = 1;
+  std::signal(signal, SIG_DFL);
+  std::signal(SIGALRM, leave);
+  alarm(kPatience);
+  static constexpr char kText[] =
+      "\nStopping after the last completed step, which is on disk; once more to end at once.\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+}
+
+}  // namespace
+
+void watch_for_interrupts() {
+  struct sigaction action;
+  std::memset(&action, 0, sizeof action);
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupt_requested(const Communicator& communicator) {
+  const int here = requested;
+  if (here != 0) alarm(0);  // the end is an orderly one
+  if (communicator->getSize() == 1) return here != 0;
+  int anywhere = 0;
+  Teuchos::reduceAll(*communicator, Teuchos::REDUCE_MAX, here, Teuchos::outArg(anywhere));
+  return anywhere != 0;
+}
+
+}  // namespace mixbeam

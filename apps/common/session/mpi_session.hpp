@@ -1,0 +1,33 @@
+/// MPI, Kokkos and Tpetra for the life of a program.
+#pragma once
+
+#include "discretization/mesh/tpetra_types.hpp"
+
+#include <memory>
+
+namespace Tpetra {
+class ScopeGuard;
+}
+
+namespace mixbeam {
+
+class MpiSession {
+ public:
+  /// Starts MPI for use by the main thread beside OpenMP threads, then Kokkos and Tpetra.
+  MpiSession(int& argc, char**& argv);
+  /// For a program that has read its whole command line itself.
+  MpiSession();
+  ~MpiSession();
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+
+  const Communicator& communicator() const { return communicator_; }
+
+ private:
+  void start(int& argc, char**& argv);
+
+  std::unique_ptr<Tpetra::ScopeGuard> guard_;
+  Communicator communicator_;
+};
+
+}  // namespace mixbeam

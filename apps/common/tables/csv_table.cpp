@@ -1,0 +1,64 @@
+#include "apps/common/tables/csv_table.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+namespace mixbeam {
+namespace {
+
+std::string number_text(double value) {
+  if (std::isnan(value)) return "nan";  // without a sign, which carries no meaning
+  std::array<char, 32> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), result.ptr};
+}
+
+std::string quoted(const std::string& value) {
+  if (value.find_first_of(",\"\r\n") == std::string::npos) return value;
+  std::string result = "\"";
+  for (const char c : value) {
+    if (c == '"') result += '"';
+    result += c;
+  }
+  return result + "\"";
+}
+
+}  // namespace
+
+CsvCell::CsvCell(double value) : text(number_text(value)) {}
+
+CsvCell::CsvCell(const std::string& value) : text(quoted(value)) {}
+
+CsvTable::CsvTable(const std::filesystem::path& path, const std::vector<std::string>& columns)
+    : path_(path), columns_(columns.size()) {
+  std::error_code error;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+  if (error) {
+    throw std::runtime_error("cannot create the folder " + path.parent_path().string() + ": " + error.message());
+  }
+  stream_.open(path, std::ios::binary | std::ios::trunc);
+  if (!stream_) throw std::runtime_error("cannot create " + path.string() + ": " + std::strerror(errno));
+  write_line({columns.begin(), columns.end()});
+}
+
+void CsvTable::add_row(const std::vector<CsvCell>& cells) {
+  if (cells.size() != columns_) {
+    throw std::invalid_argument("a row of " + path_.string() + " has " + std::to_string(cells.size()) + " cells for " +
+                                std::to_string(columns_) + " columns");
+  }
+  write_line(cells);
+}
+
+void CsvTable::write_line(const std::vector<CsvCell>& cells) {
+  std::string line;
+  for (const auto& cell : cells) line += (&cell == &cells.front() ? "" : ",") + cell.text;
+  stream_ << line << '\n' << std::flush;
+  if (!stream_) throw std::runtime_error("cannot write " + path_.string() + ": " + std::strerror(errno));
+}
+
+}  // namespace mixbeam

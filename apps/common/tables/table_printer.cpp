@@ -1,0 +1,123 @@
+#include "apps/common/tables/table_printer.hpp"
+
+#include "apps/common/tables/printed_digits.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <ostream>
+#include <stdexcept>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+constexpr std::size_t kColumnsPerQuantity = 3;  // paper, mixbeam, difference
+constexpr std::size_t kGapInQuantity = 2;
+constexpr std::size_t kGapBeforeQuantity = 4;
+constexpr int kOwnDigits = 10;  // of a value for which the paper has none
+
+std::string significant(double value, int digits, std::chars_format format) {
+  if (std::isnan(value)) return "nan";
+  std::array<char, 64> text{};
+  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, format, digits);
+  return {text.data(), result.ptr};
+}
+
+std::string own_text(const ComparedValue& value) {
+  if (value.paper.empty()) return significant(value.own, kOwnDigits, std::chars_format::general);
+  return in_style_of(value.own, value.paper);
+}
+
+std::string difference_text(const ComparedValue& value) {
+  if (value.paper.empty()) return "";
+  const double difference = value.own - printed_value(value.paper);
+  const char* mark = value.agreement == Agreement::differs ? " *" : "  ";
+  return (difference == 0.0 ? "0" : significant(difference, 1, std::chars_format::scientific)) + mark;
+}
+
+std::string aligned(const std::string& text, std::size_t width) {
+  return std::string(text.size() < width ? width - text.size() : 0, ' ') + text;
+}
+
+std::string without_blanks_at_end(std::string line) {
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line;
+}
+
+}  // namespace
+
+ComparedValue compare_printed(const std::string& paper, double own, int units_in_last_place) {
+  const bool agrees = agrees_in_printed_digits(own, paper, units_in_last_place);
+  return {paper, own, agrees ? Agreement::agrees : Agreement::differs};
+}
+
+TablePrinter::TablePrinter(std::string title, std::vector<std::string> labels, std::vector<std::string> quantities,
+                           std::string reference)
+    : title_(std::move(title)),
+      labels_(std::move(labels)),
+      quantities_(std::move(quantities)),
+      reference_(std::move(reference)) {}
+
+void TablePrinter::add_group(const std::string& heading) { rows_.push_back({heading, {}, false}); }
+
+void TablePrinter::add_row(const std::vector<std::string>& labels, const std::vector<ComparedValue>& values) {
+  if (labels.size() != labels_.size() || values.size() != quantities_.size()) {
+    throw std::invalid_argument("a row of the table '" + title_ + "' has the wrong number of cells");
+  }
+  Row row{"", labels, false};
+  for (const auto& value : values) {
+    row.cells.push_back(value.paper.empty() ? "-" : value.paper);
+    row.cells.push_back(own_text(value));
+    row.cells.push_back(difference_text(value));
+    row.differs = row.differs || value.agreement == Agreement::differs;
+  }
+  rows_.push_back(row);
+}
+
+int TablePrinter::rows_out_of_tolerance() const {
+  return static_cast<int>(std::count_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.differs; }));
+}
+
+std::vector<std::size_t> TablePrinter::column_widths() const {
+  std::vector<std::string> heads = labels_;
+  for (std::size_t i = 0; i < quantities_.size(); ++i)
+    heads.insert(heads.end(), {reference_, "mixbeam", "difference  "});
+  std::vector<std::size_t> widths;
+  for (std::size_t column = 0; column < heads.size(); ++column) {
+    std::size_t width = heads[column].size();
+    for (const auto& row : rows_) {
+      if (row.heading.empty()) width = std::max(width, row.cells[column].size());
+    }
+    const bool starts_quantity = column >= labels_.size() && (column - labels_.size()) % kColumnsPerQuantity == 0;
+    widths.push_back(width + (starts_quantity ? kGapBeforeQuantity : kGapInQuantity));
+  }
+  return widths;
+}
+
+void TablePrinter::print(std::ostream& stream) const {
+  const auto widths = column_widths();
+  const auto first_quantity = widths.begin() + static_cast<std::ptrdiff_t>(labels_.size());
+  std::string names(std::accumulate(widths.begin(), first_quantity, std::size_t{0}), ' ');
+  std::string heads;
+  for (std::size_t i = 0; i < labels_.size(); ++i) heads += aligned(labels_[i], widths[i]);
+  for (std::size_t q = 0; q < quantities_.size(); ++q) {
+    const std::size_t column = labels_.size() + kColumnsPerQuantity * q;
+    names += aligned(quantities_[q], widths[column] + widths[column + 1]);
+    names += std::string(widths[column + 2], ' ');
+    heads += aligned(reference_, widths[column]) + aligned("mixbeam", widths[column + 1]);
+    heads += aligned("difference  ", widths[column + 2]);
+  }
+  stream << title_ << '\n' << without_blanks_at_end(names) << '\n' << without_blanks_at_end(heads) << '\n';
+  for (const auto& row : rows_) {
+    std::string line = row.heading.empty() ? "" : "  " + row.heading;
+    for (std::size_t column = 0; column < row.cells.size(); ++column)
+      line += aligned(row.cells[column], widths[column]);
+    if (row.differs) line += "  <- differs";
+    stream << without_blanks_at_end(line) << '\n';
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,58 @@
+/// The linear system of a tangent with its chains condensed to their ends: what is left of it is a matrix over the
+/// vertices where members meet, or that carry supports, joints, point loads, or line loads without potential.
+#pragma once
+
+#include "discretization/assembly/planar_chains.hpp"
+
+#include <memory>
+
+namespace mixbeam {
+
+class CondensedSystem {
+ public:
+  /// Collective. The assembler must outlive the system.
+  explicit CondensedSystem(const Assembler& assembler);
+
+  /// Vertices eliminated in chains, on this rank.
+  int eliminated_vertices() const { return structure_.eliminated_vertices(); }
+  const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
+  const VertexMatrix& remaining() const { return *remaining_; }
+
+  /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
+  bool condense();
+  long negative_pivots() const { return negative_pivots_; }
+
+  /// First half of a solve: the right-hand side of the remaining system; x is half done.
+  void condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x);
+  /// Second half.
+  void expand(const DofVector& remaining_x, DofVector& x) const;
+
+  /// max over the rows of chains of |b - K x|_i / (|K| X + |b|)_i as backward_error() measures it, and the same for
+  /// what the condensed chains do to their end vertices. Collective.
+  double chain_error(const DofVector& b, const DofVector& x) const { return measure(b, x, {}); }
+  /// b - K x at eliminated vertices, zero at others. Collective.
+  void chain_residual(const DofVector& b, const DofVector& x, DofVector& residual) const {
+    measure(b, x, MixedVector::view_of(residual));
+  }
+
+ private:
+  /// The error, and the residual unless that has no entries.
+  double measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const;
+  const KernelView<double* [12]>& arrived() const {
+    return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
+  }
+
+  const Assembler& assembler_;
+  ChainStructure structure_;
+  ChainCondensation<kSpatialDofs> chains_;
+  std::unique_ptr<PlanarChains> planar_chains_;  ///< where the scene has a plane
+  PlanarChains* planar_ = nullptr;               ///< the same while the tangent is in the plane
+  long negative_pivots_ = 0;
+  std::unique_ptr<VertexMatrix> remaining_;
+  KernelView<double*> run_forces_;         ///< (6 * owned vertex + component), at vertices that remain
+  KernelView<int* [2]> ends_;              ///< (local element, end): local vertex
+  KernelView<unsigned char*> eliminated_;  ///< (local vertex)
+  KernelView<unsigned char*> condensed_;   ///< (local element): 1 where it is part of a condensed chain
+};
+
+}  // namespace mixbeam

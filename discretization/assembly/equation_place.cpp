@@ -1,0 +1,312 @@
+#include "discretization/assembly/equation_place.hpp"
+
+#include "discretization/text/message_text.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// A row as numbers that travel between ranks.
+struct RowKey {
+  bool found = false;
+  int kind = 0, component = 0;
+  int vertex = -1, element = -1;  ///< of the mesh
+  double size = 0.0;              ///< by which the larger of two wins
+  double value = 0.0;             ///< the entry
+};
+
+const char* kAxes[] = {"x", "y", "z"};
+
+RowKind kind_of_interior(const InteriorLayout& layout, int row) {
+  if (row < layout.moment(0)) return RowKind::element_force;
+  if (row < layout.relative_rotation(1)) return RowKind::element_moment;
+  if (row < layout.bubble(1)) return RowKind::element_rotation;
+  return row < layout.spin() ? RowKind::element_displacement : RowKind::element_rotation;
+}
+
+/// The rows of one rank in the order of the search; `visit` returns whether to go on.
+class RowWalk {
+ public:
+  RowWalk(const Assembler& assembler, const MixedVector& vector)
+      : structure_(assembler.structure()), vector_(vector), fixed_("mixbeam::place::fixed", vector.vertex().extent(0)) {
+    ConstraintRows(assembler.conditions()).mark_fixed(fixed_);
+  }
+
+  template <class Visit>
+  bool vertices(const Visit& visit) const {
+    const KernelView<double*> rows = vector_.vertex();
+    for (size_t i = 0; i < rows.extent(0); ++i) {
+      const int component = static_cast<int>(i % kVertexDofs);
+      const bool turns = component >= 3;
+      RowKey key;
+      key.found = true;
+      key.kind = static_cast<int>(fixed_(i) ? (turns ? RowKind::held_rotation : RowKind::held_displacement)
+                                            : (turns ? RowKind::vertex_rotation : RowKind::vertex_displacement));
+      key.component = component % 3;
+      key.vertex = structure_.local_vertex_to_global[i / kVertexDofs];
+      key.value = rows(i);
+      if (!visit(key)) return false;
+    }
+    return true;
+  }
+
+  template <class Visit>
+  bool elements(const Visit& visit) const {
+    const KernelView<const double*> rows = vector_.interior();
+    for (const ElementBlock& block : structure_.blocks)
+      for (int e = 0; e < block.count; ++e)
+        for (int i = 0; i < block.interior.increments(); ++i) {
+          RowKey key;
+          key.found = true;
+          key.kind = static_cast<int>(kind_of_interior(block.interior, i));
+          key.component = i % 3;
+          key.element = structure_.local_element_to_mesh[block.first_element + e];
+          key.value = rows(block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i);
+          if (!visit(key)) return false;
+        }
+    return true;
+  }
+
+ private:
+  const Structure& structure_;
+  const MixedVector& vector_;
+  KernelView<unsigned char*> fixed_;
+};
+
+/// The key of largest `size` on any rank; the highest of several ranks, which all name the same row.
+RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
+  if (comm.getSize() == 1) return mine;
+  const double size = mine.found ? mine.size : -std::numeric_limits<double>::infinity();
+  double best = size;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, size, Teuchos::outArg(best));
+  int candidate = mine.found && size == best ? comm.getRank() : -1, winner = -1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(winner));
+  if (winner < 0) return {};
+  std::array<double, 6> packed = {static_cast<double>(mine.kind),
+                                  static_cast<double>(mine.component),
+                                  static_cast<double>(mine.vertex),
+                                  static_cast<double>(mine.element),
+                                  mine.size,
+                                  mine.value};
+  Teuchos::broadcast(comm, winner, static_cast<int>(packed.size()), packed.data());
+  return {true,
+          static_cast<int>(packed[0]),
+          static_cast<int>(packed[1]),
+          static_cast<int>(packed[2]),
+          static_cast<int>(packed[3]),
+          packed[4],
+          packed[5]};
+}
+
+EquationPlace place_of_element(const Assembler& assembler, int global_element) {
+  const Mesh& mesh = assembler.mesh();
+  const MeshElement& element = mesh.elements[global_element];
+  EquationPlace place;
+  place.member = assembler.scene().members[element.member].name;
+  place.element = element.index;
+  place.global_element = global_element;
+  place.along = mesh.arc_length(element, 0.0) / mesh.member_of(element).curve.length;
+  const Vector3 &a = mesh.vertex_position[element.vertex[0]], &b = mesh.vertex_position[element.vertex[1]];
+  for (int i = 0; i < 3; ++i) place.position[i] = 0.5 * (a[i] + b[i]);
+  return place;
+}
+
+EquationPlace place_of(const Assembler& assembler, const RowKey& key) {
+  EquationPlace place =
+      key.element >= 0 ? place_of_element(assembler, key.element) : place_of_vertex(assembler, key.vertex);
+  place.kind = static_cast<RowKind>(key.kind);
+  place.component = key.component;
+  return place;
+}
+
+/// `h`: length of the element for rows of an element.
+double scale_of(RowKind kind, const ResidualScales& scales, double h) {
+  switch (kind) {
+    case RowKind::vertex_displacement:
+      return scales.force;
+    case RowKind::vertex_rotation:
+      return scales.moment;
+    case RowKind::element_rotation:
+      return scales.element_moment(h);
+    case RowKind::held_displacement:
+      return scales.length;
+    case RowKind::held_rotation:
+      return 1.0;
+    case RowKind::element_force:
+      return scales.element_strain(h);
+    case RowKind::element_moment:
+      return scales.rotation;
+    case RowKind::element_displacement:
+      return scales.element_bubble(h);
+  }
+  return 1.0;
+}
+
+const Teuchos::Comm<int>& ranks_of(const Assembler& assembler) { return *assembler.map()->getComm(); }
+
+std::string rounded(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.4g", value);
+  return text.data();
+}
+
+}  // namespace
+
+std::optional<ResidualPeak> largest_row(const Assembler& assembler, const MixedVector& scaled_residual,
+                                        const ResidualScales& scales) {
+  RowKey largest;
+  const auto keep_larger = [&largest](RowKey key) {
+    key.size = std::abs(key.value);
+    if (std::isfinite(key.size) && key.size > largest.size) largest = key;
+    return true;
+  };
+  const RowWalk walk(assembler, scaled_residual);
+  walk.vertices(keep_larger);
+  walk.elements(keep_larger);
+  largest = best_of_ranks(ranks_of(assembler), largest);
+  if (!largest.found) return {};
+  ResidualPeak peak{place_of(assembler, largest), largest.size, 0.0};
+  const Mesh& mesh = assembler.mesh();
+  const double h = largest.element < 0 ? 0.0 : mesh.element_length(mesh.elements[largest.element]);
+  peak.value = largest.value * scale_of(peak.place.kind, scales, h);
+  return peak;
+}
+
+std::optional<EquationPlace> first_not_finite(const Assembler& assembler, const MixedVector& vector,
+                                              SearchOrder order) {
+  // The place in the search decides between ranks: elements come before vertices, or after them.
+  const double behind = assembler.mesh().vertices() + static_cast<double>(assembler.mesh().elements.size());
+  RowKey first;
+  const auto find = [&](RowKey key) {
+    if (std::isfinite(key.value)) return true;
+    const bool is_late = (key.element >= 0) != (order == SearchOrder::elements_first);
+    key.size = -(key.element >= 0 ? key.element : key.vertex) - (is_late ? behind : 0.0);
+    if (!first.found || key.size > first.size) first = key;
+    return true;
+  };
+  const RowWalk walk(assembler, vector);
+  walk.elements(find);
+  walk.vertices(find);
+  first = best_of_ranks(ranks_of(assembler), first);
+  if (!first.found) return {};
+  return place_of(assembler, first);
+}
+
+std::optional<EquationPlace> first_tangent_not_finite(const Assembler& assembler) {
+  const bool planar = assembler.has_planar_tangent();
+  const auto entries_of = [&](int e) -> const double* {
+    return planar ? &assembler.planar_tangents()(e, 0) : &assembler.equations().condensed_tangent(e, 0);
+  };
+  const size_t entries = planar ? size_t{kPlanarTangent} : assembler.equations().condensed_tangent.extent(1);
+  RowKey first;
+  for (int e = 0; e < assembler.structure().local_elements() && !first.found; ++e)
+    if (!std::all_of(entries_of(e), entries_of(e) + entries, [](double x) { return std::isfinite(x); })) {
+      first.found = true;
+      first.element = assembler.structure().local_element_to_mesh[e];
+      first.size = -first.element;
+    }
+  first = best_of_ranks(ranks_of(assembler), first);
+  if (!first.found) return {};
+  return place_of(assembler, first);
+}
+
+EquationPlace place_of_vertex(const Assembler& assembler, int global_vertex) {
+  const Mesh& mesh = assembler.mesh();
+  EquationPlace place;
+  place.global_vertex = global_vertex;
+  place.position = mesh.vertex_position[global_vertex];
+  for (const auto& [point, vertex] : mesh.vertex_of_point)
+    if (vertex == global_vertex && place.point.empty()) place.point = point;
+  for (const MeshElement& element : mesh.elements)
+    for (int end = 0; end < 2; ++end) {
+      if (element.vertex[end] != global_vertex) continue;
+      place.member = assembler.scene().members[element.member].name;
+      place.along = mesh.arc_length(element, end == 0 ? -1.0 : 1.0) / mesh.member_of(element).curve.length;
+      return place;
+    }
+  return place;
+}
+
+std::string text_of(const EquationPlace& place) {
+  if (place.element >= 0)
+    return "element " + std::to_string(place.element) + " of member \"" + excerpt(place.member) + "\"";
+  if (!place.point.empty()) return "point \"" + excerpt(place.point) + "\"";
+  return "member \"" + excerpt(place.member) + "\" at " + rounded(place.along) + " of its length";
+}
+
+std::string equation_text(const EquationPlace& place) {
+  const std::string number = std::to_string(place.component + 1), axis = kAxes[place.component];
+  switch (place.kind) {
+    case RowKind::vertex_displacement:
+      return "balance of forces, component " + axis;
+    case RowKind::vertex_rotation:
+      return "balance of moments, component " + axis;
+    case RowKind::held_displacement:
+      return "displacement held by a support or joint, component " + number;
+    case RowKind::held_rotation:
+      return "rotation held by a support or joint, component " + number;
+    case RowKind::element_force:
+      return std::string("strain of the motion against strain of the force, ") +
+             (place.component == 0 ? "axial" : "shear " + number);
+    case RowKind::element_moment:
+      return std::string("rotation of the motion against rotation of the moment, ") +
+             (place.component == 0 ? "twist" : "bending " + number);
+    case RowKind::element_rotation:
+      return "balance of moments inside, component " + number;
+    case RowKind::element_displacement:
+      return "balance of forces inside, component " + axis;
+  }
+  return "";
+}
+
+std::string unknown_text(const EquationPlace& place) {
+  const std::string number = std::to_string(place.component + 1), axis = kAxes[place.component];
+  switch (place.kind) {
+    case RowKind::vertex_displacement:
+    case RowKind::held_displacement:
+      return "displacement " + axis;
+    case RowKind::vertex_rotation:
+    case RowKind::held_rotation:
+      return "rotation about " + axis;
+    case RowKind::element_force:
+      return place.component == 0 ? "axial force" : "shear force " + number;
+    case RowKind::element_moment:
+      return place.component == 0 ? "torque" : "bending moment " + number;
+    case RowKind::element_rotation:
+      return "rotation inside, component " + number;
+    case RowKind::element_displacement:
+      return "displacement inside, component " + axis;
+  }
+  return "";
+}
+
+std::vector<Assembler::EndAngle> end_angles_of_members(const Assembler& assembler) {
+  const Structure& structure = assembler.structure();
+  const Mesh& mesh = assembler.mesh();
+  const int members = static_cast<int>(mesh.members.size());
+  std::vector<double> angle(members, 0.0), largest(members, 0.0);
+  std::vector<int> where(members, 0);
+  for (int e = 0; e < structure.local_elements(); ++e) {
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[e]];
+    const double here = assembler.equations().largest_end_angle(e);
+    if (here > angle[element.member]) angle[element.member] = here, where[element.member] = element.index;
+  }
+  Teuchos::reduceAll(ranks_of(assembler), Teuchos::REDUCE_MAX, members, angle.data(), largest.data());
+  for (int m = 0; m < members; ++m)
+    if (angle[m] < largest[m]) where[m] = -1;
+  std::vector<int> element(where);
+  Teuchos::reduceAll(ranks_of(assembler), Teuchos::REDUCE_MAX, members, where.data(), element.data());
+  std::vector<Assembler::EndAngle> angles(members);
+  for (int m = 0; m < members; ++m) angles[m] = {largest[m], assembler.scene().members[m].name, element[m]};
+  return angles;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,218 @@
+#include "discretization/assembly/line_fields.hpp"
+
+#include "kernels/element/kinematics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+namespace mixbeam {
+
+namespace {
+
+/// Places xi of the points of a field in an element of a block.
+std::vector<double> places(LineField kind, const ElementBlock& block) {
+  std::vector<double> xi(line_field_points(kind, block.order, block.interior.force_points)), weight(xi.size());
+  const int axial = axial_points(block.order, block.force_integration);
+  const int first = kind == LineField::eigenstrain ? axial : static_cast<int>(xi.size());
+  gauss_rule(first, xi.data(), weight.data());
+  const int rest = static_cast<int>(xi.size()) - first;  // the shear part has points of its own
+  if (rest > 0) gauss_rule(rest, xi.data() + first, weight.data());
+  return xi;
+}
+
+/// Elements of a member on this rank: their block (-1: none) and their indices in it. A member has one order,
+/// integration rule and kind of section, so one block.
+struct LocalElements {
+  int block = -1;
+  std::vector<int> elements;
+};
+
+int block_holding(const Structure& structure, int local_element) {
+  return static_cast<int>(&structure.block_of(local_element) - structure.blocks.data());
+}
+
+LocalElements local_elements(const Mesh& mesh, const Structure& structure, int member) {
+  LocalElements result;
+  const MeshMember& m = mesh.members[member];
+  for (int i = 0; i < m.elements; ++i) {
+    const int local = structure.mesh_element_to_local[m.first_element + i];
+    if (local < 0) continue;
+    if (result.block < 0) result.block = block_holding(structure, local);
+    result.elements.push_back(local - structure.blocks[result.block].first_element);
+  }
+  return result;
+}
+
+void ensure_rows(ElementBlock& block) {
+  if (block.field_row.extent(0) > 0) return;
+  block.field_row = KernelView<int* [kLineFields]>("mixbeam::field_row", block.count);
+  Kokkos::deep_copy(block.field_row, -1);
+}
+
+bool is_load(LineField kind) { return kind != LineField::eigenstrain && kind != LineField::eigencurvature; }
+
+}  // namespace
+
+/// Component of a load at any place of its member: constant, or a formula of s and x.
+class LineFields::Profile {
+ public:
+  Profile(const Vector3& constant, const std::array<std::string, 3>& formula, const std::string& member)
+      : constant_(constant), member_(member) {
+    for (int i = 0; i < 3; ++i)
+      if (!formula[i].empty()) formula_[i].emplace(formula[i], std::vector<std::string>{"s", "x"});
+  }
+  bool is_zero() const {
+    for (int i = 0; i < 3; ++i)
+      if (formula_[i] || constant_[i] != 0.0) return false;
+    return true;
+  }
+  double at(int component, double s, double length) const {
+    if (!formula_[component]) return constant_[component];
+    const double value = (*formula_[component])({s, s / length});
+    if (!std::isfinite(value))
+      throw std::invalid_argument("member \"" + member_ + "\": the formula \"" + formula_[component]->text() +
+                                  "\" has no finite value at s = " + std::to_string(s) +
+                                  " (x = " + std::to_string(s / length) + ")");
+    return value;
+  }
+
+ private:
+  Vector3 constant_;
+  std::array<std::optional<Expression>, 3> formula_{};
+  std::string member_;
+};
+
+/// One vector of a DistributedLoad or an Eigenstrain.
+struct LineFields::Source {
+  LineField kind;
+  int member;
+  Profile profile;
+  Amplitude amplitude;
+};
+
+LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structure)
+    : has_loads_(!scene.distributed_loads.empty()), has_eigenstrains_(!scene.eigenstrains.empty()) {
+  for (const DistributedLoad& load : scene.distributed_loads) {
+    const int member = member_index(scene, load.member);
+    const Amplitude amplitude(load.stage, scene.stages, load.amplitude);
+    const bool follower = load.frame == LoadFrame::follower;
+    add_source(mesh, structure,
+               {follower ? LineField::follower_force : LineField::dead_force, member,
+                Profile(load.force, load.force_formula, load.member), amplitude});
+    add_source(mesh, structure,
+               {follower ? LineField::follower_couple : LineField::dead_couple, member,
+                Profile(load.couple, load.couple_formula, load.member), amplitude});
+  }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    const int member = member_index(scene, strain.member);
+    const Amplitude amplitude(strain.stage, scene.stages, strain.amplitude);
+    add_source(
+        mesh, structure,
+        {LineField::eigenstrain, member, Profile(strain.strain, strain.strain_formula, strain.member), amplitude});
+    add_source(mesh, structure,
+               {LineField::eigencurvature, member, Profile(strain.curvature, strain.curvature_formula, strain.member),
+                amplitude});
+  }
+  allocate_values(structure);
+}
+
+void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source& source) {
+  if (source.profile.is_zero()) return;
+  const MeshMember& member = mesh.members[source.member];
+  const LocalElements local = local_elements(mesh, structure, source.member);
+  if (local.block < 0) return;
+  ElementBlock& block = structure.blocks[local.block];
+  const std::vector<double> xi = places(source.kind, block);
+  Field field{source.kind, local.block, source.amplitude};
+  field.length = member.curve.length;
+  field.points = static_cast<int>(xi.size());
+  field.elements = KernelView<int*>("mixbeam::field_elements", local.elements.size());
+  field.value = KernelView<double* [3]>("mixbeam::field_source", local.elements.size() * xi.size());
+  ensure_rows(block);
+  for (size_t i = 0; i < local.elements.size(); ++i) {
+    const int e = field.elements(i) = local.elements[i];
+    block.field_row(e, static_cast<int>(source.kind)) = 0;  // allocate_values gives the true row
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
+    for (size_t q = 0; q < xi.size(); ++q)
+      for (int c = 0; c < 3; ++c) {
+        const double value = source.profile.at(c, mesh.arc_length(element, xi[q]), field.length);
+        field.value(i * xi.size() + q, c) = value;
+        field.largest = std::max(field.largest, std::abs(value));
+      }
+  }
+  fields_.push_back(field);
+}
+
+void LineFields::allocate_values(Structure& structure) {
+  for (ElementBlock& block : structure.blocks) {
+    if (block.field_row.extent(0) == 0) continue;
+    int rows = 0;
+    for (int e = 0; e < block.count; ++e)
+      for (int kind = 0; kind < kLineFields; ++kind) {
+        if (block.field_row(e, kind) < 0) continue;
+        block.field_row(e, kind) = rows;
+        rows += line_field_points(static_cast<LineField>(kind), block.order, block.interior.force_points);
+      }
+    block.field_value = KernelView<double* [3]>("mixbeam::field_value", rows);
+  }
+}
+
+void LineFields::set(const Structure& structure, double load_factor, bool with_loads) {
+  magnitude_ = {};
+  set_zero(structure);
+  for (const Field& field : fields_) {
+    if (!with_loads && is_load(field.kind)) continue;
+    const double amplitude = field.amplitude(load_factor);
+    add(structure, field, amplitude);
+    note_magnitude(field, std::abs(amplitude));
+  }
+}
+
+void LineFields::set_slope(const Structure& structure, double load_factor) const {
+  set_zero(structure);
+  for (const Field& field : fields_) add(structure, field, field.amplitude.slope(load_factor));
+}
+
+void LineFields::set_zero(const Structure& structure) const {
+  for (const ElementBlock& block : structure.blocks)
+    if (block.field_value.extent(0) > 0) Kokkos::deep_copy(block.field_value, 0.0);
+}
+
+void LineFields::add(const Structure& structure, const Field& field, double factor) const {
+  const auto row = structure.blocks[field.block].field_row;
+  const auto sum = structure.blocks[field.block].field_value;
+  const auto value = field.value;
+  const auto elements = field.elements;
+  const int kind = static_cast<int>(field.kind), points = field.points;
+  Kokkos::parallel_for(
+      "mixbeam::line_fields", Kokkos::RangePolicy<ExecutionSpace>(0, static_cast<int>(elements.extent(0))),
+      KOKKOS_LAMBDA(int i) {
+        const int first = row(elements(i), kind);
+        for (int q = 0; q < points; ++q)
+          for (int c = 0; c < 3; ++c) sum(first + q, c) += factor * value(i * points + q, c);
+      });
+}
+
+void LineFields::note_magnitude(const Field& field, double factor) {
+  const double size = factor * field.largest;
+  const auto raise = [](double& largest, double value) { largest = std::max(largest, value); };
+  switch (field.kind) {
+    case LineField::dead_force:
+    case LineField::follower_force:
+      return raise(magnitude_.force, size * field.length);
+    case LineField::dead_couple:
+    case LineField::follower_couple:
+      return raise(magnitude_.couple, size * field.length);
+    case LineField::eigenstrain:
+      return raise(magnitude_.strain, size);
+    case LineField::eigencurvature:
+      raise(magnitude_.curvature, size);
+      return raise(magnitude_.turn, size * field.length);
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,65 @@
+/// Distributed loads and eigenstrains of a scene as one rank applies them to its elements, at any load factor.
+#pragma once
+
+#include "discretization/mesh/structure.hpp"
+#include "discretization/scene/amplitude.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// Sizes at the present load factor, of what is on this rank.
+struct LineFieldMagnitude {
+  double force = 0.0;      ///< largest component of a load per length times the length of its member
+  double couple = 0.0;     ///< likewise
+  double strain = 0.0;     ///< largest eigenstrain
+  double curvature = 0.0;  ///< largest eigencurvature
+  double turn = 0.0;       ///< the same times the length of its member: a rotation
+};
+
+/// Formulas are evaluated once, at construction; a change of the load factor scales and adds the values.
+class LineFields {
+ public:
+  LineFields() = default;
+  /// Gives the blocks of `structure` their rows of values, where the scene has any. Throws InputError for a member that
+  /// does not exist, std::invalid_argument for a formula that is none or is not finite somewhere on its member.
+  LineFields(const Scene& scene, const Mesh& mesh, Structure& structure);
+
+  /// Whether the scene has distributed loads, on any rank.
+  bool has_loads() const { return has_loads_; }
+  bool empty() const { return !has_loads_ && !has_eigenstrains_; }
+
+  /// Writes the sum of all fields at a load factor into the blocks; `with_loads` false: of the eigenstrains alone.
+  void set(const Structure& structure, double load_factor, bool with_loads = true);
+  /// Writes the derivative with respect to the load factor instead.
+  void set_slope(const Structure& structure, double load_factor) const;
+  /// As if there were no field at all.
+  void set_zero(const Structure& structure) const;
+  /// Of the last set().
+  const LineFieldMagnitude& magnitude() const { return magnitude_; }
+
+ private:
+  /// One vector along the elements of one member on this rank.
+  struct Field {
+    LineField kind;
+    int block = 0;
+    Amplitude amplitude{};
+    double largest = 0.0;              ///< component, at amplitude 1
+    double length = 0.0;               ///< of the member
+    int points = 0;                    ///< of each element
+    KernelView<int*> elements{};       ///< of the block
+    KernelView<double* [3]> value {};  ///< (element by element, point)
+  };
+  class Profile;
+  struct Source;
+  void add_source(const Mesh& mesh, Structure& structure, const Source& source);
+  void allocate_values(Structure& structure);
+  void add(const Structure& structure, const Field& field, double factor) const;
+  void note_magnitude(const Field& field, double factor);
+
+  std::vector<Field> fields_{};
+  LineFieldMagnitude magnitude_{};
+  bool has_loads_ = false, has_eigenstrains_ = false;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,217 @@
+#include "discretization/checks/expected_values.hpp"
+
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/scene/names.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+const std::vector<std::string> kSpatial = {"x", "y", "z", "norm"};
+const std::vector<std::string> kMaterial = {"1", "2", "3", "norm"};
+const std::vector<std::string> kComponents = {"x", "y", "z", "1", "2", "3", "norm"};
+
+/// What a quantity needs to be told.
+struct QuantityKind {
+  std::vector<std::string> needs;       ///< of "Point", "Member", "Position", "Component"; no others are allowed
+  std::vector<std::string> components;  ///< allowed ones
+};
+
+const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
+const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
+const std::map<std::string, QuantityKind> kKinds = {{"displacement", kOfPoint},      {"position", kOfPoint},
+                                                    {"rotation", kOfPoint},          {"reaction force", kOfPoint},
+                                                    {"reaction moment", kOfPoint},   {"material force", kOfSection},
+                                                    {"material moment", kOfSection}, {"strain energy", {{}, {}}},
+                                                    {"load factor", {{}, {}}},       {kStableName, {{}, {}}}};
+const std::vector<std::string> kVerdicts = {"true", "false", "neutral", "unknown"};
+
+bool contains(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// Quantities of an application are its own affair.
+void check_description(const Teuchos::ParameterList& list, const std::string& quantity, const ParameterSource& source,
+                       const ParameterPath& path) {
+  const auto found = kKinds.find(quantity);
+  if (found == kKinds.end()) return;
+  const QuantityKind& kind = found->second;
+  for (const std::string parameter : {"Point", "Member", "Position", "Component"}) {
+    const bool needed = contains(kind.needs, parameter);
+    if (needed == list.isParameter(parameter)) continue;
+    throw source.error(child(path, parameter), std::string(needed ? "missing; needed" : "given, but has no meaning") +
+                                                   " for the quantity \"" + quantity + "\", which takes " +
+                                                   quoted_list(kind.needs));
+  }
+  if (!list.isParameter("Component")) return;
+  const auto& component = list.get<std::string>("Component");
+  if (contains(kind.components, component)) return;
+  throw source.error(child(path, "Component"), "value \"" + component + "\" of the quantity \"" + quantity +
+                                                   "\"; allowed: " + quoted_list(kind.components));
+}
+
+/// Of `stable`: a word, which is there or not, whatever the tolerance.
+void read_word(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
+               ExpectedValue& expected) {
+  if (!list.isType<std::string>("Value"))
+    throw source.error(child(path, "Value"),
+                       "a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));
+  expected.word = list.get<std::string>("Value");
+  for (const char* parameter : {"Absolute Tolerance", "Relative Tolerance", "Critical Point"})
+    if (list.isParameter(parameter))
+      throw source.error(child(path, parameter), "given, but has no meaning for the quantity \"stable\"");
+}
+
+void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
+                    ExpectedValue& expected) {
+  const bool absolute = list.isParameter("Absolute Tolerance");
+  if (absolute == list.isParameter("Relative Tolerance")) {
+    throw source.error(path, std::string(absolute ? "both" : "neither") +
+                                 R"( of "Absolute Tolerance" and "Relative Tolerance" given; allowed: exactly one)");
+  }
+  expected.kind = absolute ? ToleranceKind::absolute : ToleranceKind::relative;
+  expected.tolerance = list.get<double>(absolute ? "Absolute Tolerance" : "Relative Tolerance");
+  if (!absolute && expected.value == 0.0) {
+    throw source.error(child(path, "Relative Tolerance"),
+                       "no difference is small relative to the value 0; allowed: \"Absolute Tolerance\"");
+  }
+}
+
+ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& name, const ParameterSource& source,
+                       const ParameterPath& path) {
+  ExpectedValue expected;
+  expected.name = name;
+  expected.quantity = list.get<std::string>("Quantity");
+  check_description(list, expected.quantity, source, path);
+  expected.point = get_text_or_empty(list, "Point");
+  expected.member = get_text_or_empty(list, "Member");
+  if (list.isParameter("Position")) expected.position = list.get<double>("Position");
+  expected.component = get_text_or_empty(list, "Component");
+  expected.load_case = get_text_or_empty(list, "Case");
+  if (list.isParameter("Load Factor")) expected.load_factor = list.get<double>("Load Factor");
+  if (list.isParameter("Critical Point")) expected.critical_point = list.get<int>("Critical Point");
+  if (expected.critical_point && expected.load_factor)
+    throw source.error(child(path, "Load Factor"),
+                       R"(given besides "Critical Point", which has its own; allowed: one of them)");
+  expected.source = list.get<std::string>("Source");
+  if (expected.quantity == kStableName) {
+    read_word(list, source, path, expected);
+    return expected;
+  }
+  if (list.isType<std::string>("Value"))
+    throw source.error(child(path, "Value"), "value \"" + list.get<std::string>("Value") + "\" for the quantity \"" +
+                                                 expected.quantity + "\"; allowed: a number");
+  expected.value = list.get<double>("Value");
+  read_tolerance(list, source, path, expected);
+  return expected;
+}
+
+bool is_reaction(const std::string& quantity) { return quantity == "reaction force" || quantity == "reaction moment"; }
+
+void check_case(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
+                const ParameterPath& path) {
+  const std::vector<std::string>& cases = scene.load_cases;
+  if (value.load_case.empty() && cases.empty()) return;
+  if (contains(cases, value.load_case)) return;
+  const std::string seen = value.load_case.empty() ? "missing" : "value \"" + excerpt(value.load_case) + "\"";
+  throw source.error(child(path, "Case"), seen + "; allowed: a load case of the scene: " + quoted_list(cases) +
+                                              did_you_mean(value.load_case, cases));
+}
+
+void check_supported(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
+                     const ParameterPath& path) {
+  std::vector<std::string> supported;
+  for (const Support& support : scene.supports) supported.push_back(support.point);
+  if (contains(supported, value.point)) return;
+  throw source.error(child(path, "Point"), "value \"" + excerpt(value.point) +
+                                               "\" has no support, so no reaction; allowed: " + quoted_list(supported));
+}
+
+}  // namespace
+
+const std::vector<std::string>& common_quantities() {
+  static const std::vector<std::string> quantities = {
+      "displacement",   "position",        "rotation",      "reaction force", "reaction moment",
+      "material force", "material moment", "strain energy", "load factor",    kStableName};
+  return quantities;
+}
+
+ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
+  std::vector<std::string> quantities = common_quantities();
+  quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
+  ListSpec one("A value that the run must reproduce.");
+  one.add(choice("Quantity", quantities).required().means("What is compared."));
+  one.add(text("Point").means("Name of the point, for a quantity of a point; for a reaction: a supported one."));
+  one.add(text("Member").means("Name of the member, for a material force or moment."));
+  one.add(real("Position")
+              .at_least(0.0)
+              .at_most(1.0)
+              .means("Where along the member: arc length from its start over its length; between two elements the "
+                     "value of the second "
+                     "one counts."));
+  one.add(choice("Component", kComponents)
+              .means("For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment "
+                     "in the axes of the section, or the norm."));
+  one.add(text("Case").means("Load case in which it is compared; needed where the scene has load cases."));
+  one.add(real("Load Factor").at_least(0.0).means("When it is compared; at the end of the run if absent."));
+  one.add(integer("Critical Point")
+              .at_least(1)
+              .means("The value belongs to the state at the critical point (limit point or bifurcation) of this number "
+                     "on the path, counted from 1."));
+  one.add(real("Value").or_one_of(kVerdicts).required().means(
+      "The expected value, in the scene's units; a word for the quantity stable."));
+  one.add(real("Absolute Tolerance").above(0.0).means("Largest difference, in the units of the value."));
+  one.add(real("Relative Tolerance").above(0.0).means("Largest difference, as a share of the value."));
+  one.add(text("Source").required().means("Where the value comes from: paper and table, formula, other program."));
+  return ListSpec("Expected answers; the run fails if one is missed.").with_named_lists("check", one);
+}
+
+std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
+                                                const std::vector<std::string>& own_quantities,
+                                                const ParameterPath& path) {
+  validate(list, expected_values_spec(own_quantities), source, path);
+  std::vector<ExpectedValue> expected;
+  for (auto entry = list.begin(); entry != list.end(); ++entry) {
+    const std::string& name = list.name(entry);
+    expected.push_back(read_one(list.sublist(name), name, source, child(path, name)));
+  }
+  return expected;
+}
+
+void check_expected_values(const std::vector<ExpectedValue>& expected, const Scene& scene,
+                           const ParameterSource& source, const ParameterPath& path) {
+  const SceneNames names(scene);
+  for (const ExpectedValue& value : expected) {
+    const ParameterPath place = child(path, value.name);
+    check_case(value, scene, source, place);
+    if (!value.point.empty() && names.members_at(value.point) == nullptr)
+      throw unknown_name(source, child(place, "Point"), "point", value.point, names.point_names());
+    if (!value.member.empty() && names.member(value.member) == nullptr)
+      throw unknown_name(source, child(place, "Member"), "member", value.member, names.member_names());
+    if (is_reaction(value.quantity)) check_supported(value, scene, source, place);
+    const int stages = scene.load_cases.empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
+    if (value.load_factor.value_or(0.0) <= stages) continue;
+    throw source.error(child(place, "Load Factor"), "value " + shortest(*value.load_factor) + "; allowed: at most " +
+                                                        std::to_string(stages) +
+                                                        ", where the load path of the scene ends");
+  }
+}
+
+ExpectationResult compare(const ExpectedValue& expected, double actual) {
+  ExpectationResult comparison;
+  comparison.difference = actual - expected.value;
+  if (expected.kind == ToleranceKind::relative) comparison.difference /= std::abs(expected.value);
+  comparison.pass = std::abs(comparison.difference) <= expected.tolerance;  // false for NaN
+  return comparison;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,325 @@
+#include "discretization/checks/mechanism.hpp"
+
+#include "discretization/checks/rigid_parts.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+// A support that stands closer to the axis of a motion than 1e-6 of the structure's size does not count as blocking it:
+// squared in the matrix below, which carries rounding errors of 1e-16.
+constexpr double kBlockedShare = 1e-12;
+constexpr double kPrintedZero = 1e-9;  // components of a motion below this share are rounding
+// The elimination is dense: this many parts take a second or two.
+constexpr std::size_t kMostParts = 150;
+
+/// Rigid motion about a reference point: displacement = translation + rotation x (position - reference) / size.
+struct RigidMotion {
+  Vector3 translation{};
+  Vector3 rotation{};
+};
+
+using Row = std::vector<double>;  // of each part: translation x, y, z, rotation x, y, z
+using Rows = std::vector<Row>;
+
+/// Adds factor * (displacement of a point of a part . e) to a row.
+void add_displacement(Row& row, double factor, const RigidPart& part, std::size_t index, const Vector3& position,
+                      const Vector3& e) {
+  const Vector3 lever = cross(scaled(1.0 / part.size, difference(position, part.center)), e);
+  for (std::size_t i = 0; i < 3; ++i) {
+    row[6 * index + i] += factor * e[i];
+    row[6 * index + 3 + i] += factor * lever[i];  // (rotation x arm) . e = rotation . (arm x e)
+  }
+}
+
+void add_rotation(Row& row, double factor, std::size_t index, const Vector3& e) {
+  for (std::size_t i = 0; i < 3; ++i) row[6 * index + 3 + i] += factor * e[i];
+}
+
+/// What each fixed or elastic component of the supports sees of the motions.
+void add_support_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
+  const std::size_t n = 6 * assembly.parts.size();
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const RigidPart& part = assembly.parts[p];
+    for (const std::size_t s : part.supports) {
+      const Support& support = scene.supports[s];
+      const auto place = std::find(part.points.begin(), part.points.end(), support.point);
+      const Vector3& position = part.positions[static_cast<std::size_t>(place - part.points.begin())];
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (support.displacement_fixed[i] || support.displacement_stiffness[i] > 0.0)
+          add_displacement(rows.emplace_back(n, 0.0), 1.0, part, p, position, support.axes[i]);
+        if (support.rotation_fixed[i] || support.rotation_stiffness[i] > 0.0)
+          add_rotation(rows.emplace_back(n, 0.0), 1.0, p, support.axes[i]);
+      }
+    }
+  }
+}
+
+/// Three orthonormal directions, the last one along an axis.
+Axes frame_along(const Vector3& axis) {
+  const Vector3 a = scaled(1.0 / norm(axis), axis);
+  Vector3 across{};
+  across[std::abs(a[0]) <= std::min(std::abs(a[1]), std::abs(a[2])) ? 0
+         : std::abs(a[1]) <= std::abs(a[2])                         ? 1
+                                                                    : 2] = 1.0;
+  const Vector3 normal = cross(a, across), b = scaled(1.0 / norm(normal), normal);
+  return {b, cross(a, b), a};
+}
+
+/// What each joint sees of the relative motion of its two parts.
+void add_joint_rows(const RigidAssembly& assembly, const Scene& scene, Rows& rows) {
+  const std::size_t n = 6 * assembly.parts.size();
+  for (const RigidLink& link : assembly.links) {
+    const Joint& joint = scene.joints[link.joint];
+    const RigidPart &master = assembly.parts[link.master], &slave = assembly.parts[link.slave];
+    const double size = std::min(master.size, slave.size);  // rotations are stored times the size of their part
+    const Axes frame = frame_along(joint.kind == JointKind::ball ? Vector3{0, 0, 1} : joint.axis);
+    const bool is_slider = joint.kind == JointKind::slider, has_spring = joint.stiffness > 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!is_slider || i < 2 || has_spring) {
+        Row& row = rows.emplace_back(n, 0.0);
+        add_displacement(row, 1.0, slave, link.slave, link.position, frame[i]);
+        add_displacement(row, -1.0, master, link.master, link.position, frame[i]);
+      }
+      if (is_slider || (joint.kind == JointKind::hinge && (i < 2 || has_spring))) {
+        Row& row = rows.emplace_back(n, 0.0);
+        add_rotation(row, size / slave.size, link.slave, frame[i]);
+        add_rotation(row, -size / master.size, link.master, frame[i]);
+      }
+    }
+  }
+}
+
+/// R^T R of all rows R: a motion that it maps to zero is held by nothing.
+Rows blocking_matrix(const RigidAssembly& assembly, const Scene& scene) {
+  Rows rows;
+  add_support_rows(assembly, scene, rows);
+  add_joint_rows(assembly, scene, rows);
+  const std::size_t n = 6 * assembly.parts.size();
+  Rows matrix(n, Row(n, 0.0));
+  std::vector<std::size_t> entries;
+  for (const Row& row : rows) {
+    entries.clear();
+    for (std::size_t i = 0; i < n; ++i)
+      if (row[i] != 0.0) entries.push_back(i);
+    for (const std::size_t i : entries)
+      for (const std::size_t j : entries) matrix[i][j] += row[i] * row[j];
+  }
+  return matrix;
+}
+
+/// Gauss-Jordan elimination with full pivoting over the given columns. Afterwards the first rows have a one in their
+/// pivot column, where all other rows are zero. Returns the pivot columns in the order of the rows.
+std::vector<std::size_t> reduce(Rows& rows, const std::vector<std::size_t>& columns, double threshold,
+                                std::size_t first_row = 0) {
+  std::vector<std::size_t> pivots;
+  for (std::size_t done = first_row; done < rows.size(); ++done) {
+    std::size_t best_row = done, best_column = columns.front();
+    for (std::size_t row = done; row < rows.size(); ++row) {
+      for (const std::size_t column : columns) {
+        if (std::abs(rows[row][column]) > std::abs(rows[best_row][best_column])) best_row = row, best_column = column;
+      }
+    }
+    const double pivot = rows[best_row][best_column];
+    if (std::abs(pivot) <= threshold) break;
+    std::swap(rows[done], rows[best_row]);
+    for (double& entry : rows[done]) entry /= pivot;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const double factor = rows[row][best_column];
+      if (row == done) continue;
+      if (factor == 0.0) continue;
+      for (std::size_t i = 0; i < rows[row].size(); ++i) rows[row][i] -= factor * rows[done][i];
+    }
+    pivots.push_back(best_column);
+  }
+  return pivots;
+}
+
+double largest_entry(const Rows& rows) {
+  double largest = 0.0;
+  for (const Row& row : rows) {
+    for (const double entry : row) largest = std::max(largest, std::abs(entry));
+  }
+  return largest;
+}
+
+/// Motions that the matrix maps to zero.
+Rows null_space(Rows matrix) {
+  std::vector<std::size_t> all(matrix.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::vector<std::size_t> pivots = reduce(matrix, all, kBlockedShare * largest_entry(matrix));
+  std::vector<bool> is_pivot(all.size(), false);
+  for (const std::size_t pivot : pivots) is_pivot[pivot] = true;
+  Rows motions;
+  for (const std::size_t free : all) {
+    if (is_pivot[free]) continue;
+    Row motion(all.size(), 0.0);
+    motion[free] = 1.0;
+    for (std::size_t row = 0; row < pivots.size(); ++row) motion[pivots[row]] = -matrix[row][free];
+    motions.push_back(motion);
+  }
+  return motions;
+}
+
+/// The same space in plain words: rotations about as few axes as possible, and translations without any rotation.
+Rows plain_motions(Rows motions) {
+  if (motions.empty()) return motions;
+  const double threshold = kPrintedZero * largest_entry(motions);
+  std::vector<std::size_t> translations, rotations;
+  for (std::size_t i = 0; i < motions.front().size(); ++i) (i % 6 < 3 ? translations : rotations).push_back(i);
+  const std::size_t turning = reduce(motions, rotations, threshold).size();
+  reduce(motions, translations, threshold, turning);
+  for (Row& row : motions) {
+    const double largest = largest_entry({row});
+    for (double& entry : row) entry = std::abs(entry) < kPrintedZero * largest ? 0.0 : entry;
+  }
+  return motions;
+}
+
+RigidMotion motion_of_part(const Row& row, std::size_t part) {
+  const double* m = &row[6 * part];
+  return {{m[0], m[1], m[2]}, {m[3], m[4], m[5]}};
+}
+
+bool moves(const RigidMotion& motion) { return !is_zero(motion.translation) || !is_zero(motion.rotation); }
+
+Vector3 displacement(const RigidMotion& motion, const RigidPart& part, const Vector3& position) {
+  const Vector3 arm = scaled(1.0 / part.size, difference(position, part.center));
+  return sum(motion.translation, cross(motion.rotation, arm));
+}
+
+std::string rounded_text(const Vector3& v, double size) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Six decimals relative to the size are enough to find the place.
+    const double grid = size * 1e-6;
+    const double rounded = std::round(v[i] / grid) * grid;
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), "%.6g", rounded == 0.0 ? 0.0 : rounded);
+    text += (i == 0 ? "" : ", ") + std::string(digits.data());
+  }
+  return text + ")";
+}
+
+std::string described(const RigidMotion& motion, const RigidPart& part) {
+  const double turn = norm(motion.rotation);
+  if (turn == 0.0) {
+    return "translation along " + rounded_text(scaled(1.0 / norm(motion.translation), motion.translation), 1.0);
+  }
+  const Vector3 direction = scaled(1.0 / turn, motion.rotation);
+  const Vector3 to_axis = scaled(part.size / turn, cross(direction, motion.translation));
+  const double along = dot(direction, motion.translation) / turn;
+  std::string text = "rotation about " + rounded_text(direction, 1.0) + " through " +
+                     rounded_text(sum(part.center, to_axis), std::max(part.size, norm(part.center)));
+  if (std::abs(along) > kPrintedZero) text += " with a translation along it, like a screw";
+  return text;
+}
+
+std::string point_moved_most(const RigidMotion& motion, const RigidPart& part) {
+  double largest = kPrintedZero;
+  const std::string* moved = nullptr;
+  for (std::size_t i = 0; i < part.points.size(); ++i) {
+    const double distance = norm(displacement(motion, part, part.positions[i]));
+    // The first one of equals, whatever the rounding.
+    if (distance > largest * (1.0 + kPrintedZero)) largest = distance, moved = &part.points[i];
+  }
+  if (moved == nullptr) return "all its points lie on this axis and only turn";
+  return "point \"" + excerpt(*moved) + "\" moves most";
+}
+
+std::vector<std::string> names_of(const std::vector<std::size_t>& members, const Scene& scene) {
+  std::vector<std::string> names;
+  for (const std::size_t i : members) names.push_back(scene.members[i].name);
+  return names;
+}
+
+std::string member_names(const std::vector<std::size_t>& members, const Scene& scene, const std::string& several) {
+  return (members.size() == 1 ? "member " : several) + quoted_list(names_of(members, scene));
+}
+
+/// The part that moves most, told by itself: of a joined structure, which members move, and how.
+std::string described(const Row& row, const RigidAssembly& assembly, const Scene& scene) {
+  std::size_t most = 0, moving = 0;
+  double largest = 0.0;
+  for (std::size_t p = 0; p < assembly.parts.size(); ++p) {
+    const RigidMotion motion = motion_of_part(row, p);
+    moving += moves(motion) ? 1 : 0;
+    const double size = std::hypot(norm(motion.translation), norm(motion.rotation));
+    if (size > largest * (1.0 + kPrintedZero)) largest = size, most = p;
+  }
+  const RigidPart& part = assembly.parts[most];
+  const RigidMotion motion = motion_of_part(row, most);
+  const std::string words = described(motion, part) + " (" + point_moved_most(motion, part) + ")";
+  if (assembly.parts.size() == 1) return words;
+  return member_names(part.members, scene, "members ") + " by " + words +
+         (moving > 1 ? ", others with it through the joints" : "");
+}
+
+std::vector<std::size_t> all_members(const RigidAssembly& assembly) {
+  std::vector<std::size_t> members;
+  for (const RigidPart& part : assembly.parts) members.insert(members.end(), part.members.begin(), part.members.end());
+  std::sort(members.begin(), members.end());
+  return members;
+}
+
+/// Necessary at least: with every joint locked the structure must be held.
+RigidAssembly locked(const RigidAssembly& assembly) {
+  RigidAssembly single;
+  RigidPart& whole = single.parts.emplace_back();
+  for (const RigidPart& part : assembly.parts) {
+    whole.members.insert(whole.members.end(), part.members.begin(), part.members.end());
+    whole.supports.insert(whole.supports.end(), part.supports.begin(), part.supports.end());
+    whole.points.insert(whole.points.end(), part.points.begin(), part.points.end());
+    whole.positions.insert(whole.positions.end(), part.positions.begin(), part.positions.end());
+  }
+  for (const Vector3& position : whole.positions)
+    whole.center = sum(whole.center, scaled(1.0 / static_cast<double>(whole.positions.size()), position));
+  for (const Vector3& position : whole.positions)
+    whole.size = std::max(whole.size, norm(difference(position, whole.center)));
+  return single;
+}
+
+void check_assembly(const RigidAssembly& assembly, const Scene& scene, const ParameterSource& source,
+                    const ParameterPath& path) {
+  const Rows free = plain_motions(null_space(blocking_matrix(assembly, scene)));
+  if (free.empty()) return;
+  constexpr std::size_t kMostMotions = 6;
+  std::string motions;
+  for (std::size_t i = 0; i < std::min(free.size(), kMostMotions); ++i)
+    motions += (motions.empty() ? "" : "; ") + described(free[i], assembly, scene);
+  if (free.size() > kMostMotions) motions += "; and " + std::to_string(free.size() - kMostMotions) + " more";
+  const bool joined = assembly.parts.size() > 1;
+  throw source.error(child(path, "Supports"),
+                     member_names(all_members(assembly), scene, "connected members ") + " can move without strain in " +
+                         std::to_string(free.size()) + (free.size() == 1 ? " way: " : " ways: ") + motions +
+                         "; allowed: " +
+                         (joined ? "supports, springs and joints that leave no motion without strain"
+                                 : "supports that block all six rigid motions of every connected part"));
+}
+
+}  // namespace
+
+std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
+  std::string skipped;
+  for (const RigidAssembly& assembly : rigid_assemblies(scene)) {
+    const bool is_small = assembly.parts.size() <= kMostParts;
+    check_assembly(is_small ? assembly : locked(assembly), scene, source, path);
+    if (!is_small)
+      skipped = "whether joints let a part of the structure move without strain was not checked: " +
+                std::to_string(assembly.parts.size()) + " parts are joined, and the check takes " +
+                std::to_string(kMostParts) + " at most";
+  }
+  return skipped;
+}
+
+}  // namespace mixbeam

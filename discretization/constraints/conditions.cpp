@@ -1,0 +1,161 @@
+#include "discretization/constraints/conditions.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kVertexRows = 6;
+
+Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+
+/// Reference triad of a member at the vertex where a follower load acts.
+Quat reference_triad_at(const Mesh& mesh, int member, int vertex) {
+  return mesh.members[member].curve.triad(arc_length_of_vertex(mesh, member, vertex));
+}
+
+VertexLoad vertex_load(const PointLoad& load, const Scene& scene, const Mesh& mesh, int global, int local) {
+  VertexLoad result;
+  result.vertex = local;
+  result.frame = load.frame;
+  result.amplitude = Amplitude(load.stage, scene.stages, load.amplitude);
+  result.force = to_vec(load.force);
+  result.moment = to_vec(load.moment);
+  if (load.frame == LoadFrame::follower) {
+    const Mat triad = rotation_matrix(reference_triad_at(mesh, member_index(scene, load.member), global));
+    result.force = triad * result.force;
+    result.moment = triad * result.moment;
+  }
+  return result;
+}
+
+Mat matrix_of(const Axes& axes) {
+  Mat rows;
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c) rows(i, c) = axes[i][c];
+  return rows;
+}
+
+SupportRotation rotation_kind(const Support& support) {
+  const int fixed = support.rotation_fixed[0] + support.rotation_fixed[1] + support.rotation_fixed[2];
+  bool has_spring = false;
+  for (int i = 0; i < 3; ++i)
+    has_spring = has_spring || (!support.rotation_fixed[i] && support.rotation_stiffness[i] != 0.0);
+  if (fixed == 3) return SupportRotation::fixed;
+  if (fixed == 1 || has_spring) return SupportRotation::vector;
+  return fixed == 2 ? SupportRotation::hinge : SupportRotation::free;
+}
+
+VertexSupport vertex_support(const Support& support, int stages, int index, int local) {
+  VertexSupport result;
+  result.vertex = local;
+  result.index = index;
+  result.amplitude = Amplitude(support.stage, stages, support.amplitude);
+  result.axes = matrix_of(support.axes);
+  result.turns_forces = support.axes != kGlobalAxes;
+  result.displacement = to_vec(support.prescribed_displacement);
+  result.rotation = transpose_times(result.axes, to_vec(support.prescribed_rotation));
+  result.rotation_kind = rotation_kind(support);
+  for (int i = 0; i < 3; ++i) {
+    result.fixed[i] = support.displacement_fixed[i];
+    result.fixed[3 + i] = support.rotation_fixed[i];
+    result.displacement_stiffness[i] = support.displacement_fixed[i] ? 0.0 : support.displacement_stiffness[i];
+    result.rotation_stiffness[i] = support.rotation_fixed[i] ? 0.0 : support.rotation_stiffness[i];
+  }
+  return result;
+}
+
+/// A right-handed frame whose third direction is the axis; the first two do not depend on its length.
+Mat joint_frame(const Joint& joint) {
+  const Vec axis = to_vec(joint.axis);
+  const double length = norm(axis);
+  if (!(length > 0.0)) throw std::invalid_argument("joint \"" + joint.name + "\": its axis has no direction");
+  const Vec a = (1.0 / length) * axis;
+  int smallest = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(a[i]) < std::abs(a[smallest])) smallest = i;
+  Vec across{{0.0, 0.0, 0.0}};
+  across[smallest] = 1.0;
+  const Vec normal = cross(a, across), b1 = (1.0 / norm(normal)) * normal, b2 = cross(a, b1);
+  return {{{b1[0], b1[1], b1[2]}, {b2[0], b2[1], b2[2]}, {a[0], a[1], a[2]}}};
+}
+
+}  // namespace
+
+Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure) {
+  Conditions conditions;
+  const VertexPartition& partition = structure.partition;
+  for (const PointLoad& load : scene.point_loads) {
+    const int global = vertex_of(mesh, load.point);
+    if (partition.owns(global))
+      conditions.loads.push_back(vertex_load(load, scene, mesh, global, global - partition.owned_first()));
+  }
+  for (size_t i = 0; i < scene.supports.size(); ++i) {
+    const int global = vertex_of(mesh, scene.supports[i].point);
+    if (partition.owns(global))
+      conditions.supports.push_back(
+          vertex_support(scene.supports[i], scene.stages, static_cast<int>(i), global - partition.owned_first()));
+  }
+  for (const MeshJoint& joint : mesh.joints) {
+    if (!partition.owns(joint.master)) continue;
+    const Joint& described = scene.joints[joint.joint];
+    conditions.joints.push_back({joint.master - partition.owned_first(), joint.slave - partition.owned_first(),
+                                 described.kind, joint_frame(described), described.stiffness});
+  }
+  return conditions;
+}
+
+SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
+  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
+  if (load.frame == LoadFrame::follower) {
+    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
+    spatial = {turn * spatial.force, turn * spatial.moment};
+  }
+  return spatial;
+}
+
+void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
+                          const KernelView<double*>& rows) {
+  for (const VertexLoad& load : conditions.loads) {
+    const double amplitude = slope ? load.amplitude.slope(load_factor) : load.amplitude(load_factor);
+    const SpatialLoad spatial = spatial_load(load, amplitude, state);
+    for (int i = 0; i < 3; ++i) {
+      rows(kVertexRows * load.vertex + i) -= spatial.force[i];
+      rows(kVertexRows * load.vertex + 3 + i) -= spatial.moment[i];
+    }
+  }
+}
+
+namespace {
+
+// Of each stage: a formula that turns a support at a rate above the one found here only costs load steps.
+constexpr int kSlopeSamples = 64;
+
+double steepest_slope(const Support& support, int stages) {
+  if (support.amplitude.empty()) return 1.0;
+  const Amplitude amplitude(support.stage, stages, support.amplitude);
+  double steepest = 0.0;
+  for (int i = 0; i <= stages * kSlopeSamples; ++i) {
+    const double slope = std::abs(amplitude.slope(static_cast<double>(i) / kSlopeSamples));
+    if (std::isfinite(slope)) steepest = std::max(steepest, slope);
+  }
+  return steepest;
+}
+
+}  // namespace
+
+double largest_prescribed_rotation(const Scene& scene) {
+  double largest = 0.0;
+  for (const Support& s : scene.supports)
+    if (!vector_algebra::is_zero(s.prescribed_rotation))
+      largest = std::max(largest, steepest_slope(s, scene.stages) * norm(to_vec(s.prescribed_rotation)));
+  return largest;
+}
+
+}  // namespace mixbeam

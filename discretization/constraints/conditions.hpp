@@ -1,0 +1,73 @@
+/// Loads and supports as one rank applies them, at any load factor.
+#pragma once
+
+#include "discretization/mesh/structure.hpp"
+#include "discretization/scene/amplitude.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// Force and moment on one vertex; follower components are stored in the vertex frame (turned back by Lambda_V).
+struct VertexLoad {
+  int vertex = 0;  ///< owned local vertex
+  Vec3<double> force{}, moment{};
+  LoadFrame frame = LoadFrame::dead;
+  Amplitude amplitude{};
+};
+
+/// How a support holds rotations: see support_rows.hpp.
+enum class SupportRotation { free, fixed, hinge, vector };
+
+struct VertexSupport {
+  int vertex = 0;  ///< owned local vertex
+  int index = 0;   ///< in Scene::supports
+  bool fixed[6] = {};
+  Mat3<double> axes{};          ///< rows e_1, e_2, e_3, spatial
+  bool turns_forces = false;    ///< force rows take the components along the axes
+  Vec3<double> displacement{};  ///< prescribed, components along the axes
+  Vec3<double> rotation{};      ///< all three rotations fixed: the triad follows exp(amplitude * rotation); spatial
+  SupportRotation rotation_kind = SupportRotation::free;
+  Vec3<double> displacement_stiffness{}, rotation_stiffness{};  ///< of free components, zero elsewhere
+  Amplitude amplitude{};
+};
+
+/// One joined end of a member, see joint_rows.hpp.
+struct VertexJoint {
+  int master = 0, slave = 0;  ///< owned local vertices
+  JointKind kind = JointKind::hinge;
+  Mat3<double> frame{};  ///< rows b1, b2, a in the undeformed structure, orthonormal and right-handed
+  double stiffness = 0.0;
+
+  /// Whether row `component` of the slave is a constraint.
+  bool holds(int component) const {
+    if (kind == JointKind::slider) return component != 2;
+    return component < (kind == JointKind::hinge ? 5 : 3);
+  }
+};
+
+/// Everything that acts on vertices from outside.
+struct Conditions {
+  std::vector<VertexLoad> loads;
+  std::vector<VertexSupport> supports;
+  std::vector<VertexJoint> joints;
+};
+
+Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
+
+/// Force and moment that a vertex load exerts at a state, spatial.
+struct SpatialLoad {
+  Vec3<double> force, moment;
+};
+SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state);
+
+/// Subtracts all point loads from the vertex rows (6 * owned vertex + component); `slope`: their derivatives with
+/// respect to the load factor.
+void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
+                          const KernelView<double*>& rows);
+
+/// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene; amplitudes that are
+/// formulas: the steepest slope met at many load factors).
+double largest_prescribed_rotation(const Scene& scene);
+
+}  // namespace mixbeam

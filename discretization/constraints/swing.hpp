@@ -1,0 +1,49 @@
+/// How far a rotation is from being one about a given axis.
+#pragma once
+
+#include "kernels/math/rotation.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+/// Rotation Q = swing * twist, the twist about the axis a, the swing about a direction normal to it. Vectors are
+/// components in a right-handed frame (b1, b2, a). Of the quaternion (w, q1, q2, s) of Q in that frame:
+///   swing_1 = 2 (w q1 - s q2),  swing_2 = 2 (s q1 + w q2),  angle = 2 atan2(s, w),
+/// where the derivatives of the swings with respect to a spin from the left are (1, 0, 0) and (0, 1, 0) at zero swing,
+/// whatever the angle.
+struct SwingTwist {
+  double swing[2];              ///< both zero exactly for a rotation about a
+  double angle;                 ///< of the twist, in (-2 pi, 2 pi]: it goes on beyond pi as long as the quaternion does
+  Vec3<double> swing_slope[2];  ///< derivatives for Q <- exp(eta) Q, components of eta in the frame
+  Vec3<double> angle_slope;
+
+  /// `frame` has the rows b1, b2, a.
+  SwingTwist(const Quaternion<double>& q, const Mat3<double>& frame) {
+    const Vec3<double> v = frame * Vec3<double>{{q.x, q.y, q.z}};
+    const double w = q.w, s = v[2];
+    swing[0] = 2.0 * (w * v[0] - s * v[1]);
+    swing[1] = 2.0 * (s * v[0] + w * v[1]);
+    angle = 2.0 * std::atan2(s, w);
+    for (int i = 0; i < 3; ++i) {  // exp(eta) Q has the quaternion Q + (0, eta) Q / 2
+      Vec3<double> eta{{0.0, 0.0, 0.0}};
+      eta[i] = 0.5;
+      const double dw = -dot(eta, v);
+      const Vec3<double> dv = w * eta + cross(eta, v);
+      swing_slope[0][i] = 2.0 * (dw * v[0] + w * dv[0] - dv[2] * v[1] - s * dv[1]);
+      swing_slope[1][i] = 2.0 * (dv[2] * v[0] + s * dv[0] + dw * v[1] + w * dv[1]);
+      angle_slope[i] = 2.0 * (w * dv[2] - s * dw) / (w * w + s * s);
+    }
+  }
+};
+
+/// Rotation vector of a unit quaternion that changes sign with it: its norm 2 atan2(|v|, w) goes on beyond pi, up to
+/// 2 pi, as long as the quaternion changes continuously from the identity.
+inline Vec3<double> continued_log(const Quaternion<double>& q) {
+  if (q.w >= 0.0) return log_quaternion(q);
+  const Vec3<double> v{{q.x, q.y, q.z}};
+  const double n = norm(v);
+  return (2.0 * std::atan2(n, q.w) / n) * v;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,83 @@
+#include "discretization/geometry/arc_construction.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+constexpr double kPi = 3.14159265358979323846;
+// Three points within this angle of a line: the radius would be a million lengths, with few digits left.
+constexpr double kStraight = 1e-6;
+// A direction that should be normal to the axis: coordinates are written with six digits. [radian]
+constexpr double kNormalTolerance = 1e-6;
+// A half circle whose radius is half the distance of its ends up to rounding.
+constexpr double kHalfCircleTolerance = 1e-12;
+
+void require(bool condition, const std::string& otherwise) {
+  if (!condition) throw std::invalid_argument(otherwise);
+}
+
+/// `v` without its part along the unit vector `axis`, of unit length.
+Vector3 unit_normal_part(const Vector3& v, const Vector3& axis, const std::string& name) {
+  require(norm(v) >= kShortestLength, name + " has no direction");
+  const Vector3 direction = unit(v);
+  require(std::abs(dot(direction, axis)) <= kNormalTolerance, name + " is not normal to the axis");
+  return unit(difference(direction, scaled(dot(direction, axis), axis)));
+}
+
+void arc_through(Curve& curve, const Vector3& start, const Vector3& through, const Vector3& end) {
+  const double size = std::max(norm(difference(through, start)), norm(difference(end, start)));
+  require(size >= kShortestLength, "its three points coincide");
+  const Vector3 u = scaled(1.0 / size, difference(through, start));
+  const Vector3 v = scaled(1.0 / size, difference(end, start));
+  const Vector3 normal = cross(u, v);  // start, through, end turn right-handed about it
+  const Vector3 w = difference(v, u);
+  require(norm(normal) > kStraight * std::max({norm(u) * norm(v), norm(u) * norm(w), norm(v) * norm(w)}),
+          "its three points lie on a line, or two of them coincide");
+  const Vector3 to_center =
+      scaled(0.5 / dot(normal, normal), cross(difference(scaled(dot(u, u), v), scaled(dot(v, v), u)), normal));
+  curve.center = sum(start, scaled(size, to_center));
+  curve.axis = unit(normal);
+  const Vector3 from = scaled(-1.0, to_center), to = difference(v, to_center);
+  const double angle = std::atan2(dot(curve.axis, cross(from, to)), dot(from, to));
+  curve.angle = angle > 0.0 ? angle : angle + 2.0 * kPi;
+}
+
+void arc_of_radius(Curve& curve, double radius, const Vector3& start, const Vector3& end) {
+  const Vector3 axis = unit(curve.axis);
+  const double distance = norm(difference(end, start));
+  const Vector3 chord = unit_normal_part(difference(end, start), axis, "the line from start to end");
+  const double half = 0.5 * distance;
+  require(half <= radius * (1.0 + kHalfCircleTolerance),
+          "the ends are " + shortest(distance) + " apart, more than two radii");
+  const double sine = std::min(1.0, half / radius);
+  const double height = radius * std::sqrt((1.0 - sine) * (1.0 + sine));
+  curve.center = sum(scaled(0.5, sum(start, end)), scaled(height, cross(axis, chord)));
+  curve.angle = 2.0 * std::asin(sine);
+}
+
+}  // namespace
+
+void complete_arc(Curve& curve, const ArcDefinition& definition, const Vector3& start, const Vector3& end) {
+  switch (definition.given) {
+    case ArcDefinition::Given::point:
+      return arc_through(curve, start, definition.vector, end);
+    case ArcDefinition::Given::radius:
+      return arc_of_radius(curve, definition.radius, start, end);
+    case ArcDefinition::Given::tangent: {
+      const Vector3 axis = unit(curve.axis);
+      const Vector3 tangent = unit_normal_part(definition.vector, axis, "the start tangent");
+      curve.center = sum(start, scaled(definition.radius, cross(axis, tangent)));
+      return;
+    }
+  }
+}
+
+}  // namespace mixbeam

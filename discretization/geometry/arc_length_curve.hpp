@@ -1,0 +1,65 @@
+/// Polynomial curves by arc length, with the frame that turns least.
+#pragma once
+
+#include "discretization/geometry/polynomial_curve.hpp"
+#include "kernels/math/rotation.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace mixbeam {
+
+/// A curve over its arc length s in [0, length] with the rotation-minimising triad: g1 is the tangent, and the triad
+/// never turns about it (Bishop, Amer. Math. Monthly 82 (1975)), whatever curvature and torsion are.
+///
+/// The curve is cut into panels so short that their tangents stay within half a radian of the first one, a. In a panel
+/// the triad is the one of its start, carried along by the smallest rotation from a to the tangent g1, and turned about
+/// g1 by the area on the unit sphere that the triangle from a to the moving tangent sweeps:
+///   theta' = a . (g1 x g1') / (1 + a . g1).
+/// So arc length and triad are Gauss integrals of known functions: no differential equation is solved.
+class ArcLengthCurve {
+ public:
+  /// Start triad: g1 is along the tangent at the start (deviations of rounding size are removed). Throws
+  /// std::invalid_argument where the curve has no tangent: where it stops or turns back.
+  ArcLengthCurve(PolynomialCurve curve, const Quaternion<double>& start_triad);
+
+  double length() const { return panels_.back().end; }
+  Vec3<double> position(double s) const;
+  Vec3<double> tangent(double s) const;        ///< of unit length
+  Vec3<double> tangent_slope(double s) const;  ///< g1', the vector of curvature: normal to the tangent, 1/length
+  Quaternion<double> triad(double s) const;
+
+ private:
+  struct Panel {
+    const PolynomialPiece* piece;
+    double first, last;  ///< t
+    double start, end;   ///< s
+    Vec3<double> tangent;
+    Quaternion<double> triad;  ///< at the start
+  };
+  /// Integrals from the start of a panel.
+  struct Integrals {
+    double length = 0.0;
+    double angle = 0.0;            ///< theta
+    double smallest_cosine = 1.0;  ///< between the first and the other tangents
+    double largest_speed = 0.0;    ///< |dr/dt|
+  };
+
+  static Integrals integrate(const Panel& panel, double t);
+  static Quaternion<double> carried_triad(const Panel& panel, double t);
+  static bool is_resolved(const Panel& whole, const Panel& half, const Panel& other_half);
+  static Panel panel_from(const PolynomialPiece& piece, double first, double last, double start,
+                          const Quaternion<double>& triad);
+  void add_panels(const PolynomialPiece& piece, double first, double last, int halvings);
+  const Panel& panel_at(double s) const;
+  static double parameter(const Panel& panel, double s);
+
+  std::shared_ptr<const PolynomialCurve> curve_;  ///< panels point into it
+  Quaternion<double> next_triad_;                 ///< at the end of the last panel, while panels are added
+  std::vector<Panel> panels_;
+};
+
+/// Unit tangent at the start of a curve. Throws std::invalid_argument when the curve does not move there.
+Vec3<double> start_tangent(const PolynomialCurve& curve);
+
+}  // namespace mixbeam

@@ -1,0 +1,203 @@
+#include "discretization/geometry/reference_curve.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+// A length below this share of the coordinates it is a difference of consists of rounding errors.
+constexpr double kShortestRelativeLength = 1e-12;
+// The start of an arc lies in its plane up to this share of the radius: coordinates are written with six digits.
+constexpr double kOutOfPlaneTolerance = 1e-6;
+
+void require(bool condition, const char* otherwise) {
+  if (!condition) throw std::invalid_argument(otherwise);
+}
+
+bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
+
+Vec3<double> to_vec3(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+
+Vector3 axis_direction(const Curve& curve) { return unit(curve.axis); }
+
+/// From the nearest point of the axis to `start`; its length is the radius.
+Vector3 radius_vector(const Curve& curve, const Vector3& start) {
+  const Vector3 from_center = difference(start, curve.center);
+  const Vector3 axis = axis_direction(curve);
+  return difference(from_center, scaled(dot(from_center, axis), axis));
+}
+
+/// Part of `v` normal to the unit vector `tangent`, of unit length. The second pass removes what rounding leaves of the
+/// tangent in the first one when v is nearly parallel to it.
+Vector3 unit_normal_part(const Vector3& v, const Vector3& tangent) {
+  const Vector3 normal = unit(difference(v, scaled(dot(v, tangent), tangent)));
+  return unit(difference(normal, scaled(dot(normal, tangent), tangent)));
+}
+
+void check_line(const Vector3& start, const Vector3& end) {
+  require(is_finite(end), "The coordinates of the end point are not finite.");
+  require(norm(difference(end, start)) > kShortestRelativeLength * std::max(norm(start), norm(end)),
+          "The line has no length: its two points coincide.");
+}
+
+void check_turning_curve(const Curve& curve, const Vector3& start) {
+  require(is_finite(curve.center) && is_finite(curve.axis), "Center or axis of the curve is not finite.");
+  require(!is_zero(curve.axis), "The axis of the curve is zero and gives no direction.");
+  require(std::isfinite(curve.angle) && curve.angle > 0.0, "The angle of the curve must be positive and finite.");
+  require(std::isfinite(curve.rise), "The rise of the helix is not finite.");
+  const double radius = norm(radius_vector(curve, start));
+  require(radius > kShortestRelativeLength * std::max(norm(start), norm(curve.center)),
+          "The start point lies on the axis of the curve: the radius is zero.");
+  if (curve.shape == CurveShape::helix) return;
+  require(curve.rise == 0.0, "A circular arc has no rise; a helix has.");
+  require(std::abs(dot(difference(start, curve.center), axis_direction(curve))) <= kOutOfPlaneTolerance * radius,
+          "The center of the arc is not in the plane through the start point normal to the axis.");
+}
+
+void check_curve(const Curve& curve, const Vector3& start, const Vector3& end) {
+  require(is_finite(start), "The coordinates of the start point are not finite.");
+  if (curve.shape == CurveShape::line)
+    check_line(start, end);
+  else
+    check_turning_curve(curve, start);
+}
+
+double curve_length(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return norm(difference(end, start));
+  return std::hypot(curve.angle * norm(radius_vector(curve, start)), curve.rise);
+}
+
+/// g1 at the start.
+Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return unit(difference(end, start));
+  const Vector3 axis = axis_direction(curve);
+  return unit(sum(scaled(curve.angle, cross(axis, radius_vector(curve, start))), scaled(curve.rise, axis)));
+}
+
+/// g2 of a line whose member leaves the choice to the program, see make_reference_curve.
+Vector3 default_second_axis_of_line(const Vector3& tangent) {
+  const Vector3 horizontal = {-tangent[1], tangent[0], 0.0};  // e3 x g1
+  return norm(horizontal) > kParallelToE3 ? horizontal : Vector3{0.0, 1.0, 0.0};
+}
+
+/// g2 at the start, normal to the tangent and of unit length.
+Vector3 start_second_axis(const Member& member, const Vector3& start, const Vector3& tangent) {
+  if (!is_zero(member.second_axis)) {
+    require(is_finite(member.second_axis), "The second axis is not finite.");
+    const Vector3 direction = unit(member.second_axis);
+    require(norm(cross(tangent, direction)) >= kSmallestSecondAxisAngle,
+            "The second axis is parallel to the tangent at the start.");
+    return unit_normal_part(direction, tangent);
+  }
+  const bool turns = member.curve.shape == CurveShape::circular_arc || member.curve.shape == CurveShape::helix;
+  const Vector3 choice =
+      turns ? scaled(-1.0, radius_vector(member.curve, start)) : default_second_axis_of_line(tangent);
+  return unit_normal_part(unit(choice), tangent);
+}
+
+Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
+
+Quaternion<double> triad_of(const Vector3& g1, const Vector3& g2) {
+  const Vector3 g3 = cross(g1, g2);
+  return quaternion_of(Mat3<double>{{{g1[0], g2[0], g3[0]}, {g1[1], g2[1], g3[1]}, {g1[2], g2[2], g3[2]}}});
+}
+
+Quaternion<double> turn_about_first_axis(double angle) {
+  return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0};
+}
+
+/// Line, arc or helix.
+ReferenceCurve make_turning_curve(const Member& member, const Vector3& start, const Vector3& end) {
+  check_curve(member.curve, start, end);
+  const Vector3 g1 = start_tangent(member.curve, start, end);
+  const Vector3 g2 = start_second_axis(member, start, g1);
+  const Vector3 g3 = cross(g1, g2);
+
+  ReferenceCurve curve{};
+  curve.origin = to_vec3(start);
+  curve.start_triad = triad_of(g1, g2);
+  curve.length = curve_length(member.curve, start, end);
+  const double twist_rate = member.twist / curve.length;
+  if (member.curve.shape == CurveShape::line) {
+    curve.start_curvature = {{twist_rate, 0.0, 0.0}};
+    return curve;
+  }
+  // Lambda_0 kappa0 = (angle / length) axis
+  const Vector3 turning_rate = scaled(member.curve.angle / curve.length, axis_direction(member.curve));
+  curve.start_curvature = {{dot(g1, turning_rate) + twist_rate, dot(g2, turning_rate), dot(g3, turning_rate)}};
+  curve.twist_rate = twist_rate;
+  return curve;
+}
+
+/// Spline or parametric curve.
+ReferenceCurve make_path(const Member& member, const Vector3& start, const Vector3& end) {
+  PolynomialCurve pieces = member.curve.shape == CurveShape::spline ? make_spline(member.curve, start, end)
+                                                                    : make_formula_curve(member.curve);
+  ReferenceCurve curve{};
+  curve.origin = pieces.origin;
+  const Vector3 g1 = to_array(mixbeam::start_tangent(pieces));
+  curve.start_triad = triad_of(g1, start_second_axis(member, start, g1));
+  curve.path = std::make_shared<ArcLengthCurve>(std::move(pieces), curve.start_triad);
+  curve.length = curve.path->length();
+  curve.twist_rate = member.twist / curve.length;
+  curve.start_curvature = curve.curvature(0.0);
+  return curve;
+}
+
+}  // namespace
+
+Vec3<double> ReferenceCurve::position(double s) const {
+  if (path != nullptr) return path->position(s);
+  const Vec3<double> carried = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
+  const Vec3<double> mean_tangent = tangent_map(s * carried) * Vec3<double>{{1.0, 0.0, 0.0}};
+  return origin + s * (rotation_matrix(start_triad) * mean_tangent);
+}
+
+// The product of two unit quaternions is a unit quaternion up to rounding, which would enter the triad fourfold.
+Quaternion<double> ReferenceCurve::triad(double s) const {
+  if (has_constant_curvature()) return normalized(start_triad * exp_quaternion(s * start_curvature));
+  const Vec3<double> carried_curvature = start_curvature - Vec3<double>{{twist_rate, 0.0, 0.0}};
+  const Quaternion<double> carried =
+      path != nullptr ? path->triad(s) : start_triad * exp_quaternion(s * carried_curvature);
+  return normalized(carried * turn_about_first_axis(s * twist_rate));
+}
+
+Vec3<double> ReferenceCurve::tangent(double s) const {
+  if (path != nullptr) return path->tangent(s);
+  const Vec3<double> g1 = rotation_matrix(triad(s)) * Vec3<double>{{1.0, 0.0, 0.0}};
+  return (1.0 / norm(g1)) * g1;
+}
+
+Vec3<double> ReferenceCurve::curvature(double s) const {
+  if (has_constant_curvature()) return start_curvature;
+  const Vec3<double> twist{{twist_rate, 0.0, 0.0}};
+  if (path == nullptr) {  // components of the carried curvature in the twisted triad
+    const Quaternion<double> turn = turn_about_first_axis(s * twist_rate);
+    return twist + transpose_times(rotation_matrix(turn), start_curvature - twist);
+  }
+  // g1' = kappa0_3 g2 - kappa0_2 g3
+  const Vec3<double> slope = transpose_times(rotation_matrix(triad(s)), path->tangent_slope(s));
+  return {{twist_rate, -slope[2], slope[1]}};
+}
+
+ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
+  require(std::isfinite(member.twist), "The twist of the member is not finite.");
+  const bool is_path = member.curve.shape == CurveShape::spline || member.curve.shape == CurveShape::parametric;
+  return is_path ? make_path(member, start, end) : make_turning_curve(member, start, end);
+}
+
+Vector3 end_position(const Member& member, const Vector3& start) {
+  require(member.curve.shape != CurveShape::line && member.curve.shape != CurveShape::spline,
+          "A line ends at its end point; only arc, helix and parametric curve define their own end.");
+  const ReferenceCurve curve = make_reference_curve(member, start, start);
+  return to_array(curve.position(curve.length));
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,67 @@
+/// Undeformed centerlines with their triads. Line, circular arc and helix turn their frame at a constant rate: they are
+/// closed formulas. Splines and formula curves are polynomial pieces.
+#pragma once
+
+#include "discretization/geometry/arc_length_curve.hpp"
+#include "discretization/scene/scene.hpp"
+#include "kernels/math/rotation.hpp"
+
+#include <memory>
+
+namespace mixbeam {
+
+/// A centerline over its arc length s in [0, length] that carries the triad Lambda_0(s) = [g1 g2 g3], g1 the tangent:
+///   Lambda_0' = Lambda_0 hat(kappa0), r0' = g1, kappa0 the material curvature.
+///
+/// Line, arc, helix: in space the carried triad turns at a constant rate, about the axis of an arc or helix by its
+/// angle over its length. So its kappa0 is constant whatever g2 is at the start, the principal normal or another
+/// direction: g2 keeps its angle to the principal normal along the member, and only the components of kappa0 depend on
+/// that angle. Spline, parametric curve: the carried triad never turns about the tangent (ArcLengthCurve).
+/// A pre-twisted member turns about g1 against the carried triad, by twist * s / length; a twisted line still has
+/// constant curvature.
+struct ReferenceCurve {
+  Vec3<double> origin;             ///< r0(0)
+  Quaternion<double> start_triad;  ///< Lambda_0(0)
+  Vec3<double> start_curvature;    ///< kappa0(0): (torsion, bending about g2, bending about g3)
+  double length;
+  double twist_rate = 0.0;                       ///< turning about the tangent against the carried triad [1/length];
+                                                 ///< zero for lines, whose twist is part of their constant curvature
+  std::shared_ptr<const ArcLengthCurve> path{};  ///< of spline and parametric curve, else null
+
+  /// Whether kappa0 is the same everywhere.
+  bool has_constant_curvature() const { return path == nullptr && twist_rate == 0.0; }
+
+  /// r0(s); with constant curvature r0(0) + s Lambda_0(0) T(s kappa0) e1, the integral of the tangent
+  Vec3<double> position(double s) const;
+  /// Lambda_0(s); with constant curvature Lambda_0(0) exp(s kappa0)
+  Quaternion<double> triad(double s) const;
+  /// g1(s), of unit length
+  Vec3<double> tangent(double s) const;
+  /// kappa0(s), material; of formula curves it loses half of the digits, which nothing depends on
+  Vec3<double> curvature(double s) const;
+};
+
+/// A line that should run along e3 deviates by the last digits of its points, which must not decide about g2. [radian]
+constexpr double kParallelToE3 = 1e-6;
+
+/// Below this angle between second axis and tangent, g2 would depend on digits that the user rounded away. [radian]
+constexpr double kSmallestSecondAxisAngle = 1e-6;
+
+/// Centerline of a member from `start` to `end`. An arc or helix does not look at `end`, which follows from center,
+/// axis, angle and rise; a parametric curve looks at neither.
+///
+/// g2 at the start is the normalised projection of the member's second axis onto the plane normal to the tangent.
+/// Without a second axis:
+///   arc, helix                g2 points to the axis: an arc bends in its plane about g3, with EI3;
+///   line, spline, parametric  g3 is as near to the global e3 as possible, g2 = e3 x g1 / |e3 x g1|: the identity along
+///               e1, and all curves in the e1-e2 plane bend in that plane about g3 = e3, with EI3; with a start tangent
+///               within kParallelToE3 of +-e3, g2 is as near to e2 as possible.
+/// Throws std::invalid_argument for a curve without length, radius, axis or tangent, for numbers that are not finite,
+/// for a second axis along the tangent, and for points and formulas that make no curve (polynomial_curve.hpp).
+ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end);
+
+/// Where an arc or helix from `start` ends, or a parametric curve, wherever it starts; line and spline have no end of
+/// their own and throw std::invalid_argument.
+Vector3 end_position(const Member& member, const Vector3& start);
+
+}  // namespace mixbeam

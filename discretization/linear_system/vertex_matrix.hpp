@@ -1,0 +1,56 @@
+/// A sparse matrix over some vertices of a structure, six rows each, gathered row by row from the matrices of the links
+/// between them (elements, or chains that were condensed to one link). Its structure never changes.
+#pragma once
+
+#include "discretization/constraints/conditions.hpp"
+#include "discretization/constraints/vertex_rows.hpp"
+#include "discretization/linear_system/chain_condensation.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// Who owns which vertices of the whole structure, and how entries of ghosts travel.
+struct VertexMaps {
+  Teuchos::RCP<const DofMap> rows, columns;  ///< six entries for each owned vertex; and for each local one
+  Teuchos::RCP<DofImport> import;            ///< null on one rank
+};
+
+class VertexMatrix {
+ public:
+  /// `present`: (local vertex) 1 where it has rows (owned) or columns. Joints couple the rows of master and slave.
+  /// `order`: (link) for sums, the same for every partition. Collective.
+  VertexMatrix(const Structure& structure, const VertexMaps& maps, const std::vector<unsigned char>& present,
+               std::vector<RemainingLink> links, const std::vector<VertexJoint>& joints);
+
+  const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
+  /// Local vertices that have rows, in their order.
+  const KernelView<int*>& vertices() const { return vertices_; }
+  MatrixRows rows() const { return {matrix_->getLocalMatrixHost(), place_}; }
+
+  /// Sums of the matrices of all links; nothing else remains.
+  void gather(const LinkMatrices<kSpatialDofs>& links) const;
+  /// What runs add to the rows of the vertices at their ends (run, 12), summed into `rows` (6 * local vertex +
+  /// component) at all vertices that have rows here. Runs are the links from `first_run` on.
+  void sum_at_ends(const KernelView<double* [12]>& arrived, int first_run, const KernelView<double*>& rows) const;
+  /// The same for the forces that runs exert: sum of their matrices times x, less what arrived.
+  void run_forces(const LinkMatrices<kSpatialDofs>& links, const KernelView<double* [12]>& arrived, int first_run,
+                  const KernelView<const double*>& x, const KernelView<double*>& rows) const;
+
+ private:
+  void build_maps(const VertexMaps& maps, const std::vector<unsigned char>& present);
+  void build_graph(const std::vector<RemainingLink>& links, const std::vector<VertexJoint>& joints);
+  void build_matrix(const std::vector<std::vector<int>>& columns, size_t entries);
+
+  int owned_ = 0;  ///< owned vertices of the structure
+  KernelView<int*> vertices_;
+  KernelView<int*> place_;  ///< (local vertex)
+  Teuchos::RCP<const DofMap> row_map_, column_map_;
+  Teuchos::RCP<DofImport> import_;
+  Teuchos::RCP<DofMatrix> matrix_;
+  // links at each row vertex: entries [start(v), start(v + 1))
+  KernelView<int*> start_;
+  KernelView<int* [4]> adjacency_;  ///< link, its end here, column slot of this vertex, of the other
+};
+
+}  // namespace mixbeam

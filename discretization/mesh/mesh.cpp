@@ -1,0 +1,215 @@
+#include "discretization/mesh/mesh.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/scene/division.hpp"
+#include "discretization/scene/joined_ends.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace mixbeam {
+
+namespace {
+
+// Of the member's length: points are written with a dozen digits or more.
+constexpr double kPlaceTolerance = 1e-9;
+
+/// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each end
+/// that a joint connects there, unless it shares that of the end before.
+int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
+  const auto [entry, is_new] = mesh.vertex_of_point.try_emplace(point, mesh.vertices());
+  if (!is_new) return entry->second;
+  mesh.vertex_position.push_back(position);
+  const auto joined = joints.find(point);
+  if (joined == joints.end()) return entry->second;
+  for (const JoinedEnd& end : joined->second) {
+    if (end.shares) continue;
+    mesh.joints.push_back({end.joint, end.member, entry->second, mesh.vertices()});
+    mesh.vertex_position.push_back(position);
+  }
+  return entry->second;
+}
+
+/// The same for an end of a member: the vertex of its own that a joint gives it.
+int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position, int member) {
+  const int vertex = find_or_add_vertex(mesh, joints, point, position);
+  const auto joined = joints.find(point);
+  if (joined == joints.end()) return vertex;
+  int slave = vertex;
+  for (const JoinedEnd& end : joined->second) {
+    if (!end.shares) ++slave;
+    if (end.member == member) return slave;
+  }
+  return vertex;
+}
+
+Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
+
+/// Positions of all points and curves of all members, as far as they are known.
+class Placement {
+ public:
+  explicit Placement(const Scene& scene) : scene_(scene), curves_(scene.members.size()) {
+    for (const Point& point : scene.points) position_[point.name] = point.position;
+    // ends of curves and inner points may follow from their members, in whatever order these come
+    bool found = true;
+    while (found) {
+      found = false;
+      for (std::size_t m = 0; m < scene.members.size(); ++m)
+        if (!curves_[m].has_value() && is_ready(scene.members[m])) {
+          place(m);
+          found = true;
+        }
+    }
+  }
+
+  const ReferenceCurve& curve(std::size_t member) const {
+    if (curves_[member].has_value()) return *curves_[member];
+    const Member& unplaced = scene_.members[member];
+    const std::string& missing = position_.count(unplaced.start_point) ? unplaced.end_point : unplaced.start_point;
+    throw InputError("member \"" + unplaced.name + "\": the position of its point \"" + missing + "\" is not known");
+  }
+  const Vector3& position(const std::string& point) const { return position_.at(point); }
+
+ private:
+  /// Whether the curve can be placed: a parametric curve knows its ends, arc and helix follow from their start.
+  bool is_ready(const Member& member) const {
+    const CurveShape shape = member.curve.shape;
+    if (shape == CurveShape::parametric) return true;
+    if (!position_.count(member.start_point)) return false;
+    return (shape != CurveShape::line && shape != CurveShape::spline) || position_.count(member.end_point);
+  }
+
+  void place(std::size_t index) {
+    const Member& member = scene_.members[index];
+    const ReferenceCurve& curve = curves_[index].emplace(
+        make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point)));
+    if (member.curve.shape == CurveShape::parametric) {
+      place_on(curve, 0.0, member.start_point, member);
+      place_on(curve, curve.length, member.end_point, member);
+    }
+    position_.try_emplace(member.end_point, to_array(curve.position(curve.length)));
+    for (const InnerPoint& inner : member.inner_points)
+      place_on(curve, curve.length * inner.position, inner.point, member);
+  }
+
+  /// What a curve that follows from itself does not look at may be unknown.
+  Vector3 position_or_origin(const std::string& point) const {
+    const auto entry = position_.find(point);
+    return entry == position_.end() ? Vector3{} : entry->second;
+  }
+
+  /// Gives a point its place on the curve, or checks that it is there.
+  void place_on(const ReferenceCurve& curve, double s, const std::string& point, const Member& member) {
+    const Vector3 here = to_array(curve.position(s));
+    const Vector3& known = position_.try_emplace(point, here).first->second;
+    const double distance = vector_algebra::norm(vector_algebra::difference(known, here));
+    if (distance > kPlaceTolerance * curve.length)
+      throw InputError("point \"" + point + "\" is at " + to_text(known) + ", but member \"" + member.name +
+                       "\" passes it at " + to_text(here));
+  }
+
+  const Scene& scene_;
+  std::map<std::string, Vector3> position_;
+  std::vector<std::optional<ReferenceCurve>> curves_;
+};
+
+/// Arc lengths of the vertices; equal elements come from one division each.
+std::vector<double> vertex_arc_lengths(const ElementDivision& division, double length) {
+  std::vector<double> s;
+  for (int i = 0; i <= division.elements(); ++i)
+    s.push_back(division.is_equal ? length * i / division.elements() : length * division.station[i]);
+  s.back() = length;
+  return s;
+}
+
+/// Name of the point at every vertex of a member, empty where there is none.
+std::vector<std::string> vertex_points(const Member& member, const ElementDivision& division) {
+  std::vector<std::string> points(division.station.size());
+  points.front() = member.start_point;
+  points.back() = member.end_point;
+  for (std::size_t i = 0; i < member.inner_points.size(); ++i)
+    points[division.inner_vertex[i]] = member.inner_points[i].point;
+  return points;
+}
+
+void add_member(Mesh& mesh, const Member& member, int index, const Placement& placement, const JointTable& joints) {
+  const ElementDivision division = divide(member);
+  const std::vector<std::string> points = vertex_points(member, division);
+  MeshMember added;
+  added.curve = placement.curve(index);
+  added.first_element = static_cast<int>(mesh.elements.size());
+  added.elements = division.elements();
+  added.vertex_arc_length = vertex_arc_lengths(division, added.curve.length);
+  added.has_equal_elements = division.is_equal;
+  int here = vertex_of_end(mesh, joints, member.start_point, placement.position(member.start_point), index);
+  for (int i = 0; i < added.elements; ++i) {
+    const std::string& point = points[i + 1];
+    int next = mesh.vertices();
+    if (point.empty())
+      mesh.vertex_position.push_back(to_array(added.curve.position(added.vertex_arc_length[i + 1])));
+    else if (i + 1 == added.elements)
+      next = vertex_of_end(mesh, joints, point, placement.position(point), index);
+    else
+      next = find_or_add_vertex(mesh, joints, point, placement.position(point));
+    mesh.elements.push_back({index, i, {here, next}});
+    here = next;
+  }
+  mesh.members.push_back(added);
+}
+
+}  // namespace
+
+Mesh build_mesh(const Scene& scene) {
+  Mesh mesh;
+  const Placement placement(scene);
+  const JointTable joints = joined_ends(scene);
+  for (size_t m = 0; m < scene.members.size(); ++m)
+    add_member(mesh, scene.members[m], static_cast<int>(m), placement, joints);
+  return mesh;
+}
+
+double arc_length_of_vertex(const Mesh& mesh, int member, int vertex) {
+  const MeshMember& m = mesh.members[member];
+  const auto first = mesh.elements.begin() + m.first_element;
+  if (first->vertex[0] == vertex) return 0.0;
+  if ((first + m.elements - 1)->vertex[1] == vertex) return m.curve.length;
+  for (int i = 0; i < m.elements; ++i)
+    if ((first + i)->vertex[1] == vertex) return m.vertex_arc_length[i + 1];
+  throw InputError("member " + std::to_string(member + 1) + " does not pass through vertex " + std::to_string(vertex));
+}
+
+int vertex_of(const Mesh& mesh, const std::string& point) {
+  const auto entry = mesh.vertex_of_point.find(point);
+  if (entry != mesh.vertex_of_point.end()) return entry->second;
+  std::vector<std::string> names;
+  for (const auto& [name, vertex] : mesh.vertex_of_point) names.push_back(name);
+  throw InputError("no member touches a point named \"" + point + "\"; did you mean \"" + nearest_name(point, names) +
+                   "\"?");
+}
+
+int member_index(const Scene& scene, const std::string& name) {
+  const std::vector<Member>& members = scene.members;
+  const auto entry = std::find_if(members.begin(), members.end(), [&name](const Member& m) { return m.name == name; });
+  if (entry != members.end()) return static_cast<int>(entry - members.begin());
+  std::vector<std::string> names;
+  for (const Member& member : members) names.push_back(member.name);
+  throw InputError("there is no member named \"" + name + "\"; did you mean \"" + nearest_name(name, names) + "\"?");
+}
+
+double characteristic_length(const Mesh& mesh) {
+  Vector3 low = mesh.vertex_position.front(), high = low;
+  for (const Vector3& p : mesh.vertex_position)
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], p[i]);
+      high[i] = std::max(high[i], p[i]);
+    }
+  double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  for (const MeshMember& member : mesh.members) length = std::max(length, member.curve.length);
+  return length;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,352 @@
+#include "discretization/mesh/mixed_vector.hpp"
+
+#include "kernels/execution/pack.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+using Entries = KernelView<double*>;
+using ConstEntries = KernelView<const double*>;
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// Entries that one call of a kernel works on: as many registers full as make the call itself cheap. Runs do not depend
+/// on the number of threads, and with them which entries share a register.
+constexpr size_t kRun = 64 * kLanes;
+
+/// action(i) for every entry; entries must not depend on each other.
+template <class Action>
+void for_each_entry(const char* label, size_t n, const Action& action) {
+  Kokkos::parallel_for(
+      label, Range(0, (n + kRun - 1) / kRun), KOKKOS_LAMBDA(size_t run) {
+        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
+#pragma GCC ivdep
+        for (size_t i = run * kRun; i < end; ++i) action(i);
+      });
+}
+
+/// Not-a-number compares false with everything, so it is carried as infinity.
+KOKKOS_INLINE_FUNCTION double magnitude(double x) {
+  const double a = x < 0.0 ? -x : x;
+  return a == a ? a : HUGE_VAL;
+}
+
+void copy_entries(const ConstEntries& from, const Entries& to) {
+  for_each_entry(
+      "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
+}
+
+double largest_magnitude(const ConstEntries& x) {
+  using Real = Pack<kLanes>;
+  double largest = 0.0;
+  const size_t count = x.extent(0);
+  Kokkos::parallel_reduce(
+      "mixbeam::vector::maximum", Range(0, (count + kRun - 1) / kRun),
+      KOKKOS_LAMBDA(size_t run, double& m) {
+        const size_t begin = run * kRun, end = begin + kRun < count ? begin + kRun : count;
+        Real side_by_side = 0.0;
+        size_t i = begin;
+        for (; i + kLanes <= end; i += kLanes) {
+          Real a = fabs(Real::loaded(&x(i)));
+          a = select(a <= Real(HUGE_VAL), a, Real(HUGE_VAL));
+          side_by_side = select(a > side_by_side, a, side_by_side);
+        }
+        for (int lane = 0; lane < kLanes; ++lane) m = side_by_side[lane] > m ? side_by_side[lane] : m;
+        for (; i < end; ++i) m = magnitude(x(i)) > m ? magnitude(x(i)) : m;
+      },
+      Kokkos::Max<double>(largest));
+  return largest;
+}
+
+struct PartsLoop {
+  using value_type = LargestParts;
+  ConstEntries entries;
+
+  KOKKOS_INLINE_FUNCTION void init(LargestParts& parts) const { parts = {0.0, 0.0}; }
+  KOKKOS_INLINE_FUNCTION void join(volatile LargestParts& parts, const volatile LargestParts& other) const {
+    if (other.moved > parts.moved) parts.moved = other.moved;
+    if (other.turned > parts.turned) parts.turned = other.turned;
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int vertex, LargestParts& parts) const {
+    const double* row = &entries(static_cast<size_t>(kVertexDofs) * vertex);
+    for (int c = 0; c < 3; ++c) {
+      const double moved = magnitude(row[c]), turned = magnitude(row[3 + c]);
+      if (moved > parts.moved) parts.moved = moved;
+      if (turned > parts.turned) parts.turned = turned;
+    }
+  }
+};
+
+}  // namespace
+
+LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries) {
+  LargestParts parts;
+  Kokkos::parallel_reduce("mixbeam::vector::largest_parts", Range(0, entries.extent(0) / kVertexDofs),
+                          PartsLoop{entries}, parts);
+  double both[2] = {parts.moved, parts.turned};
+  maxima_over_ranks(comm, both, 2);
+  return {both[0], both[1]};
+}
+
+double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
+  maxima_over_ranks(comm, &value, 1);
+  return value;
+}
+
+void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count) {
+  for (int i = 0; i < count; ++i)
+    if (std::isnan(values[i])) values[i] = std::numeric_limits<double>::infinity();
+  if (comm.getSize() == 1) return;
+  const std::vector<double> mine(values, values + count);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, mine.data(), values);
+}
+
+namespace {
+
+/// This vector and the pool; more hold an array that several vectors share.
+constexpr int kOwnersOfUnshared = 2;
+
+Teuchos::RCP<DofVector> new_vertex_dofs(const Teuchos::RCP<const DofMap>& map, VectorPool& pool) {
+  using Values = DofVector::dual_view_type;
+  const Values::t_dev values = pool.vertex.take("mixbeam::vertex_dofs", map->getNodeNumElements());
+  return Teuchos::rcp(new DofVector(map, Values(values, values)));
+}
+
+void clear(const Entries& y) {
+  for_each_entry(
+      "mixbeam::vector::clear", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = 0.0; });
+}
+
+const Entries& zeros_of(VectorPool& pool, size_t size) {
+  if (pool.zeros.data() == nullptr) {
+    pool.zeros = pool.interior.take("mixbeam::mixed_vector", size);
+    clear(pool.zeros);
+  }
+  return pool.zeros;
+}
+
+}  // namespace
+
+MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
+                         const KernelView<const unsigned char*>& owned_interior,
+                         const std::shared_ptr<VectorPool>& pool)
+    : MixedVector(map, zeros_of(*pool, interior_size), owned_interior, pool) {
+  clear(vertex());
+}
+
+MixedVector::MixedVector(const Teuchos::RCP<const DofMap>& map, const Entries& interior,
+                         const KernelView<const unsigned char*>& owned_interior,
+                         const std::shared_ptr<VectorPool>& pool)
+    : pool_(pool), vertex_dofs_(new_vertex_dofs(map, *pool)), interior_(interior), owned_interior_(owned_interior) {}
+
+MixedVector MixedVector::clone(bool copy_values) const {
+  MixedVector copy(vertex_dofs_->getMap(), interior_, owned_interior_, pool_);
+  if (copy_values) copy_entries(vertex(), copy.vertex());
+  return copy;
+}
+
+KernelView<double*> MixedVector::writable_interior(bool keep_values) {
+  if (interior_.use_count() > kOwnersOfUnshared) {
+    const Entries shared = interior_;
+    interior_ = pool_->interior.take("mixbeam::mixed_vector", shared.extent(0));
+    if (keep_values) copy_entries(shared, interior_);
+  }
+  return interior_;
+}
+
+KernelView<const double*> MixedVector::view_of(const DofVector& v) {
+  const auto local = v.getLocalViewHost(Tpetra::Access::ReadOnly);
+  return KernelView<const double*>(local.data(), local.extent(0));
+}
+
+KernelView<double*> MixedVector::view_of(DofVector& v) {
+  auto local = v.getLocalViewHost(Tpetra::Access::ReadWrite);
+  return KernelView<double*>(local.data(), local.extent(0));
+}
+
+void MixedVector::fill(double value) {
+  for (const Entries& part : {vertex(), writable_interior(false)}) {
+    const Entries y = part;
+    for_each_entry(
+        "mixbeam::vector::fill", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = value; });
+  }
+}
+
+void MixedVector::assign(const MixedVector& other) {
+  copy_entries(other.vertex(), vertex());
+  interior_ = other.interior_;
+}
+
+void MixedVector::scale(double factor) {
+  for (const Entries& part : {vertex(), writable_interior(true)}) {
+    const Entries y = part;
+    for_each_entry(
+        "mixbeam::vector::scale", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) *= factor; });
+  }
+}
+
+void MixedVector::update(double a, const MixedVector& x, double gamma) { update(a, x, 0.0, x, gamma); }
+
+void MixedVector::update(double a, const MixedVector& x, double b, const MixedVector& y, double gamma) {
+  // the sources first: writing may part this vector from one of them
+  const ConstEntries first[2] = {x.vertex(), x.interior_}, second[2] = {y.vertex(), y.interior_},
+                     old[2] = {vertex(), interior_};
+  const Entries out[2] = {vertex(), writable_interior(false)};
+  for (int part = 0; part < 2; ++part) {
+    const Entries z = out[part];
+    const ConstEntries p = first[part], q = second[part], before = old[part];
+    for_each_entry(
+        "mixbeam::vector::update", z.extent(0), KOKKOS_LAMBDA(size_t i) {
+          double value = gamma == 0.0 ? 0.0 : gamma * before(i);  // a zero factor must not spread a not-a-number
+          if (a != 0.0) value += a * p(i);
+          if (b != 0.0) value += b * q(i);
+          z(i) = value;
+        });
+  }
+}
+
+/// this_i = action(this_i, other_i)
+template <class Action>
+void MixedVector::combine_with(const MixedVector& other, const Action& action) {
+  const ConstEntries in[2] = {other.vertex(), other.interior_}, old[2] = {vertex(), interior_};
+  const Entries out[2] = {vertex(), writable_interior(false)};
+  for (int part = 0; part < 2; ++part) {
+    const Entries y = out[part];
+    const ConstEntries x = in[part], own = old[part];
+    for_each_entry(
+        "mixbeam::vector::combine", y.extent(0), KOKKOS_LAMBDA(size_t i) { y(i) = action(own(i), x(i)); });
+  }
+}
+
+void MixedVector::absolute_values_of(const MixedVector& other) {
+  combine_with(
+      other, KOKKOS_LAMBDA(double, double x) { return x < 0.0 ? -x : x; });
+}
+
+void MixedVector::reciprocals_of(const MixedVector& other) {
+  combine_with(
+      other, KOKKOS_LAMBDA(double, double x) { return 1.0 / x; });
+}
+
+void MixedVector::multiply_by(const MixedVector& other) {
+  combine_with(
+      other, KOKKOS_LAMBDA(double own, double x) { return own * x; });
+}
+
+double MixedVector::maximum_norm() const {
+  return maximum_over_ranks(*vertex_dofs_->getMap()->getComm(),
+                            std::max(largest_magnitude(vertex()), largest_magnitude(interior_)));
+}
+
+namespace {
+
+/// Sum of term(i) over the entries of one array, in an order that does not depend on the number of threads.
+template <class Term>
+double ordered_sum(size_t n, const Term& term) {
+  constexpr size_t side_by_side = 4;  // sums that wait for each other would take the time of their latency
+  const size_t runs = (n + kRun - 1) / kRun;
+  const Entries partial(Kokkos::view_alloc("mixbeam::vector::partial_sums", Kokkos::WithoutInitializing), runs);
+  Kokkos::parallel_for(
+      "mixbeam::vector::sum", Range(0, runs), KOKKOS_LAMBDA(size_t run) {
+        const size_t end = (run + 1) * kRun < n ? (run + 1) * kRun : n;
+        double sum[side_by_side] = {};
+        size_t i = run * kRun;
+        for (; i + side_by_side <= end; i += side_by_side)
+          for (size_t j = 0; j < side_by_side; ++j) sum[j] += term(i + j);
+        for (; i < end; ++i) sum[0] += term(i);
+        partial(run) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      });
+  double total = 0.0;
+  for (size_t run = 0; run < runs; ++run) total += partial(run);
+  return total;
+}
+
+double sum_over_ranks(const Teuchos::Comm<int>& comm, double mine) {
+  double total = mine;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(total));
+  return total;
+}
+
+}  // namespace
+
+double MixedVector::one_norm() const {
+  const ConstEntries u = vertex(), x = interior_;
+  const KernelView<const unsigned char*> owned = owned_interior_;
+  const double sum = ordered_sum(
+                         u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) < 0.0 ? -u(i) : u(i); }) +
+                     ordered_sum(
+                         x.extent(0), KOKKOS_LAMBDA(size_t i) {
+                           if (owned.extent(0) > 0 && owned(i) == 0) return 0.0;
+                           return x(i) < 0.0 ? -x(i) : x(i);
+                         });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
+}
+
+double MixedVector::inner_product(const MixedVector& other) const {
+  const ConstEntries u = vertex(), v = other.vertex(), x = interior_, y = other.interior_;
+  const KernelView<const unsigned char*> owned = owned_interior_;
+  const double sum =
+      ordered_sum(
+          u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) * v(i); }) +
+      ordered_sum(
+          x.extent(0), KOKKOS_LAMBDA(size_t i) { return owned.extent(0) > 0 && owned(i) == 0 ? 0.0 : x(i) * y(i); });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
+}
+
+double MixedVector::vertex_product(const MixedVector& weights, const MixedVector& other) const {
+  const ConstEntries w = weights.vertex(), u = vertex(), v = other.vertex();
+  const double sum = ordered_sum(
+      u.extent(0), KOKKOS_LAMBDA(size_t i) { return u(i) * w(i) * v(i); });
+  return sum_over_ranks(*vertex_dofs_->getMap()->getComm(), sum);
+}
+
+GlobalOrdinal MixedVector::global_length() const {
+  if (!pool_->entries) {
+    GlobalOrdinal mine = static_cast<GlobalOrdinal>(vertex().extent(0) + interior_.extent(0));
+    for (size_t i = 0; i < owned_interior_.extent(0); ++i) mine -= owned_interior_(i) == 0 ? 1 : 0;
+    GlobalOrdinal all = mine;
+    Teuchos::reduceAll(*vertex_dofs_->getMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+    pool_->entries = all;
+  }
+  return *pool_->entries;
+}
+
+bool MixedVector::same_values(const MixedVector& other) const {
+  const Entries x[2] = {vertex(), interior_}, y[2] = {other.vertex(), other.interior_};
+  double different = 0.0;
+  for (int part = 0; part < 2; ++part) {
+    const ConstEntries a = x[part], b = y[part];
+    if (a.data() == b.data()) continue;
+    double found = 0.0;
+    Kokkos::parallel_reduce(
+        "mixbeam::vector::compare", Range(0, a.extent(0)),
+        KOKKOS_LAMBDA(size_t i, double& m) {
+          if (!(a(i) == b(i))) m = 1.0;
+        },
+        Kokkos::Max<double>(found));
+    different = std::max(different, found);
+  }
+  return maximum_over_ranks(*vertex_dofs_->getMap()->getComm(), different) == 0.0;
+}
+
+double MixedVector::largest_vertex_spin() const {
+  const ConstEntries x = vertex();
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::vector::largest_spin", Range(0, x.extent(0) / kVertexDofs),
+      KOKKOS_LAMBDA(size_t v, double& m) {
+        const double* spin = &x(kVertexDofs * v + 3);
+        const double square = magnitude(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]);
+        if (square > m) m = square;
+      },
+      Kokkos::Max<double>(largest));
+  return std::sqrt(maximum_over_ranks(*vertex_dofs_->getMap()->getComm(), largest));
+}
+
+}  // namespace mixbeam

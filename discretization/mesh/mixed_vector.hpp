@@ -1,0 +1,91 @@
+/// A vector of the whole mixed system: six entries (displacement, rotation; spatial) for every owned vertex, and the
+/// interior rows of every local element (InteriorLayout with spin). Increments and residuals have this shape.
+#pragma once
+
+#include "discretization/mesh/structure.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+#include "discretization/mesh/view_pool.hpp"
+
+#include <memory>
+#include <optional>
+
+namespace mixbeam {
+
+constexpr int kVertexDofs = 6;
+
+/// What all vectors of an assembler have in common.
+struct VectorPool {
+  // arrays of vectors that are not in use
+  ViewPool<DofVector::dual_view_type::t_dev> vertex;
+  ViewPool<KernelView<double*>> interior;
+  KernelView<double*> zeros;             ///< the interior that vectors share until they are written to
+  std::optional<GlobalOrdinal> entries;  ///< of all ranks, each counted once
+};
+
+class MixedVector {
+ public:
+  /// Zeros. `owned_interior`: entries of elements that this rank counts in sums (elements cut by the partition live on
+  /// two ranks).
+  MixedVector(const Teuchos::RCP<const DofMap>& map, size_t interior_size,
+              const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
+
+  /// Same shape; entries copied when asked. The interior is shared until one of the two is written to: solvers copy
+  /// vectors far more often than they change them.
+  MixedVector clone(bool copy_values) const;
+
+  KernelView<double*> vertex() const { return view_of(*vertex_dofs_); }  ///< (6 * owned vertex + component)
+  /// The local entries of a Tpetra vector, not owned.
+  static KernelView<double*> view_of(DofVector& v);
+  static KernelView<const double*> view_of(const DofVector& v);
+  KernelView<const double*> interior() const { return interior_; }
+  /// The interior for writing, no longer shared with any other vector; present values are kept only when asked.
+  KernelView<double*> writable_interior(bool keep_values);
+  DofVector& vertex_dofs() const { return *vertex_dofs_; }
+
+  void fill(double value);
+  void assign(const MixedVector& other);
+  void scale(double factor);
+  void update(double a, const MixedVector& x, double gamma);  ///< a x + gamma this
+  void update(double a, const MixedVector& x, double b, const MixedVector& y,
+              double gamma);  ///< a x + b y + gamma this
+  void absolute_values_of(const MixedVector& other);
+  void reciprocals_of(const MixedVector& other);
+  void multiply_by(const MixedVector& other);  ///< entry by entry
+
+  double maximum_norm() const;  ///< the same for any number of threads and ranks
+  double one_norm() const;
+  double inner_product(const MixedVector& other) const;
+  /// Of the rows of vertices alone, each times that of `weights`.
+  double vertex_product(const MixedVector& weights, const MixedVector& other) const;
+  GlobalOrdinal global_length() const;               ///< collective when it is first asked for
+  bool same_values(const MixedVector& other) const;  ///< on every rank
+
+  /// Largest rotation (Euclidean norm of the spin) of any vertex.
+  double largest_vertex_spin() const;
+
+ private:
+  MixedVector(const Teuchos::RCP<const DofMap>& map, const KernelView<double*>& interior,
+              const KernelView<const unsigned char*>& owned_interior, const std::shared_ptr<VectorPool>& pool);
+
+  template <class Action>
+  void combine_with(const MixedVector& other, const Action& action);
+
+  std::shared_ptr<VectorPool> pool_;
+  Teuchos::RCP<DofVector> vertex_dofs_;
+  KernelView<double*> interior_;
+  KernelView<const unsigned char*> owned_interior_;  ///< empty: all
+};
+
+/// Largest component of a displacement or force, and of a rotation or moment.
+struct LargestParts {
+  double moved = 0.0, turned = 0.0;
+};
+/// Among entries (6 * vertex + component) of all ranks; not-a-number counts as infinity.
+LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries);
+
+/// Largest of a value over all ranks; not-a-number on any rank wins.
+double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value);
+/// The same for each of `count` values, in one message.
+void maxima_over_ranks(const Teuchos::Comm<int>& comm, double* values, int count);
+
+}  // namespace mixbeam

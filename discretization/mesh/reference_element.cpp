@@ -1,0 +1,163 @@
+#include "discretization/mesh/reference_element.hpp"
+
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace mixbeam {
+namespace {
+
+using Vec = Vec3<double>;
+using Quat = Quaternion<double>;
+
+constexpr Vec kZero{{0.0, 0.0, 0.0}};
+// Mean of the relative rotation that is left: rounding. [radian]
+constexpr double kMeanTolerance = 1e-15;
+constexpr double kAcceptedMean = 1e-13;  // where rounding keeps it above
+constexpr int kMostIterations = 100;     // the error shrinks by |psi|^2 / 12 or faster
+// Rotations from the triad of the element to its ends stay below pi, where the logarithm jumps. [radian]
+constexpr double kLargestRotation = 3.0;
+constexpr int kTurningSamples = 8;  // of the curvature, in each element
+
+struct Rule {
+  std::vector<double> points, weights;
+};
+
+/// Gauss rule of `count` points, computed once.
+const Rule& gauss_points(int count) {
+  static const std::array<Rule, kMaximumOrder + 2> rules = [] {
+    std::array<Rule, kMaximumOrder + 2> all;
+    for (int n = 1; n <= kMaximumOrder + 1; ++n) {
+      all[n] = {std::vector<double>(n), std::vector<double>(n)};
+      gauss_rule(n, all[n].points.data(), all[n].weights.data());
+    }
+    return all;
+  }();
+  return rules[count];
+}
+
+double arc_length(const MeshMember& member, int index, double xi) {
+  return member.vertex_arc_length[index] + 0.5 * member.element_length(index) * (1.0 + xi);
+}
+
+std::invalid_argument turns_too_far() {
+  return std::invalid_argument(
+      "the undeformed member turns too far in it: by about a full turn, more elements are needed");
+}
+
+/// What no comparison of triads can see: between two of them the member might turn fully.
+void check_turning(const MeshMember& member, int index) {
+  double turning = 0.0;  // integral of |kappa0|
+  for (int i = 0; i < kTurningSamples; ++i) {
+    const double xi = (2 * i + 1.0) / kTurningSamples - 1.0;
+    turning +=
+        member.element_length(index) / kTurningSamples * norm(member.curve.curvature(arc_length(member, index, xi)));
+  }
+  if (!(turning <= 2.0 * kLargestRotation)) throw turns_too_far();
+}
+
+Vec relative_rotation(const ReferenceElement& element, int order, double xi) {
+  double P[kMaximumOrder + 1];
+  legendre(order, xi, P);
+  Vec psi = kZero;
+  for (int j = 1; j < order; ++j) psi += P[j] * element.relative_rotation[j];
+  return psi;
+}
+
+/// Legendre coefficients 0 .. k-1 of log(Lambda_lo^T Lambda_0) through the k Gauss points.
+std::array<Vec, kMaximumOrder> interpolated_logarithm(const Quat& triad, const std::vector<Quat>& exact,
+                                                      const Rule& gauss) {
+  const int order = static_cast<int>(exact.size());
+  std::array<Vec, kMaximumOrder> modes{};
+  for (int q = 0; q < order; ++q) {
+    const Vec rotation = log_quaternion(conjugate(triad) * exact[q]);
+    if (!(norm(rotation) <= kLargestRotation)) throw turns_too_far();
+    double P[kMaximumOrder + 1];
+    legendre(order, gauss.points[q], P);
+    for (int j = 0; j < order; ++j) modes[j] += (0.5 * (2 * j + 1) * gauss.weights[q] * P[j]) * rotation;
+  }
+  return modes;
+}
+
+/// Chooses Lambda_lo and psi: moves Lambda_lo by the mean of the logarithm until it vanishes.
+void fit_triad(const MeshMember& member, int index, int order, ReferenceElement& element) {
+  const Rule& gauss = gauss_points(order);
+  std::vector<Quat> exact;
+  for (const double xi : gauss.points) exact.push_back(member.curve.triad(arc_length(member, index, xi)));
+  element.triad = member.curve.triad(arc_length(member, index, 0.0));
+  double mean = 1.0;
+  for (int i = 0; i < kMostIterations && mean > kMeanTolerance; ++i) {
+    element.relative_rotation = interpolated_logarithm(element.triad, exact, gauss);
+    const Vec shift = element.relative_rotation[0];
+    mean = norm(shift);
+    if (mean > kMeanTolerance) element.triad = normalized(element.triad * exp_quaternion(shift));
+  }
+  if (!(mean <= kAcceptedMean)) throw turns_too_far();
+  element.relative_rotation[0] = kZero;
+}
+
+/// Jump log(exp(-psi) Lambda_lo^T Lambda_0) at an end, see EndRotation.
+Vec end_jump(const ReferenceElement& element, int order, int end) {
+  const Vec psi = relative_rotation(element, order, end == 0 ? -1.0 : 1.0);
+  const Vec phi = log_quaternion(conjugate(exp_quaternion(psi)) * (conjugate(element.triad) * element.end_triad[end]));
+  if (!(norm(phi) <= kLargestRotation)) throw turns_too_far();
+  return phi;
+}
+
+/// kappa0 of the discrete fields. The first part is a polynomial through the k + 1 moment points already.
+void fit_curvature(double length, int order, ReferenceElement& element) {
+  const Rule& gauss = gauss_points(order + 1);
+  const Vec jump[2] = {end_jump(element, order, 0), end_jump(element, order, 1)};
+  for (int q = 0; q <= order; ++q) {
+    double P[kMaximumOrder + 1], slope[kMaximumOrder + 1];
+    legendre(order, gauss.points[q], P);
+    legendre_derivatives(order, gauss.points[q], slope);
+    Vec psi_slope = kZero, jumps = kZero;
+    for (int j = 1; j < order; ++j) psi_slope += (2.0 / length * slope[j]) * element.relative_rotation[j];
+    for (int j = 0; j <= order; ++j)
+      jumps += ((2 * j + 1) / length * P[j]) * (jump[1] - (j % 2 == 0 ? 1.0 : -1.0) * jump[0]);
+    const Vec psi = relative_rotation(element, order, gauss.points[q]);
+    element.curvature[q] = transpose_times(tangent_map(psi), psi_slope) + jumps;
+  }
+}
+
+/// Tangents at the force points, in the order of ElementTables.
+void set_tangents(const MeshMember& member, int index, int order, ForceIntegration rule, ReferenceElement& element) {
+  const bool is_exact = member.curve.has_constant_curvature() || force_point_count(order, rule) == order;
+  const int counts[2] = {axial_points(order, rule), shear_points(order, rule)};
+  int point = 0;
+  for (int set = 0; set < (counts[0] == counts[1] ? 1 : 2); ++set)
+    for (const double xi : gauss_points(counts[set]).points) {
+      Vec& tangent = element.tangent[point++];
+      if (is_exact)
+        tangent = member.curve.tangent(arc_length(member, index, xi));
+      else
+        tangent = rotation_matrix(normalized(element.triad * exp_quaternion(relative_rotation(element, order, xi)))) *
+                  Vec{{1.0, 0.0, 0.0}};
+    }
+}
+
+}  // namespace
+
+ReferenceElement make_reference_element(const MeshMember& member, int index, int order, ForceIntegration rule) {
+  ReferenceElement element;
+  const double start = member.vertex_arc_length[index], length = member.element_length(index);
+  for (int end = 0; end < 2; ++end) element.end_triad[end] = member.curve.triad(start + end * length);
+  if (member.curve.has_constant_curvature()) {
+    element.triad = member.curve.triad(member.arc_length(index, 0.0));
+    if (order > 1) element.relative_rotation[1] = (0.5 * length) * member.curve.start_curvature;
+    element.curvature.fill(member.curve.start_curvature);
+  } else {
+    check_turning(member, index);
+    fit_triad(member, index, order, element);
+    fit_curvature(length, order, element);
+  }
+  set_tangents(member, index, order, rule, element);
+  return element;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,39 @@
+/// The undeformed element: reference data and unknowns for which its equations hold without any force or moment.
+#pragma once
+
+#include "discretization/mesh/mesh.hpp"
+#include "kernels/element/layout.hpp"
+
+#include <array>
+
+namespace mixbeam {
+
+/// Undeformed element of order k with n force points. Only the first entries that order and rule ask for are set.
+struct ReferenceElement {
+  static constexpr int kMostForcePoints = 2 * kMaximumOrder + 1;
+
+  Quaternion<double> triad;                                     ///< Lambda_lo
+  std::array<Vec3<double>, kMaximumOrder> relative_rotation{};  ///< psi_1 .. psi_{k-1}, Legendre coefficients; [0] = 0
+  std::array<Quaternion<double>, 2> end_triad{};                ///< Lambda_0 at the ends
+  std::array<Vec3<double>, kMostForcePoints> tangent{};         ///< r0' at the force points, of unit length
+  std::array<Vec3<double>, kMaximumOrder + 1> curvature{};      ///< kappa0 at the k + 1 moment points, material
+};
+
+/// Element `index` of a member, in the discrete fields of the given order.
+///
+/// Constant curvature: all data are exact, and Lambda_0 = Lambda_lo exp(xi h/2 kappa0) is one of the discrete fields
+/// from order 2 on, or with one force point. With two of them (order 1, force strains not reduced in both parts) the
+/// undeformed state of an arc is not free of stress, as in the paper.
+///
+/// Any other curve: Lambda_lo and psi reproduce Lambda_0 at the k Gauss points, so with k force points their tangents
+/// are exact and the force strain vanishes; other integration rules get the tangents of the discrete triad, which
+/// differ from the exact ones as little as the triads do. End triads are exact. kappa0 is not the curvature of the
+/// curve but that of the discrete fields, jumps at the ends included: the polynomial of degree k with
+///   int P_j kappa0 ds = int P_j T(psi)^T psi' ds + phi(+1) - (-1)^j phi(-1),   phi = log(exp(-psi) Lambda_lo^T
+///   Lambda_0)
+/// for j = 0 .. k, which are the moment equations without moment. So the undeformed state is free of stress to
+/// rounding for every such curve, order and rule.
+/// Throws std::invalid_argument when the curve turns too far in one element.
+ReferenceElement make_reference_element(const MeshMember& member, int index, int order, ForceIntegration rule);
+
+}  // namespace mixbeam

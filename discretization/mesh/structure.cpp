@@ -1,0 +1,277 @@
+#include "discretization/mesh/structure.hpp"
+
+#include "discretization/mesh/reference_element.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace mixbeam {
+
+namespace {
+
+SectionConstants section_constants(const Section& section) {
+  SectionConstants c{};
+  const double force[3] = {section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1]};
+  const double moment[3] = {section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
+  for (int i = 0; i < 3; ++i) {
+    c.force_compliance[i] = std::isinf(force[i]) ? 0.0 : 1.0 / force[i];
+    c.tangent_force_stiffness[i] = force[i];  // the assembler caps it where it is rigid or nearly so
+    c.moment_stiffness[i] = moment[i];
+    c.moment_compliance[i] = 1.0 / moment[i];
+  }
+  return c;
+}
+
+/// A stiffness this much above the softest is rigid beside it: what is softer decides how a structure bends.
+constexpr double kStiffnessRange = 1e4;
+
+/// Springs may be softer still, but they need not be what decides: of the reference that sections have they leave this
+/// share, with which flexible members keep the stiffness that they have in the tangent (Assembler's cap).
+constexpr double kShareBesideSprings = 1e-3;
+
+/// Softest spring of supports and joints as a bending stiffness: moment per angle times length, force per way times its
+/// third power. Infinite where there is none.
+double softest_spring(const Scene& scene, double length) {
+  double softest = std::numeric_limits<double>::infinity();
+  const auto note = [&](double stiffness, double unit) {
+    if (stiffness > 0.0) softest = std::min(softest, stiffness * unit);
+  };
+  const double cube = length * length * length;
+  for (const Support& support : scene.supports)
+    for (int i = 0; i < 3; ++i) {
+      note(support.rotation_stiffness[i], length);
+      note(support.displacement_stiffness[i], cube);
+    }
+  for (const Joint& joint : scene.joints) note(joint.stiffness, joint.kind == JointKind::slider ? cube : length);
+  return softest;
+}
+
+/// Largest finite bending or torsional stiffness that is not rigid beside the softest; one, in whatever unit, where all
+/// are rigid and nothing bends.
+double bending_reference(const Scene& scene, double length) {
+  double softest = std::numeric_limits<double>::infinity(), largest = 0.0;
+  for (const Section& s : scene.sections)
+    for (double value : {s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]})
+      if (!std::isinf(value)) {
+        softest = std::min(softest, value);
+        largest = std::max(largest, value);
+      }
+  if (largest == 0.0) return 1.0;
+  const double of_sections = std::min(largest, kStiffnessRange * softest);
+  return std::clamp(kStiffnessRange * softest_spring(scene, length), kShareBesideSprings * of_sections, of_sections);
+}
+
+/// Elements of one kind share their kernels.
+struct BlockKey {
+  int order, rule;
+  bool general_section;
+  bool operator<(const BlockKey& other) const {
+    return std::tie(order, rule, general_section) < std::tie(other.order, other.rule, other.general_section);
+  }
+};
+
+BlockKey block_key(const Scene& scene, const MemberLaws& laws, int member) {
+  const Member& m = scene.members[member];
+  return {m.order, static_cast<int>(m.force_integration), laws[member] != nullptr};
+}
+
+bool is_local(const MeshElement& element, const VertexPartition& partition) {
+  return partition.owns(element.vertex[0]) || partition.owns(element.vertex[1]);
+}
+
+void number_local_vertices(Structure& structure, const std::vector<MeshElement>& elements) {
+  const VertexPartition& partition = structure.partition;
+  std::set<int> ghosts;
+  for (int e : structure.local_element_to_mesh)
+    for (int vertex : elements[e].vertex)
+      if (!partition.owns(vertex)) ghosts.insert(vertex);
+  structure.owned_vertices = partition.owned_end() - partition.owned_first();
+  for (int v = partition.owned_first(); v < partition.owned_end(); ++v) structure.local_vertex_to_global.push_back(v);
+  structure.local_vertex_to_global.insert(structure.local_vertex_to_global.end(), ghosts.begin(), ghosts.end());
+}
+
+int local_vertex(const Structure& structure, int global) {
+  const VertexPartition& partition = structure.partition;
+  if (partition.owns(global)) return global - partition.owned_first();
+  const auto ghosts = structure.local_vertex_to_global.begin() + structure.owned_vertices;
+  const auto entry = std::lower_bound(ghosts, structure.local_vertex_to_global.end(), global);
+  return static_cast<int>(entry - structure.local_vertex_to_global.begin());
+}
+
+/// Reference data of one element, see ReferenceLayout.
+void fill_reference(const ReferenceElement& element, double length, const ReferenceLayout& layout, double* row) {
+  row[layout.length()] = length;
+  for (int end = 0; end < 2; ++end) store_quaternion(element.end_triad[end], row + layout.end_triad(end));
+  for (int q = 0; q < layout.force_points; ++q) store_vector(element.tangent[q], row + layout.tangent(q));
+  for (int q = 0; q <= layout.order; ++q) store_vector(element.curvature[q], row + layout.curvature(q));
+}
+
+ReferenceElement reference_element(const Mesh& mesh, const MeshElement& element, const ElementBlock& block) {
+  return make_reference_element(mesh.member_of(element), element.index, block.order, block.force_integration);
+}
+
+void fill_block(ElementBlock& block, const Structure& structure, const Scene& scene, const Mesh& mesh) {
+  for (int e = 0; e < block.count; ++e) {
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
+    try {
+      fill_reference(reference_element(mesh, element, block), mesh.element_length(element), block.reference_layout,
+                     &block.reference(e, 0));
+    } catch (const std::invalid_argument& error) {
+      throw InputError("member \"" + scene.members[element.member].name + "\", element " +
+                       std::to_string(element.index + 1) + " of " + std::to_string(mesh.member_of(element).elements) +
+                       ": " + error.what());
+    }
+    for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
+    block.member(e) = element.member;
+  }
+}
+
+void add_block(Structure& structure, const BlockKey& key, const std::vector<int>& elements) {
+  ElementBlock block;
+  block.order = key.order;
+  block.force_integration = static_cast<ForceIntegration>(key.rule);
+  block.general_section = key.general_section;
+  block.first_element = structure.local_elements();
+  block.count = static_cast<int>(elements.size());
+  if (block.order < 1 || block.order > kMaximumOrder)
+    throw InputError("element order " + std::to_string(block.order) + " is outside 1..8");
+  const int points = force_point_count(block.order, block.force_integration);
+  block.interior = {block.order, points};
+  block.reference_layout = {block.order, points};
+  block.interior_offset = structure.interior_size;
+  block.increment_offset = structure.increment_size;
+  block.response_offset = structure.response_size;
+  const size_t n = elements.size();
+  structure.interior_size += n * block.interior.unknowns();
+  structure.increment_size += n * block.interior.increments();
+  structure.response_size += n * block.response_size();
+  block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
+  block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
+  block.member = KernelView<int*>("mixbeam::element_member", n);
+  for (int e : elements) {
+    structure.mesh_element_to_local[e] = structure.local_elements();
+    structure.local_element_to_mesh.push_back(e);
+  }
+  structure.blocks.push_back(block);
+}
+
+void fill_structure_views(Structure& structure, const Scene& scene) {
+  structure.views.member_section = KernelView<SectionConstants*>("mixbeam::member_section", scene.members.size());
+  std::map<std::string, SectionConstants> constants;
+  for (const Section& section : scene.sections) constants[section.name] = section_constants(section);
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const auto section = constants.find(scene.members[m].section);
+    if (section == constants.end())
+      throw InputError("member \"" + scene.members[m].name + "\": there is no section named \"" +
+                       scene.members[m].section + "\"");
+    structure.views.member_section(m) = section->second;
+  }
+}
+
+}  // namespace
+
+VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
+  const int vertices = mesh.vertices();
+  const auto is_slave = [&](int vertex) {  // slaves ascend
+    const auto joint = std::lower_bound(mesh.joints.begin(), mesh.joints.end(), vertex,
+                                        [](const MeshJoint& j, int v) { return j.slave < v; });
+    return joint != mesh.joints.end() && joint->slave == vertex;
+  };
+  const auto first_of = [&](int r) {
+    int first = static_cast<int>(static_cast<long long>(vertices) * r / ranks);
+    while (is_slave(first)) ++first;  // with its master on the rank before
+    return first;
+  };
+  first_ = first_of(rank);
+  end_ = first_of(rank + 1);
+}
+
+const ElementBlock& Structure::block_of(int local_element) const {
+  for (const ElementBlock& block : blocks)
+    if (local_element < block.first_element + block.count) return block;
+  throw std::out_of_range("no block holds local element " + std::to_string(local_element));
+}
+
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks) {
+  Structure structure;
+  structure.partition = VertexPartition(rank, ranks, mesh);
+  structure.length = characteristic_length(mesh);
+  structure.bending_reference = bending_reference(scene, structure.length);
+  structure.shortest_element = std::numeric_limits<double>::max();
+  for (const MeshElement& element : mesh.elements)
+    structure.shortest_element = std::min(structure.shortest_element, mesh.element_length(element));
+  structure.member_laws = member_laws(scene);
+  std::map<BlockKey, std::vector<int>> kinds;
+  for (size_t e = 0; e < mesh.elements.size(); ++e)
+    if (is_local(mesh.elements[e], structure.partition))
+      kinds[block_key(scene, structure.member_laws, mesh.elements[e].member)].push_back(static_cast<int>(e));
+  structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
+  for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
+  number_local_vertices(structure, mesh.elements);
+  for (ElementBlock& block : structure.blocks) {
+    fill_block(block, structure, scene, mesh);
+    if (block.general_section)
+      fill_compliance(scene, mesh, structure.member_laws, &structure.local_element_to_mesh[block.first_element], block);
+  }
+  fill_structure_views(structure, scene);
+  return structure;
+}
+
+State allocate_state(const Structure& structure) {
+  StatePool& pool = *structure.states;
+  State state;
+  state.views.vertex_displacement =
+      pool.vertex_displacement.take("mixbeam::vertex_displacement", structure.local_vertices());
+  state.views.vertex_rotation = pool.vertex_rotation.take("mixbeam::vertex_rotation", structure.local_vertices());
+  state.views.element_triad = pool.element_triad.take("mixbeam::element_triad", structure.local_elements());
+  state.views.interior = pool.interior.take("mixbeam::interior", structure.interior_size);
+  return state;
+}
+
+State reference_state(const Structure& structure, const Mesh& mesh) {
+  State state = allocate_state(structure);
+  Kokkos::deep_copy(state.views.vertex_displacement, 0.0);
+  Kokkos::deep_copy(state.views.interior, 0.0);
+  for (int v = 0; v < structure.local_vertices(); ++v)
+    store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(v, 0));
+  for (const ElementBlock& block : structure.blocks) {
+    for (int e = 0; e < block.count; ++e) {
+      const int local = block.first_element + e;
+      const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
+      const ReferenceElement reference = reference_element(mesh, element, block);
+      store_quaternion(reference.triad, &state.views.element_triad(local, 0));
+      double* interior =
+          &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
+      for (int j = 1; j < block.order; ++j)
+        store_vector(reference.relative_rotation[j], interior + block.interior.relative_rotation(j));
+    }
+  }
+  return state;
+}
+
+// Not initialised: the threads that write them first get their pages.
+ElementEquations allocate_equations(const Structure& structure) {
+  using Kokkos::view_alloc;
+  using Kokkos::WithoutInitializing;
+  const int n = structure.local_elements();
+  bool some_unsymmetric = false;
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count && !some_unsymmetric; ++e) some_unsymmetric = block.is_unsymmetric(e);
+  ElementEquations equations;
+  equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
+  equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
+  equations.condensed_tangent = KernelView<double**>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n,
+                                                     some_unsymmetric ? kFullTangent : kSymmetricTangent);
+  equations.response =
+      KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
+  equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);
+  return equations;
+}
+
+}  // namespace mixbeam

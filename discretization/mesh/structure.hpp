@@ -1,0 +1,80 @@
+/// The part of a structure that one rank works on: its own vertices, every element that touches one of them, and the
+/// ghost vertices at the far ends. Elements cut by the partition are evaluated on both ranks, so no matrix entry
+/// travels.
+#pragma once
+
+#include "discretization/mesh/element_compliance.hpp"
+#include "discretization/mesh/mesh.hpp"
+#include "discretization/mesh/view_pool.hpp"
+#include "kernels/loops/block.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace mixbeam {
+
+/// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others
+/// may hold is never written to: a new one is allocated (Assembler::apply).
+struct State {
+  StateViews views;
+  /// Known to lie in the plane of the scene (Assembler::plane()): nothing but its in-plane part is looked at.
+  bool in_plane = false;
+};
+
+/// Contiguous share of the global vertices, as equal as joints permit: the vertices of a joined point stay together.
+class VertexPartition {
+ public:
+  VertexPartition() = default;
+  VertexPartition(int rank, int ranks, const Mesh& mesh);
+
+  int owned_first() const { return first_; }
+  int owned_end() const { return end_; }
+  bool owns(int vertex) const { return vertex >= first_ && vertex < end_; }
+
+ private:
+  int first_ = 0, end_ = 0;
+};
+
+/// Arrays of states that are not in use.
+struct StatePool {
+  ViewPool<KernelView<double* [3]>> vertex_displacement;
+  ViewPool<KernelView<double*[4]>> vertex_rotation, element_triad;
+  ViewPool<KernelView<double*>> interior;
+};
+
+struct Structure {
+  VertexPartition partition;
+  std::vector<int> local_vertex_to_global;  ///< owned vertices first, then ghosts in ascending order
+  int owned_vertices = 0;
+  std::vector<ElementBlock> blocks;
+  std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
+  std::vector<int> mesh_element_to_local;  ///< -1 where the element is not on this rank
+  StructureViews views;
+  MemberLaws member_laws;         ///< (member of the scene): null where the section is plain
+  double shortest_element = 0.0;  ///< of the whole mesh
+  double length = 0.0;            ///< characteristic length of the whole mesh
+  double bending_reference =
+      0.0;  ///< largest bending or torsional stiffness of the scene that is not rigid beside the others
+  size_t interior_size = 0, increment_size = 0, response_size = 0;
+  std::shared_ptr<StatePool> states = std::make_shared<StatePool>();
+
+  int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
+  int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }
+  /// Block of a local element.
+  const ElementBlock& block_of(int local_element) const;
+};
+
+/// Distributes elements and vertices and fills the reference data.
+Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
+
+/// Undeformed state: vertex rotations identity, element triads and relative rotations of the reference elements
+/// (reference_element.hpp), stress free.
+State reference_state(const Structure& structure, const Mesh& mesh);
+
+/// Room for a state, not initialised.
+State allocate_state(const Structure& structure);
+
+/// Arrays that one evaluation of all elements writes. Residual and condensed residual share their numbers.
+ElementEquations allocate_equations(const Structure& structure);
+
+}  // namespace mixbeam

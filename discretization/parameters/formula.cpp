@@ -1,0 +1,49 @@
+#include "discretization/parameters/formula.hpp"
+
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace mixbeam {
+namespace {
+
+/// `s and x`
+std::string listed(const std::vector<std::string>& variables) {
+  std::string text;
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    if (i > 0) text += i + 1 == variables.size() ? " and " : ", ";
+    text += variables[i];
+  }
+  return text;
+}
+
+}  // namespace
+
+Expression checked_formula(const std::string& text, const std::vector<std::string>& variables,
+                           const ParameterSource& source, const ParameterPath& path) {
+  try {
+    return Expression(text, variables);
+  } catch (const std::invalid_argument& error) {
+    throw source.error(path, "value \"" + excerpt(text) + "\" is no formula: " + excerpt(error.what()) +
+                                 "; allowed: a formula of " + listed(variables) +
+                                 " with + - * / ^ ( ), pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, ...");
+  }
+}
+
+void check_finite(const Expression& formula, const std::vector<std::string>& variables,
+                  const std::vector<std::vector<double>>& samples, const ParameterSource& source,
+                  const ParameterPath& path) {
+  for (const std::vector<double>& sample : samples) {
+    const double value = formula(sample);
+    if (std::isfinite(value)) continue;
+    std::string place;
+    for (std::size_t i = 0; i < variables.size(); ++i)
+      place += (i == 0 ? "" : ", ") + variables[i] + " = " + shortest(sample[i]);
+    throw source.error(path, "value \"" + excerpt(formula.text()) + "\" is " + shortest(value) + " at " + place +
+                                 "; allowed: a formula that is finite everywhere");
+  }
+}
+
+}  // namespace mixbeam

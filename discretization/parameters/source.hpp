@@ -1,0 +1,58 @@
+/// Where parameters came from: the file and the line of each, for error messages.
+#pragma once
+
+#include "discretization/text/errors.hpp"
+
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace mixbeam {
+
+/// Names from the root (itself not included) down to a parameter or list: {"Scene", "Members", "shaft", "Elements"}.
+using ParameterPath = std::vector<std::string>;
+
+/// `Scene / Members / shaft / Elements`
+std::string to_string(const ParameterPath& path);
+
+/// `path` one level deeper.
+ParameterPath child(ParameterPath path, const std::string& name);
+
+class ParameterSource {
+ public:
+  /// Without a file name: a list that the program made itself.
+  explicit ParameterSource(std::string file = "", std::string root_name = "");
+
+  const std::string& file() const { return file_; }
+  /// Name of the outermost list.
+  const std::string& root_name() const { return root_name_; }
+
+  void set_root_name(const std::string& name) { root_name_ = name; }
+  void record(const ParameterPath& path, int line);
+  void reserve(std::size_t entries) { lines_.reserve(entries); }
+
+  /// Texts of the files that the input names, by that name: readers take them instead of what is on the disk now.
+  const std::map<std::string, std::string>& files() const { return files_; }
+  void set_files(std::map<std::string, std::string> files) { files_ = std::move(files); }
+
+  /// Line of this very path, 0 if it was not in the file.
+  int line(const ParameterPath& path) const;
+
+  /// `scene.xml:12`; for something that is missing, the line of the innermost list around it.
+  std::string where(const ParameterPath& path) const;
+
+  /// `scene.xml:12: XML path "Scene / Members": <remark>`
+  std::string message(const ParameterPath& path, const std::string& remark) const;
+  /// The same as an error.
+  InputError error(const ParameterPath& path, const std::string& problem) const;
+
+ private:
+  std::string file_;
+  std::string root_name_;
+  std::unordered_map<std::string, int> lines_;
+  std::map<std::string, std::string> files_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,244 @@
+#include "discretization/parameters/spec.hpp"
+
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+std::string element_text(bool value) { return value ? "true" : "false"; }
+std::string element_text(int value) { return std::to_string(value); }
+std::string element_text(double value) { return shortest(value); }
+std::string element_text(const std::string& value) { return "\"" + value + "\""; }
+std::string element_text(std::monostate) { return ""; }
+
+template <typename T>
+std::string element_text(const Teuchos::Array<T>& values) {
+  std::string text = "{";
+  for (Teuchos::Ordinal i = 0; i < values.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + element_text(values[i]);
+  }
+  return text + "}";
+}
+
+/// Whole numbers without exponent: 10000000, not 1e+07.
+std::string bound_text(double bound) {
+  constexpr double kLongestWritten = 1e9;
+  const bool whole = bound == std::floor(bound) && std::abs(bound) < kLongestWritten;
+  return whole ? std::to_string(static_cast<long long>(bound)) : shortest(bound);
+}
+
+std::string range_text(const Range& range) {
+  const bool bounded_below = std::isfinite(range.minimum);
+  const bool bounded_above = std::isfinite(range.maximum);
+  const std::string above = range.minimum_excluded ? " > " : " >= ";
+  const std::string below = range.maximum_excluded ? " < " : " <= ";
+  std::string text;
+  if (bounded_below && bounded_above) {
+    const std::string from = range.minimum_excluded ? " < " : " <= ";
+    text = ", " + bound_text(range.minimum) + from + "value" + below + bound_text(range.maximum);
+  } else if (bounded_below) {
+    text = ", value" + above + bound_text(range.minimum);
+  } else if (bounded_above) {
+    text = ", value" + below + bound_text(range.maximum);
+  }
+  return text + (range.infinity_allowed ? ", or inf" : "");
+}
+
+ParameterSpec make(const std::string& name, ParameterType type) {
+  ParameterSpec spec;
+  spec.name = name;
+  spec.type = type;
+  return spec;
+}
+
+}  // namespace
+
+std::string xml_name(ParameterType type) {
+  switch (type) {
+    case ParameterType::boolean:
+      return "bool";
+    case ParameterType::integer:
+      return "int";
+    case ParameterType::real:
+      return "double";
+    case ParameterType::text:
+      return "string";
+    case ParameterType::integer_array:
+      return "Array(int)";
+    case ParameterType::real_array:
+      return "Array(double)";
+    case ParameterType::text_array:
+      return "Array(string)";
+  }
+  throw std::logic_error("xml_name: a parameter type without a name");
+}
+
+ParameterSpec ParameterSpec::required() const {
+  ParameterSpec spec = *this;
+  spec.presence = Presence::required;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::by_default(const ParameterValue& value) const {
+  ParameterSpec spec = *this;
+  spec.presence = Presence::defaulted;
+  spec.default_value = value;
+  if (type == ParameterType::real && std::holds_alternative<int>(value)) {
+    spec.default_value = static_cast<double>(std::get<int>(value));
+  }
+  return spec;
+}
+
+ParameterSpec ParameterSpec::at_least(double minimum) const {
+  ParameterSpec spec = *this;
+  spec.range.minimum = minimum;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::at_most(double maximum) const {
+  ParameterSpec spec = *this;
+  spec.range.maximum = maximum;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::above(double minimum) const {
+  ParameterSpec spec = at_least(minimum);
+  spec.range.minimum_excluded = true;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::below(double maximum) const {
+  ParameterSpec spec = at_most(maximum);
+  spec.range.maximum_excluded = true;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::or_infinite() const {
+  ParameterSpec spec = *this;
+  spec.range.infinity_allowed = true;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::or_empty() const {
+  ParameterSpec spec = *this;
+  spec.empty_allowed = true;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::or_one_of(const std::vector<std::string>& allowed) const {
+  ParameterSpec spec = *this;
+  spec.words = allowed;
+  return spec;
+}
+
+ParameterSpec ParameterSpec::means(const std::string& sentence) const {
+  ParameterSpec spec = *this;
+  spec.meaning = sentence;
+  return spec;
+}
+
+ParameterSpec boolean(const std::string& name) { return make(name, ParameterType::boolean); }
+ParameterSpec integer(const std::string& name) { return make(name, ParameterType::integer); }
+ParameterSpec real(const std::string& name) { return make(name, ParameterType::real); }
+ParameterSpec text(const std::string& name) { return make(name, ParameterType::text); }
+
+ParameterSpec choice(const std::string& name, const std::vector<std::string>& choices) {
+  ParameterSpec spec = text(name);
+  spec.choices = choices;
+  return spec;
+}
+
+ParameterSpec array(const std::string& name, ParameterType type, int length) {
+  ParameterSpec spec = make(name, type);
+  spec.length = length;
+  return spec;
+}
+
+ParameterSpec vector3(const std::string& name) { return array(name, ParameterType::real_array, 3); }
+
+ParameterSpec subset(const std::string& name, const std::vector<std::string>& choices) {
+  ParameterSpec spec = array(name, ParameterType::text_array).or_empty();
+  spec.choices = choices;
+  return spec;
+}
+
+ListSpec::ListSpec(std::string sentence) : meaning(std::move(sentence)) {}
+
+ListSpec& ListSpec::add(const ParameterSpec& parameter) {
+  parameters.push_back(parameter);
+  return *this;
+}
+
+ListSpec& ListSpec::add_list(const std::string& name, const ListSpec& list, Presence presence) {
+  sublists.push_back(SublistSpec{name, presence, std::make_shared<const ListSpec>(list)});
+  return *this;
+}
+
+ListSpec& ListSpec::with_named_parameters(const std::string& placeholder_name, const ParameterSpec& parameter,
+                                          int minimum) {
+  named_parameter = std::make_shared<const ParameterSpec>(parameter);
+  placeholder = placeholder_name;
+  minimum_named = minimum;
+  return *this;
+}
+
+ListSpec& ListSpec::with_named_lists(const std::string& placeholder_name, const ListSpec& list, int minimum) {
+  named_list = std::make_shared<const ListSpec>(list);
+  placeholder = placeholder_name;
+  minimum_named = minimum;
+  return *this;
+}
+
+ListSpec& ListSpec::without_checks() {
+  unchecked = true;
+  return *this;
+}
+
+ListSpec& ListSpec::had_once(const std::string& name) {
+  removed.push_back(name);
+  return *this;
+}
+
+const ParameterSpec* ListSpec::find_parameter(const std::string& name) const {
+  for (const ParameterSpec& parameter : parameters) {
+    if (parameter.name == name) return &parameter;
+  }
+  return nullptr;
+}
+
+const SublistSpec* ListSpec::find_list(const std::string& name) const {
+  for (const SublistSpec& sublist : sublists) {
+    if (sublist.name == name) return &sublist;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> ListSpec::fixed_names() const {
+  std::vector<std::string> names;
+  for (const ParameterSpec& parameter : parameters) names.push_back(parameter.name);
+  for (const SublistSpec& sublist : sublists) names.push_back(sublist.name);
+  return names;
+}
+
+std::string allowed_values(const ParameterSpec& parameter) {
+  std::string text = xml_name(parameter.type);
+  if (parameter.length > 0) text += " of " + std::to_string(parameter.length) + " values";
+  text += range_text(parameter.range);
+  if (!parameter.choices.empty()) {
+    text += parameter.type == ParameterType::text ? ", one of " : ", each at most once, of ";
+    text += quoted_list(parameter.choices);
+  }
+  if (!parameter.words.empty()) text += ", or string, one of " + quoted_list(parameter.words);
+  return text;
+}
+
+std::string to_text(const ParameterValue& value) {
+  return std::visit([](const auto& held) { return element_text(held); }, value);
+}
+
+}  // namespace mixbeam

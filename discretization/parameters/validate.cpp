@@ -1,0 +1,272 @@
+#include "discretization/parameters/validate.hpp"
+
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <type_traits>
+
+namespace mixbeam {
+namespace {
+
+using Teuchos::ParameterEntry;
+using Teuchos::ParameterList;
+
+template <typename T>
+bool take(const ParameterEntry& entry, ParameterValue& value) {
+  if (!entry.isType<T>()) return false;
+  value = Teuchos::getValue<T>(entry);
+  return true;
+}
+
+/// The value of an entry; empty for a type that XML cannot express (a list that the program made itself).
+ParameterValue value_of(const ParameterEntry& entry) {
+  ParameterValue value;
+  static_cast<void>(take<bool>(entry, value) || take<int>(entry, value) || take<double>(entry, value) ||
+                    take<std::string>(entry, value) || take<Teuchos::Array<int>>(entry, value) ||
+                    take<Teuchos::Array<double>>(entry, value) || take<Teuchos::Array<std::string>>(entry, value));
+  return value;
+}
+
+/// The alternatives of ParameterValue stand in the order of ParameterType, after the empty one.
+bool has_type(const ParameterValue& value, ParameterType type) {
+  return value.index() == static_cast<std::size_t>(type) + 1;
+}
+
+std::string type_of(const ParameterValue& value) {
+  if (std::holds_alternative<std::monostate>(value)) return "a type that XML does not know";
+  return "type " + xml_name(static_cast<ParameterType>(value.index() - 1));
+}
+
+/// A whole number is a real number too.
+ParameterValue widened(const ParameterValue& value, ParameterType type) {
+  if (type == ParameterType::real && std::holds_alternative<int>(value)) {
+    return static_cast<double>(std::get<int>(value));
+  }
+  if (type == ParameterType::real_array && std::holds_alternative<Teuchos::Array<int>>(value)) {
+    const auto& integers = std::get<Teuchos::Array<int>>(value);
+    return Teuchos::Array<double>(integers.begin(), integers.end());
+  }
+  return value;
+}
+
+bool in_range(double number, const Range& range) {
+  if (std::isnan(number)) return false;
+  if (std::isinf(number)) return range.infinity_allowed && number > 0.0;
+  if (range.minimum_excluded ? number <= range.minimum : number < range.minimum) return false;
+  return range.maximum_excluded ? number < range.maximum : number <= range.maximum;
+}
+
+bool numbers_in_range(const ParameterValue& value, const Range& range) {
+  const auto check = [&range](const auto& held) {
+    using Held = std::decay_t<decltype(held)>;
+    if constexpr (std::is_same_v<Held, int> || std::is_same_v<Held, double>) return in_range(held, range);
+    if constexpr (std::is_same_v<Held, Teuchos::Array<int>> || std::is_same_v<Held, Teuchos::Array<double>>) {
+      for (const auto number : held) {
+        if (!in_range(number, range)) return false;
+      }
+    }
+    return true;
+  };
+  return std::visit(check, value);
+}
+
+int array_length(const ParameterValue& value) {
+  const auto length = [](const auto& held) -> int {
+    if constexpr (std::is_class_v<std::decay_t<decltype(held)>> &&
+                  !std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
+      return static_cast<int>(held.size());
+    }
+    return 1;
+  };
+  return std::holds_alternative<std::string>(value) ? 1 : std::visit(length, value);
+}
+
+void set_value(ParameterList& list, const std::string& name, const ParameterValue& value, bool as_default) {
+  const auto set = [&](const auto& held) {
+    if constexpr (!std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
+      if (as_default) {
+        list.get(name, held);  // remembers that this value is a default
+      } else {
+        list.set(name, held);
+      }
+    }
+  };
+  std::visit(set, value);
+}
+
+/// One walk over a list and its sublists; `path_` follows the walk.
+class Validator {
+ public:
+  Validator(const ParameterSource& source, ParameterPath path) : source_(source), path_(std::move(path)) {}
+
+  void check_list(ParameterList& list, const ListSpec& spec) {
+    if (spec.unchecked) return;
+    take_out_removed(list, spec);
+    check_names(list, spec);
+    for (const ParameterSpec& parameter : spec.parameters) {
+      path_.push_back(parameter.name);
+      check_parameter(list, parameter, parameter.name);
+      path_.pop_back();
+    }
+    for (const SublistSpec& sublist : spec.sublists) {
+      path_.push_back(sublist.name);
+      check_sublist(list, sublist);
+      path_.pop_back();
+    }
+    check_named_entries(list, spec);
+  }
+
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  InputError error(const std::string& problem) const { return source_.error(path_, problem); }
+
+  void take_out_removed(ParameterList& list, const ListSpec& spec) {
+    for (const std::string& name : spec.removed) {
+      if (!list.isParameter(name) || list.isSublist(name)) continue;
+      warnings_.push_back(source_.message(
+          child(path_, name), "this parameter was removed and has no effect any more; the run goes on without it"));
+      list.remove(name);
+    }
+  }
+
+  /// Every entry must be declared, and be a list exactly where a list is declared.
+  void check_names(const ParameterList& list, const ListSpec& spec) {
+    for (auto entry = list.begin(); entry != list.end(); ++entry) {
+      const std::string& name = list.name(entry);
+      const bool is_list = list.entry(entry).isList();
+      const bool parameter_declared = spec.find_parameter(name) != nullptr;
+      const bool list_declared = spec.find_list(name) != nullptr;
+      path_.push_back(name);
+      if (parameter_declared && is_list) {
+        throw error("a ParameterList; allowed: a Parameter, " + allowed_values(*spec.find_parameter(name)));
+      }
+      if (list_declared && !is_list) throw error("a Parameter; allowed: a ParameterList of this name");
+      if (!parameter_declared && !list_declared) check_free_name(spec, name, is_list);
+      path_.pop_back();
+    }
+  }
+
+  void check_free_name(const ListSpec& spec, const std::string& name, bool is_list) const {
+    const bool allowed = is_list ? spec.named_list != nullptr : spec.named_parameter != nullptr;
+    if (allowed) return;
+    const std::vector<std::string> names = spec.fixed_names();
+    const std::string hint = did_you_mean(name, names);
+    if (spec.named_list) throw error("a Parameter; allowed: one ParameterList per " + spec.placeholder + hint);
+    if (spec.named_parameter) {
+      throw error("a ParameterList; allowed: one Parameter per " + spec.placeholder + ", " +
+                  allowed_values(*spec.named_parameter) + hint);
+    }
+    throw error("unknown name of a " + std::string(is_list ? "ParameterList" : "Parameter") +
+                "; allowed: " + quoted_list(names) + hint);
+  }
+
+  /// A word in place of a number; booleans become the word of their name.
+  static bool is_allowed_word(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+    const ParameterValue given = value_of(*list.getEntryPtr(name));
+    std::string word;
+    if (std::holds_alternative<bool>(given)) word = to_text(given);
+    if (std::holds_alternative<std::string>(given)) word = std::get<std::string>(given);
+    if (std::find(spec.words.begin(), spec.words.end(), word) == spec.words.end()) return false;
+    set_value(list, name, word, false);
+    return true;
+  }
+
+  void check_parameter(ParameterList& list, const ParameterSpec& spec, const std::string& name) {
+    const ParameterEntry* entry = list.getEntryPtr(name);
+    if (entry == nullptr) {
+      if (spec.presence == Presence::required) throw error("missing; needed: " + described(spec));
+      if (spec.presence == Presence::defaulted) set_value(list, name, spec.default_value, true);
+      return;
+    }
+    if (is_allowed_word(list, spec, name)) return;
+    const ParameterValue given = value_of(*entry);
+    const ParameterValue value = widened(given, spec.type);
+    check_value(value, spec);
+    if (value.index() != given.index()) set_value(list, name, value, false);
+  }
+
+  void check_value(const ParameterValue& value, const ParameterSpec& spec) const {
+    const auto seen = [&] { return "value " + excerpt(to_text(value)); };
+    if (!has_type(value, spec.type)) throw error(seen() + " of " + type_of(value) + "; allowed: " + described(spec));
+    const int length = array_length(value);
+    if (spec.length > 0 && length != spec.length) {
+      throw error(seen() + " has " + std::to_string(length) + " entries; allowed: " + described(spec));
+    }
+    if (length == 0 && !spec.empty_allowed) throw error(seen() + " is empty; allowed: " + described(spec));
+    if (!numbers_in_range(value, spec.range)) throw error(seen() + "; allowed: " + described(spec));
+    if (!spec.choices.empty()) check_choices(value, spec);
+  }
+
+  void check_choices(const ParameterValue& value, const ParameterSpec& spec) const {
+    if (std::holds_alternative<std::string>(value)) check_choice(std::get<std::string>(value), value, spec);
+    if (!std::holds_alternative<Teuchos::Array<std::string>>(value)) return;
+    std::set<std::string> seen;
+    for (const std::string& word : std::get<Teuchos::Array<std::string>>(value)) {
+      check_choice(word, value, spec);
+      if (!seen.insert(word).second) {
+        throw error("value " + excerpt(to_text(value)) + " says \"" + word + "\" twice; allowed: " + described(spec));
+      }
+    }
+  }
+
+  void check_choice(const std::string& word, const ParameterValue& value, const ParameterSpec& spec) const {
+    if (std::find(spec.choices.begin(), spec.choices.end(), word) != spec.choices.end()) return;
+    throw error("value " + excerpt(to_text(value)) + "; allowed: " + described(spec) +
+                did_you_mean(word, spec.choices));
+  }
+
+  static std::string described(const ParameterSpec& spec) {
+    if (spec.meaning.empty()) return allowed_values(spec);
+    const bool full_stop = spec.meaning.back() == '.';
+    return allowed_values(spec) + " (" + spec.meaning.substr(0, spec.meaning.size() - (full_stop ? 1 : 0)) + ")";
+  }
+
+  void check_sublist(ParameterList& list, const SublistSpec& spec) {
+    if (!list.isSublist(spec.name)) {
+      if (spec.presence == Presence::required) throw error("missing ParameterList; needed: " + spec.list->meaning);
+      if (spec.presence == Presence::optional) return;
+    }
+    check_list(list.sublist(spec.name), *spec.list);
+  }
+
+  void check_named_entries(ParameterList& list, const ListSpec& spec) {
+    if (!spec.named_list && !spec.named_parameter) return;
+    std::vector<std::string> names;  // collected first: checking may replace a value
+    for (auto entry = list.begin(); entry != list.end(); ++entry) {
+      const std::string& name = list.name(entry);
+      if (spec.find_parameter(name) == nullptr && spec.find_list(name) == nullptr) names.push_back(name);
+    }
+    if (static_cast<int>(names.size()) < spec.minimum_named) {
+      throw error(std::to_string(names.size()) + " entries; allowed: at least " + std::to_string(spec.minimum_named) +
+                  ", one per " + spec.placeholder);
+    }
+    for (const std::string& name : names) {
+      path_.push_back(name);
+      if (list.isSublist(name)) {
+        check_list(list.sublist(name), *spec.named_list);
+      } else {
+        check_parameter(list, *spec.named_parameter, name);
+      }
+      path_.pop_back();
+    }
+  }
+
+  const ParameterSource& source_;
+  ParameterPath path_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,
+                                  const ParameterPath& path) {
+  Validator validator(source, path);
+  validator.check_list(list, spec);
+  return validator.warnings();
+}
+
+}  // namespace mixbeam

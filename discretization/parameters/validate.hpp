@@ -1,0 +1,23 @@
+/// Checking what a user wrote against the declaration of the parameters.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Fills in the defaults and converts whole numbers given for reals. Throws InputError for an unknown name, a wrong
+/// type, a value out of range or not among the choices, and for anything required that is missing; the message holds
+/// `file:line: XML path "...": what was seen; allowed: ...; did you mean "..."?`. A second call changes nothing.
+/// `path`: where `list` stands below the root of `source`.
+///
+/// Takes out parameters that earlier versions had and returns a warning of each, `file:line: XML path "...": ...`.
+std::vector<std::string> validate(Teuchos::ParameterList& list, const ListSpec& spec, const ParameterSource& source,
+                                  const ParameterPath& path = {});
+
+}  // namespace mixbeam

@@ -1,0 +1,399 @@
+#include "discretization/parameters/xml_reader.hpp"
+
+#include "discretization/parameters/spec.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <libxml/SAX2.h>
+#include <libxml/parserInternals.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+constexpr std::size_t kMaximumBytes = std::size_t{256}
+                                      << 20U;  // some million members; keeps a wrong file from eating memory
+constexpr std::size_t kMaximumDepth = 64;      // nested lists; real files need less than ten
+
+Problem parse_text(const std::string& text, bool& value) {
+  const std::string word = trimmed(text);
+  if (word != "true" && word != "false") return "value \"" + excerpt(word) + R"("; allowed: "true", "false")";
+  value = word == "true";
+  return "";
+}
+Problem parse_text(const std::string& text, int& value) { return parse_number(text, value); }
+Problem parse_text(const std::string& text, double& value) { return parse_number(text, value); }
+Problem parse_text(const std::string& text, std::string& value) {
+  value = text;
+  return "";
+}
+
+/// Where the entries of an array end: at its commas and at its end. A comma inside parentheses belongs to the entry,
+/// like in max(x, 1), unless the parentheses do not match.
+std::vector<std::size_t> ends_of_entries(const std::string& text) {
+  std::vector<std::size_t> all, outside;
+  int depth = 0;
+  bool match = true;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '(') ++depth;
+    if (text[i] == ')') match = --depth >= 0 && match;
+    if (text[i] != ',') continue;
+    all.push_back(i);
+    if (depth == 0) outside.push_back(i);
+  }
+  std::vector<std::size_t>& ends = match && depth == 0 ? outside : all;
+  ends.push_back(text.size());
+  return ends;
+}
+
+template <typename T>
+Problem parse_text(const std::string& text, Teuchos::Array<T>& values) {
+  const std::string braced = trimmed(text);
+  if (braced.size() < 2 || braced.front() != '{' || braced.back() != '}' || braced.find('{', 1) != std::string::npos) {
+    return "value \"" + excerpt(braced) + "\" is not an array; allowed: values between braces, like {1, 2, 3}";
+  }
+  const std::string inside = braced.substr(1, braced.size() - 2);
+  if (trimmed(inside).empty()) return "";
+  std::size_t begin = 0;
+  for (const std::size_t end : ends_of_entries(inside)) {
+    const std::string entry = trimmed(inside.substr(begin, end - begin));
+    if (entry.empty()) return "value \"" + excerpt(braced) + "\" has an empty entry; allowed: values between commas";
+    T value{};
+    if (Problem problem = parse_text(entry, value); !problem.empty()) return "in an array: " + problem;
+    values.push_back(value);
+    begin = end + 1;
+  }
+  return "";
+}
+
+template <typename T>
+Problem set_parsed(Teuchos::ParameterList& list, const std::string& name, const std::string& text) {
+  T value{};
+  Problem problem = parse_text(text, value);
+  if (problem.empty()) list.set(name, value);
+  return problem;
+}
+
+using Setter = Problem (*)(Teuchos::ParameterList&, const std::string&, const std::string&);
+
+Setter setter_for(const std::string& type) {
+  static const std::unordered_map<std::string, Setter> setters = {
+      {xml_name(ParameterType::boolean), set_parsed<bool>},
+      {xml_name(ParameterType::integer), set_parsed<int>},
+      {xml_name(ParameterType::real), set_parsed<double>},
+      {xml_name(ParameterType::text), set_parsed<std::string>},
+      {xml_name(ParameterType::integer_array), set_parsed<Teuchos::Array<int>>},
+      {xml_name(ParameterType::real_array), set_parsed<Teuchos::Array<double>>},
+      {xml_name(ParameterType::text_array), set_parsed<Teuchos::Array<std::string>>},
+  };
+  const auto found = setters.find(type);
+  return found == setters.end() ? nullptr : found->second;
+}
+
+const std::vector<std::string> kTypes = {"bool",       "int",           "double",       "string",
+                                         "Array(int)", "Array(double)", "Array(string)"};
+const std::vector<std::string> kTags = {"ParameterList", "Parameter"};
+// Teuchos writes the last four of each itself; they say nothing that is needed here.
+const std::vector<std::string> kListAttributes = {"name", "id", "docString", "isDefault", "isUsed"};
+const std::vector<std::string> kParameterAttributes = {"name",      "type",      "value", "id",
+                                                       "docString", "isDefault", "isUsed"};
+
+/// Name and value; a tag has a few only, and the parser refuses equal names.
+using Attributes = std::vector<std::pair<std::string, std::string>>;
+
+const std::string* find_attribute(const Attributes& attributes, const std::string& name) {
+  for (const auto& attribute : attributes)
+    if (attribute.first == name) return &attribute.second;
+  return nullptr;
+}
+
+/// Receives the parser's events and builds the list. The events come through C code, which an exception must not
+/// cross: the first error is kept and the parser stopped.
+class ListBuilder {
+ public:
+  ListBuilder(xmlParserCtxtPtr parser, XmlParameters& result) : parser_(parser), result_(result) {}
+
+  const std::optional<InputError>& error() const { return error_; }
+  bool has_root() const { return has_root_; }
+
+  template <typename Event>
+  void guarded(Event event) {
+    if (error_) return;
+    try {
+      event();
+    } catch (const InputError& error) {
+      stop(error);
+    } catch (const std::exception& error) {
+      stop(result_.source.error(path_, error.what()));
+    }
+  }
+
+  void start_element(const std::string& tag, const Attributes& attributes) {
+    const int line = tag_line();
+    if (inside_parameter_) throw at_line(line, "<" + excerpt(tag) + "> inside a <Parameter>; allowed: nothing");
+    if (tag == "ParameterList") return start_list(attributes, line);
+    if (tag == "Parameter") return start_parameter(attributes, line);
+    throw at_line(line,
+                  "unknown tag <" + excerpt(tag) + ">; allowed: " + quoted_list(kTags) + did_you_mean(tag, kTags));
+  }
+
+  void end_element(const std::string& tag) {
+    if (tag == "Parameter") {
+      inside_parameter_ = false;
+      return;
+    }
+    open_.pop_back();
+    if (!path_.empty()) path_.pop_back();
+  }
+
+  void characters(const std::string& text) {
+    if (trimmed(text).empty()) return;
+    throw at_line(line(), "text \"" + excerpt(trimmed(text)) +
+                              "\" outside of tags; allowed: <ParameterList> and "
+                              "<Parameter .../> only");
+  }
+
+  void document_type() {
+    throw at_line(line(), "a DOCTYPE, which could include other files; allowed: a plain list of parameters");
+  }
+
+  void syntax_error(const xmlError& problem) {
+    const std::string text = problem.message == nullptr ? "unreadable" : trimmed(problem.message);
+    throw at_line(problem.line, "not well-formed XML: " + excerpt(text));
+  }
+
+ private:
+  void stop(const InputError& error) {
+    error_ = error;
+    xmlStopParser(parser_);
+  }
+
+  int line() const { return xmlSAX2GetLineNumber(parser_); }
+
+  /// The parser stands at the end of the tag, which may be lines below its start.
+  int tag_line() const {
+    int line_number = line();
+    const xmlChar* begin = parser_->input->cur;
+    while (begin > parser_->input->base && *begin != '<') {
+      --begin;
+      if (*begin == '\n') --line_number;
+    }
+    return *begin == '<' ? line_number : line();
+  }
+
+  InputError at_line(int line_number, const std::string& problem) const {
+    const std::string inside = path_.empty() ? "" : "XML path \"" + to_string(path_) + "\": ";
+    return InputError{result_.source.file() + ":" + std::to_string(line_number) + ": " + inside + problem};
+  }
+
+  void check_attributes(const Attributes& attributes, const std::vector<std::string>& allowed, int line_number) const {
+    for (const auto& attribute : attributes) {
+      if (std::find(allowed.begin(), allowed.end(), attribute.first) != allowed.end()) continue;
+      throw at_line(line_number, "unknown attribute \"" + excerpt(attribute.first) +
+                                     "\"; allowed: " + quoted_list(allowed) + did_you_mean(attribute.first, allowed));
+    }
+  }
+
+  const std::string& attribute(const Attributes& attributes, const std::string& name, const std::string& tag,
+                               int line_number) const {
+    if (const std::string* found = find_attribute(attributes, name)) return *found;
+    throw at_line(line_number, "<" + tag + "> without the attribute \"" + name + "\"");
+  }
+
+  const std::string& name_of(const Attributes& attributes, const std::string& tag, int line_number) const {
+    const std::string& name = attribute(attributes, "name", tag, line_number);
+    if (trimmed(name).empty()) throw at_line(line_number, "<" + tag + "> with an empty name");
+    return name;
+  }
+
+  void start_list(const Attributes& attributes, int line_number) {
+    check_attributes(attributes, kListAttributes, line_number);
+    if (!has_root_) return start_root(attributes, line_number);
+    if (open_.size() >= kMaximumDepth) {
+      throw at_line(line_number, "lists nested deeper than " + std::to_string(kMaximumDepth));
+    }
+    const std::string& name = name_of(attributes, "ParameterList", line_number);
+    path_.push_back(name);
+    claim_path(line_number);
+    open_.push_back(&open_.back()->sublist(name));
+  }
+
+  /// Teuchos does not demand a name for the outermost list.
+  void start_root(const Attributes& attributes, int line_number) {
+    if (const std::string* name = find_attribute(attributes, "name")) result_.list->setName(*name);
+    result_.source.set_root_name(result_.list->name());
+    result_.source.record({}, line_number);
+    open_.push_back(result_.list.get());
+    has_root_ = true;
+  }
+
+  void start_parameter(const Attributes& attributes, int line_number) {
+    if (open_.empty())
+      throw at_line(line_number, "<Parameter> outside of a list; allowed: one <ParameterList> around all");
+    check_attributes(attributes, kParameterAttributes, line_number);
+    const std::string& name = name_of(attributes, "Parameter", line_number);
+    const std::string& type = attribute(attributes, "type", "Parameter", line_number);
+    const std::string& value = attribute(attributes, "value", "Parameter", line_number);
+    path_.push_back(name);
+    claim_path(line_number);
+    const Setter set = setter_for(type);
+    if (set == nullptr) {
+      throw result_.source.error(path_, "unknown type \"" + excerpt(type) + "\"; allowed: " + quoted_list(kTypes) +
+                                            did_you_mean(type, kTypes));
+    }
+    const Problem problem = set(*open_.back(), name, value);
+    if (!problem.empty()) throw result_.source.error(path_, problem);
+    path_.pop_back();
+    inside_parameter_ = true;
+  }
+
+  /// Remembers the line of `path_`, which no other entry may have: names in a list differ.
+  void claim_path(int line_number) {
+    const int earlier = result_.source.line(path_);
+    if (earlier == 0) return result_.source.record(path_, line_number);
+    throw InputError(result_.source.file() + ":" + std::to_string(line_number) + ": XML path \"" + to_string(path_) +
+                     "\": given twice in this list, in line " + std::to_string(earlier) + " and again in line " +
+                     std::to_string(line_number));
+  }
+
+  xmlParserCtxtPtr parser_;
+  XmlParameters& result_;
+  std::optional<InputError> error_;
+  std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
+  ParameterPath path_;
+  bool has_root_ = false;
+  bool inside_parameter_ = false;
+};
+
+std::string to_string(const xmlChar* text) { return text == nullptr ? "" : reinterpret_cast<const char*>(text); }
+
+std::string prefixed(const xmlChar* prefix, const xmlChar* name) {
+  return prefix == nullptr ? to_string(name) : to_string(prefix) + ":" + to_string(name);
+}
+
+// The parser's C interface: attributes come as name, prefix, namespace, begin and end of the value.
+
+void on_start_element(void* builder, const xmlChar* name, const xmlChar* prefix, const xmlChar* /*uri*/,
+                      int /*namespaces*/, const xmlChar** /*namespace_names*/, int attribute_count, int /*defaulted*/,
+                      const xmlChar** attributes) {
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded([&] {
+    Attributes values;
+    values.reserve(static_cast<std::size_t>(attribute_count));
+    for (int i = 0; i < attribute_count; ++i, attributes += 5) {
+      const char* const begin = reinterpret_cast<const char*>(attributes[3]);
+      const char* const end = reinterpret_cast<const char*>(attributes[4]);
+      values.emplace_back(prefixed(attributes[1], attributes[0]), std::string(begin, end));
+    }
+    target.start_element(prefixed(prefix, name), values);
+  });
+}
+
+void on_end_element(void* builder, const xmlChar* name, const xmlChar* prefix, const xmlChar* /*uri*/) {
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded([&] { target.end_element(prefixed(prefix, name)); });
+}
+
+void on_characters(void* builder, const xmlChar* text, int length) {
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded(
+      [&] { target.characters(std::string(reinterpret_cast<const char*>(text), static_cast<std::size_t>(length))); });
+}
+
+void on_document_type(void* builder, const xmlChar* /*name*/, const xmlChar* /*id*/, const xmlChar* /*system_id*/) {
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded([&] { target.document_type(); });
+}
+
+void on_error(void* builder, xmlErrorPtr problem) {
+  if (problem == nullptr || problem->level < XML_ERR_ERROR) return;
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded([&] { target.syntax_error(*problem); });
+}
+
+struct FreeParser {
+  void operator()(xmlParserCtxtPtr parser) const { xmlFreeParserCtxt(parser); }
+};
+
+void connect(xmlParserCtxt& parser, ListBuilder& builder) {
+  std::memset(parser.sax, 0, sizeof(xmlSAXHandler));  // no handler but ours: nothing is loaded, nothing printed
+  parser.sax->initialized = XML_SAX2_MAGIC;
+  parser.sax->startElementNs = on_start_element;
+  parser.sax->endElementNs = on_end_element;
+  parser.sax->characters = on_characters;
+  parser.sax->cdataBlock = on_characters;
+  parser.sax->internalSubset = on_document_type;
+  parser.sax->serror = on_error;
+  parser.userData = &builder;
+}
+
+void say_nothing(void* /*context*/, const char* /*message*/, ...) {}
+
+/// Errors of encodings do not come through the parser's own handler: libxml2 would print them to stderr. They are also
+/// seen as a document that is not well-formed.
+class SilentParsing {
+ public:
+  SilentParsing() : print_(xmlGenericError), context_(xmlGenericErrorContext) {
+    xmlSetGenericErrorFunc(nullptr, say_nothing);
+  }
+  ~SilentParsing() { xmlSetGenericErrorFunc(context_, print_); }
+  SilentParsing(const SilentParsing&) = delete;
+  SilentParsing& operator=(const SilentParsing&) = delete;
+
+ private:
+  xmlGenericErrorFunc print_;
+  void* context_;
+};
+
+std::string read_text(const std::string& file) {
+  std::error_code unreadable;
+  const auto status = std::filesystem::status(file, unreadable);
+  if (!std::filesystem::exists(status)) throw InputError(file + ": no such file");
+  if (std::filesystem::is_directory(status)) throw InputError(file + ": is a directory; allowed: an XML file");
+  errno = 0;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file + ": cannot be opened: " + std::strerror(errno));
+  std::string text;
+  for (char block[1U << 16U]; stream.read(block, sizeof block), stream.gcount() > 0;) {
+    text.append(block, static_cast<std::size_t>(stream.gcount()));
+    if (text.size() > kMaximumBytes) {
+      throw InputError(file + ": larger than " + std::to_string(kMaximumBytes >> 20U) + " MiB");
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+XmlParameters read_xml(const std::string& file) { return parse_xml(read_text(file), file); }
+
+XmlParameters parse_xml(const std::string& text, const std::string& file) {
+  if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
+  if (text.size() > kMaximumBytes) throw InputError(file + ": too large");
+  XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList), ParameterSource(file), text};
+  const SilentParsing silence;
+  const std::unique_ptr<xmlParserCtxt, FreeParser> parser(
+      xmlCreateMemoryParserCtxt(text.data(), static_cast<int>(text.size())));
+  if (!parser) throw InputError(file + ":1: cannot be read as XML");
+  ListBuilder builder(parser.get(), result);
+  connect(*parser, builder);
+  // NOENT: `&amp;` arrives as `&`; entities of the file's own cannot exist because a DOCTYPE is refused.
+  xmlCtxtUseOptions(parser.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
+  xmlParseDocument(parser.get());
+  if (builder.error()) throw InputError(*builder.error());
+  if (parser->wellFormed == 0 || !builder.has_root()) throw InputError(file + ":1: not well-formed XML");
+  return result;
+}
+
+}  // namespace mixbeam

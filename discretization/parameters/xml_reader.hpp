@@ -1,0 +1,27 @@
+/// Reading a parameter file in the Teuchos XML format, more strictly than Teuchos does: that reader takes `abc` for
+/// the number 0, lets the last of two equal names win, and knows no line numbers.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+#include <Teuchos_RCP.hpp>
+
+#include <string>
+
+namespace mixbeam {
+
+struct XmlParameters {
+  Teuchos::RCP<Teuchos::ParameterList> list;  ///< bears the name of the root
+  ParameterSource source;                     ///< file and line of every entry
+  std::string text;                           ///< the file itself, to be kept with the results
+};
+
+/// Reads `<ParameterList name="..">` with `<Parameter name=".." type=".." value=".."/>` and nested lists; types bool,
+/// int, double, string, Array(int), Array(double), Array(string). Throws InputError with file and line.
+XmlParameters read_xml(const std::string& file);
+
+/// The same for a text; `file` appears in the messages.
+XmlParameters parse_xml(const std::string& text, const std::string& file);
+
+}  // namespace mixbeam

@@ -1,0 +1,159 @@
+#include "discretization/reading/conditions/read_conditions.hpp"
+
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/formula.hpp"
+#include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/name_pattern.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/result_names.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+namespace {
+
+// Wildcards multiply: a line of text must not fill the memory.
+constexpr std::size_t kMostConditions = 2'000'000;
+constexpr std::size_t kMostLoadCases = 1000;
+constexpr std::size_t kLongestPattern = 1000;  // matching takes time in proportion to it
+constexpr int kSamplesPerStage = 8;            // of an amplitude: catches a pole at simple fractions
+
+}  // namespace
+
+void read_conditions(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
+                     Scene& scene) {
+  ConditionReader(scene_list, source, path, scene).read();
+}
+
+void ConditionReader::read() {
+  read_load_cases();
+  read_supports();
+  read_joints();
+  read_point_loads();
+  read_distributed_loads();
+  read_eigenstrains();
+  check_stages();
+  check_amplitudes();
+}
+
+void ConditionReader::read_load_cases() {
+  if (!scene_list_.isParameter("Load Cases")) return;
+  const ParameterPath path = child(path_, "Load Cases");
+  const auto& names = scene_list_.get<Teuchos::Array<std::string>>("Load Cases");
+  if (static_cast<std::size_t>(names.size()) > kMostLoadCases)
+    throw source_.error(path, std::to_string(names.size()) + " names; allowed: " + std::to_string(kMostLoadCases));
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    if (!seen.insert(name).second) throw source_.error(path, "names \"" + excerpt(name) + "\" twice; allowed: once");
+    const Problem problem = file_name_problem(name);
+    if (!problem.empty()) throw source_.error(path, "value " + problem);
+    scene_.load_cases.push_back(name);
+  }
+}
+
+ConditionReader::Schedule ConditionReader::read_schedule(const List& list, const ParameterPath& path) {
+  Schedule schedule;
+  schedule.stage = list.get<int>("Stage");
+  schedule.amplitude = get_text_or_empty(list, "Amplitude");
+  schedule.load_case = get_text_or_empty(list, "Case");
+  const std::vector<std::string>& cases = scene_.load_cases;
+  if (list.isParameter("Case") && std::find(cases.begin(), cases.end(), schedule.load_case) == cases.end()) {
+    throw source_.error(child(path, "Case"), "value \"" + excerpt(schedule.load_case) +
+                                                 "\" is not a load case of the scene; allowed: names in \"Load "
+                                                 "Cases\": " +
+                                                 quoted_list(cases) + did_you_mean(schedule.load_case, cases));
+  }
+  if (list.isParameter("Amplitude")) {
+    checked_formula(schedule.amplitude, {"t"}, source_, child(path, "Amplitude"));
+    amplitudes_.emplace_back(schedule.amplitude, child(path, "Amplitude"));
+  }
+  const bool ramp = schedule.amplitude.empty();
+  stages_used_.push_back({ramp ? schedule.stage : 1, schedule.stage, schedule.load_case, child(path, "Stage")});
+  return schedule;
+}
+
+void ConditionReader::check_stages() {
+  std::stable_sort(stages_used_.begin(), stages_used_.end(),
+                   [](const UsedStage& a, const UsedStage& b) { return a.first < b.first; });
+  std::vector<std::string> cases = scene_.load_cases;
+  if (cases.empty()) cases.emplace_back();
+  for (const std::string& load_case : cases) check_stages_of_case(load_case);
+  scene_.stages = stages_in_use(scene_);
+}
+
+void ConditionReader::check_stages_of_case(const std::string& load_case) const {
+  Stage last = 0;
+  for (const UsedStage& used : stages_used_) {
+    if (!used.load_case.empty() && used.load_case != load_case) continue;
+    if (used.first > last + 1) {
+      const std::string inside = load_case.empty() ? "" : " of load case \"" + excerpt(load_case) + "\"";
+      throw source_.error(used.path, "value " + std::to_string(used.first) + ", but nothing acts in stage " +
+                                         std::to_string(last + 1) + inside +
+                                         "; allowed: stages 1, 2, 3, ... without gaps");
+    }
+    last = std::max(last, used.last);
+  }
+}
+
+void ConditionReader::check_amplitudes() const {
+  std::vector<std::vector<double>> samples;
+  for (int i = 0; i <= kSamplesPerStage * scene_.stages; ++i)
+    samples.push_back({static_cast<double>(i) / kSamplesPerStage});
+  std::set<std::string> checked;  // many loads may share one
+  for (const auto& [text, path] : amplitudes_) {
+    if (!checked.insert(text).second) continue;
+    check_finite(checked_formula(text, {"t"}, source_, path), {"t"}, samples, source_, path);
+  }
+}
+
+std::vector<std::string> ConditionReader::points_meant(const List& list, const ParameterPath& list_path) {
+  const ParameterPath path = child(list_path, "Point");
+  const auto& text = list.get<std::string>("Point");
+  if (names_.members_at(text) != nullptr) {
+    count(1, path);
+    return {text};
+  }
+  if (names_.has_point(text)) {
+    throw source_.error(path,
+                        "value \"" + excerpt(text) + "\": no member starts or ends there; allowed: points of members");
+  }
+  const std::vector<std::string> points = has_wildcard(text) && text.size() <= kLongestPattern
+                                              ? names_meant(text, names_.point_names())
+                                              : std::vector<std::string>{};
+  if (points.empty()) throw unknown_name(source_, path, "point", text, names_.point_names());
+  count(points.size(), path);
+  return points;
+}
+
+std::vector<const Member*> ConditionReader::members_meant(const List& list, const ParameterPath& list_path) {
+  const ParameterPath path = child(list_path, "Member");
+  const auto& text = list.get<std::string>("Member");
+  std::vector<const Member*> members;
+  if (const Member* const member = names_.member(text)) {
+    members.push_back(member);
+  } else if (has_wildcard(text) && text.size() <= kLongestPattern) {
+    for (const Member& candidate : scene_.members)
+      if (matches(text, candidate.name)) members.push_back(&candidate);
+  }
+  if (members.empty()) throw unknown_name(source_, path, "member", text, names_.member_names());
+  count(members.size(), path);
+  return members;
+}
+
+void ConditionReader::count(std::size_t more, const ParameterPath& path) {
+  conditions_ += more;
+  if (conditions_ <= kMostConditions) return;
+  throw source_.error(path, "brings the scene to " + std::to_string(conditions_) +
+                                " loads and supports; allowed: " + std::to_string(kMostConditions));
+}
+
+void ConditionReader::check_any_given(const List& list, const std::vector<std::string>& parameters,
+                                      const std::string& problem, const ParameterPath& path) const {
+  const bool any = std::any_of(parameters.begin(), parameters.end(),
+                               [&](const std::string& parameter) { return is_given(list, parameter); });
+  if (!any) throw source_.error(path, problem + "; allowed: one or more of " + quoted_list(parameters));
+}
+
+}  // namespace mixbeam

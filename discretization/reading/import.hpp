@@ -1,0 +1,65 @@
+/// Points and members of a scene from two tables.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/scene/scene.hpp"
+#include "discretization/text/csv_file.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Declaration of the list "Import".
+ListSpec import_spec();
+
+/// A table whose first record may name its columns; without such names the columns stand in the order of their
+/// declaration.
+class ImportTable {
+ public:
+  /// Columns from `required` on may be absent. Throws InputError for an unknown name of a column.
+  ImportTable(CsvFile file, std::vector<std::string> columns, std::size_t required);
+
+  /// Calls `action` with each record but the names of columns.
+  void for_each(const std::function<void(const CsvRecord&)>& action) const;
+
+  /// Text of a column of the record, empty if the record has no such cell.
+  const std::string& cell(const CsvRecord& record, const std::string& column) const;
+  /// Throws InputError at the cell of this column.
+  InputError error(const CsvRecord& record, const std::string& column, const std::string& problem) const;
+  /// The same for the record in that line.
+  InputError error(int line, const std::string& column, const std::string& problem) const;
+
+ private:
+  void read_names(const CsvRecord& record);
+  std::size_t place(const std::string& column) const;
+
+  CsvFile file_;
+  std::vector<std::string> columns_;
+  std::size_t required_;
+  std::map<std::string, std::size_t> place_;  ///< column -> which cell of a record
+  bool has_names_ = false;
+};
+
+/// Texts of the tables that the list "Import" of the validated list of a scene names, by these names: what a result
+/// file keeps, so that resuming needs no other file. `path`: where the scene stands below the root of `source`. Throws
+/// InputError when a file cannot be read.
+std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
+                                                       const ParameterSource& source,
+                                                       const ParameterPath& path = {"Scene"});
+
+/// The table that a parameter of the list "Import" names: a text that the source has under this name, otherwise a file
+/// relative to the folder of the scene file.
+ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
+ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
+
+/// One record as a point, or as a member with the defaults of the list "Import".
+Point imported_point(const ImportTable& table, const CsvRecord& record);
+Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list);
+
+}  // namespace mixbeam

@@ -1,0 +1,197 @@
+/// The part of SceneReader that reads members, apart from where they are.
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/formula.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/scene_reader.hpp"
+#include "discretization/scene/division.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+const std::map<std::string, ForceIntegration> kForceIntegrations = {{"full", ForceIntegration::full},
+                                                                    {"axial reduced", ForceIntegration::axial_reduced},
+                                                                    {"shear reduced", ForceIntegration::shear_reduced},
+                                                                    {"both reduced", ForceIntegration::both_reduced}};
+
+/// `frame[2]`
+std::string numbered(const std::string& name, std::size_t number) { return name + "[" + std::to_string(number) + "]"; }
+
+}  // namespace
+
+void SceneReader::read_members() {
+  const List& members = list_.sublist("Members");
+  list_names_ = names_of(members);
+  for (std::size_t i = 0; i < list_names_.size(); ++i) {
+    const std::string& name = list_names_[i];
+    const List& list = members.sublist(name);
+    const ParameterPath path = child(child(path_, "Members"), name);
+    check_name(name, child(path_, "Members"));
+    Member member = read_member(name, list, path);
+    CurveDraft draft;
+    if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), source_, child(path, "Curve"));
+    if (draft.is_polyline) {
+      check_plain(list, path);
+      add_polyline(member, draft, i);
+      continue;
+    }
+    if (draft.arc) open_arcs_.emplace(scene_.members.size(), *draft.arc);
+    member.curve = std::move(draft.curve);
+    add_member(std::move(member), {false, i});
+  }
+}
+
+Member SceneReader::read_member(const std::string& name, const List& list, const ParameterPath& path) const {
+  Member member;
+  member.name = name;
+  member.start_point = list.get<std::string>("Start");
+  member.end_point = list.get<std::string>("End");
+  member.section = list.get<std::string>("Section");
+  member.order = list.get<int>("Order");
+  member.elements = list.get<int>("Elements");
+  member.keeps_order = is_given(list, "Order");
+  member.keeps_elements = is_given(list, "Elements") || list.isParameter("Stations");
+  member.force_integration = translated(list, "Force Integration", kForceIntegrations);
+  member.second_axis = get_vector_or_zero(list, "Second Axis");
+  if (list.isParameter("Second Axis") && norm(member.second_axis) < kShortestLength) {
+    throw source_.error(child(path, "Second Axis"),
+                        "value " + to_text(member.second_axis) + "; allowed: any vector but zero");
+  }
+  if (list.isParameter("Twist")) member.twist = list.get<double>("Twist");
+  read_taper(member, list, path);
+  if (list.isSublist("Inner Points"))
+    read_inner_points(member, list.sublist("Inner Points"), child(path, "Inner Points"));
+  if (list.isParameter("Stations")) read_stations(member, list, path);
+  return member;
+}
+
+void SceneReader::read_taper(Member& member, const List& list, const ParameterPath& path) const {
+  member.end_section = get_text_or_empty(list, "End Section");
+  member.taper = get_text_or_empty(list, "Taper");
+  if (!list.isParameter("Taper")) return;
+  const ParameterPath taper = child(path, "Taper");
+  if (member.end_section.empty())
+    throw source_.error(taper,
+                        "value \"" + excerpt(member.taper) + "\" without \"End Section\"; allowed: with it only");
+  const Expression weight = checked_formula(member.taper, {"x"}, source_, taper);
+  check_finite(weight, {"x"}, {{0.0}, {0.25}, {0.5}, {0.75}, {1.0}}, source_, taper);
+}
+
+void SceneReader::read_inner_points(Member& member, const List& list, const ParameterPath& path) const {
+  for (const std::string& point : names_of(list)) {
+    if (point == member.start_point || point == member.end_point)
+      throw source_.error(child(path, point), "an end of the member too; allowed: another point");
+    member.inner_points.push_back({point, list.get<double>(point)});
+  }
+  auto& inner = member.inner_points;
+  std::stable_sort(inner.begin(), inner.end(),
+                   [](const InnerPoint& a, const InnerPoint& b) { return a.position < b.position; });
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    const double before = i == 0 ? 0.0 : inner[i - 1].position;
+    const double after = i + 1 == inner.size() ? 1.0 : 2.0;
+    if (inner[i].position - before > kStationTolerance && after - inner[i].position > kStationTolerance) continue;
+    throw source_.error(child(path, inner[i].point),
+                        "value " + shortest(inner[i].position) +
+                            "; allowed: between 0 and 1, and further than 1e-9 from the ends and other inner points");
+  }
+}
+
+void SceneReader::read_stations(Member& member, const List& list, const ParameterPath& path) const {
+  const auto& values = list.get<Teuchos::Array<double>>("Stations");
+  member.stations.assign(values.begin(), values.end());
+  const int elements = static_cast<int>(member.stations.size()) - 1;
+  if (is_given(list, "Elements") && member.elements != elements) {
+    throw source_.error(child(path, "Elements"), "value " + std::to_string(member.elements) +
+                                                     ", but \"Stations\" has " +
+                                                     std::to_string(member.stations.size()) +
+                                                     " entries; allowed: one less than these, or only one of the two");
+  }
+  member.elements = elements;
+  try {
+    divide(member);
+  } catch (const std::invalid_argument& problem) {
+    throw source_.error(child(path, "Stations"), "value " + excerpt(to_text(values)) + ": " + problem.what());
+  }
+}
+
+/// What a polyline shares out among its lines cannot be said for the whole of it.
+void SceneReader::check_plain(const List& list, const ParameterPath& path) const {
+  for (const std::string name : {"Twist", "Stations", "End Section", "Taper", "Inner Points"}) {
+    if (!list.isParameter(name) && !list.isSublist(name)) continue;
+    throw source_.error(child(path, name),
+                        "given for a polyline, which becomes several members; allowed: for a single curve");
+  }
+}
+
+std::vector<std::string> SceneReader::polyline_points(const Member& whole, const CurveDraft& draft,
+                                                      const ParameterPath& path) {
+  std::vector<std::string> points = {whole.start_point};
+  points.insert(points.end(), draft.corner_names.begin(), draft.corner_names.end());
+  for (std::size_t i = 0; i < draft.corners.size(); ++i) {
+    points.push_back(numbered(whole.name, i + 1));
+    if (add_point(points.back(), draft.corners[i])) continue;
+    throw source_.error(child(child(path, "Curve"), "Through"),
+                        "corner " + std::to_string(i + 1) + " would be point \"" + excerpt(points.back()) +
+                            "\", which exists already; allowed: another name of the point or of the member");
+  }
+  points.push_back(whole.end_point);
+  return points;
+}
+
+void SceneReader::add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name) {
+  const ParameterPath path = child(child(path_, "Members"), whole.name);
+  const std::vector<std::string> points = polyline_points(whole, draft, path);
+  const std::size_t lines = points.size() - 1;
+  polylines_.push_back({scene_.members.size(), lines, whole.elements});
+  for (std::size_t i = 0; i < lines; ++i) {
+    Member line = whole;
+    line.name = numbered(whole.name, i + 1);
+    line.start_point = points[i];
+    line.end_point = points[i + 1];
+    // the whole of it counts at once, and is shared out when all positions are known
+    line.elements = i == 0 ? std::max(1, whole.elements - static_cast<int>(lines) + 1) : 1;
+    if (member_index_.count(line.name) > 0 || list_.sublist("Members").isSublist(line.name)) {
+      throw source_.error(path, "line " + std::to_string(i + 1) + " of the polyline would be member \"" +
+                                    excerpt(line.name) + "\", which exists already; allowed: another name");
+    }
+    add_member(std::move(line), {false, list_name});
+  }
+}
+
+void SceneReader::import_members() {
+  if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Members File")) return;
+  const List& list = list_.sublist("Import");
+  imported_members_.emplace(members_table(list, source_, child(path_, "Import")));
+  imported_members_->for_each([&](const CsvRecord& record) {
+    Member member = imported_member(*imported_members_, record, list);
+    if (member_index_.count(member.name) > 0) {
+      throw imported_members_->error(
+          record, "name",
+          "value \"" + excerpt(member.name) + "\" is the name of another member; allowed: names that differ");
+    }
+    add_member(std::move(member), {true, static_cast<std::size_t>(record.line)});
+  });
+}
+
+void SceneReader::add_member(Member member, Origin origin) {
+  origins_.push_back(origin);
+  const int pieces = static_cast<int>(member.inner_points.size()) + 1;
+  elements_ += std::max(member.elements, pieces);
+  member_index_.emplace(member.name, scene_.members.size());
+  scene_.members.push_back(std::move(member));
+  if (elements_ <= kMostElements) return;
+  const std::size_t last = scene_.members.size() - 1;
+  throw member_error(last, {"Elements"},
+                     "value " + std::to_string(scene_.members.back().elements) + " brings the scene to " +
+                         std::to_string(elements_) + " elements; allowed: " + std::to_string(kMostElements));
+}
+
+}  // namespace mixbeam

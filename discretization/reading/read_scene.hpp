@@ -1,0 +1,25 @@
+/// The scene as XML parameters: their declaration, and reading them into a Scene.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/scene/scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+namespace mixbeam {
+
+inline constexpr int kMostElements =
+    10'000'000;  ///< of one member and of the whole scene; keeps slips from eating memory
+
+/// Declaration of the list "Scene".
+ListSpec scene_spec();
+
+/// Validates the list (filling in defaults), then everything that names refer to and geometry must satisfy,
+/// supports that hold every part included.
+/// Throws InputError. Points that only the end of an arc or helix reaches are added to the scene's points.
+/// `path`: where the list stands below the root of `source`.
+Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source,
+                 const ParameterPath& path = {"Scene"});
+
+}  // namespace mixbeam

@@ -1,0 +1,137 @@
+#include "discretization/reading/scene_reader.hpp"
+
+#include "discretization/checks/mechanism.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/reading/conditions/read_conditions.hpp"
+#include "discretization/reading/patterns.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/sections.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+#include "discretization/text/result_names.hpp"
+
+#include <cctype>
+
+namespace mixbeam {
+
+Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
+  validate(scene_list, scene_spec(), source, path);
+  Scene scene = SceneReader(scene_list, source, path).read();
+  check_supports(scene, source, path);
+  return scene;
+}
+
+SceneReader::SceneReader(const List& list, const ParameterSource& source, ParameterPath path)
+    : list_(list), source_(source), path_(std::move(path)) {}
+
+Scene SceneReader::read() {
+  scene_.name = source_.root_name();
+  if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
+  read_sections();
+  read_points();
+  import_points();
+  read_members();
+  import_members();
+  if (scene_.members.empty())
+    throw source_.error(child(path_, "Members"), "no member; allowed: at least one, here or by \"Import\"");
+  place_members();
+  share_out_elements();
+  check_members();
+  if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), source_, child(path_, "Patterns"), scene_);
+  read_conditions(list_, source_, path_, scene_);
+  check_points_are_used();
+  return std::move(scene_);
+}
+
+void SceneReader::read_sections() {
+  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), source_, child(path_, "Sections"));
+  for (std::size_t i = 0; i < scene_.sections.size(); ++i) section_index_.emplace(scene_.sections[i].name, i);
+}
+
+void SceneReader::read_points() {
+  const List& points = list_.sublist("Points");
+  for (const std::string& name : names_of(points)) {
+    check_name(name, child(path_, "Points"));
+    add_point(name, get_vector(points, name));
+  }
+}
+
+/// Of an entry of the list at `path`.
+void SceneReader::check_name(const std::string& name, const ParameterPath& path) const {
+  const Problem problem = result_name_problem(name);
+  if (!problem.empty()) throw source_.error(child(path, name), "name " + problem);
+}
+
+bool SceneReader::add_point(const std::string& name, const Vector3& position) {
+  if (!point_index_.emplace(name, scene_.points.size()).second) return false;
+  scene_.points.push_back(Point{name, position});
+  return true;
+}
+
+void SceneReader::import_points() {
+  declared_points_ = scene_.points.size();
+  if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Points File")) return;
+  const ImportTable table = points_table(list_.sublist("Import"), source_, child(path_, "Import"));
+  table.for_each([&](const CsvRecord& record) {
+    const Point point = imported_point(table, record);
+    if (add_point(point.name, point.position)) return;
+    throw table.error(record, "name",
+                      "value \"" + excerpt(point.name) + "\" is the name of another point; allowed: names that differ");
+  });
+}
+
+/// A table may hold more points than members use; a point that somebody wrote here without use is a slip.
+void SceneReader::check_points_are_used() {
+  for (std::size_t i = origins_.size(); i < scene_.members.size(); ++i) {  // copies of patterns
+    const Member& copy = scene_.members[i];
+    touch_point(copy.start_point);
+    touch_point(copy.end_point);
+    for (const InnerPoint& inner : copy.inner_points) touch_point(inner.point);
+  }
+  for (std::size_t i = 0; i < declared_points_; ++i) {
+    if (point_touched_[i]) continue;
+    const std::string& name = scene_.points[i].name;
+    throw source_.error(
+        child(child(path_, "Points"), name),
+        "unused: no member, imported or copied ones included, starts or ends here; allowed: points of members");
+  }
+}
+
+void SceneReader::touch_point(const std::string& point) {
+  const auto found = point_index_.find(point);  // patterns make points of their own, too
+  if (found != point_index_.end()) point_touched_[found->second] = true;
+}
+
+InputError SceneReader::unknown(std::size_t member, const std::string& parameter, const std::string& what,
+                                const std::string& name, const Index& known) const {
+  std::vector<std::string> names(known.size());  // in the order of the scene
+  for (const auto& [known_name, index] : known) names[index] = known_name;
+  return member_error(member, {parameter},
+                      "value \"" + excerpt(name) + "\" is not a " + what +
+                          " of the scene; allowed: " + quoted_list(names) + did_you_mean(name, names));
+}
+
+InputError SceneReader::member_error(std::size_t member, const ParameterPath& parameter,
+                                     const std::string& problem) const {
+  const std::string& name = scene_.members[member].name;
+  const Origin& origin = origins_[member];
+  if (origin.is_imported) {
+    std::string column = parameter.empty() ? "name" : parameter.front();
+    column[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(column[0])));
+    return imported_members_->error(static_cast<int>(origin.place), column,
+                                    "member \"" + excerpt(name) + "\": " + problem);
+  }
+  const std::string& list_name = list_names_[origin.place];
+  ParameterPath path = child(child(path_, "Members"), list_name);
+  path.insert(path.end(), parameter.begin(), parameter.end());
+  return source_.error(path, (name == list_name ? "" : "line \"" + excerpt(name) + "\": ") + problem);
+}
+
+const Vector3& SceneReader::position_of(const std::string& point) const {
+  return scene_.points[point_index_.at(point)].position;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,102 @@
+/// The work behind read_scene (reading/read_scene.hpp): one pass over a validated list, with every check that needs
+/// more than one parameter at a time. Supports, loads and all else that acts are in
+/// reading/conditions/read_conditions.hpp.
+#pragma once
+
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/parameters/source.hpp"
+#include "discretization/reading/curves.hpp"
+#include "discretization/reading/import.hpp"
+#include "discretization/scene/scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+namespace mixbeam {
+
+class SceneReader {
+ public:
+  SceneReader(const Teuchos::ParameterList& list, const ParameterSource& source, ParameterPath path);
+
+  Scene read();
+
+ private:
+  using List = Teuchos::ParameterList;
+  using Index = std::unordered_map<std::string, std::size_t>;
+
+  /// Where a member was written: a list of "Members", or a line of the imported table.
+  struct Origin {
+    bool is_imported;
+    std::size_t place;  ///< in list_names_, or the line of the table
+  };
+
+  /// The lines that a polyline becomes.
+  struct Polyline {
+    std::size_t first_member, lines;
+    int elements;  ///< of all of them
+  };
+
+  // scene_reader.cpp
+  void read_sections();
+  void read_points();
+  void import_points();
+  void check_points_are_used();
+  void touch_point(const std::string& point);
+  void check_name(const std::string& name, const ParameterPath& path) const;
+  /// False if there is a point of this name.
+  bool add_point(const std::string& name, const Vector3& position);
+  /// A name in a member that nothing bears.
+  InputError unknown(std::size_t member, const std::string& parameter, const std::string& what, const std::string& name,
+                     const Index& known) const;
+  const Vector3& position_of(const std::string& point) const;
+
+  // reading/members.cpp
+  void read_members();
+  Member read_member(const std::string& name, const List& list, const ParameterPath& path) const;
+  void read_inner_points(Member& member, const List& list, const ParameterPath& path) const;
+  void read_stations(Member& member, const List& list, const ParameterPath& path) const;
+  void read_taper(Member& member, const List& list, const ParameterPath& path) const;
+  void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
+  std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const ParameterPath& path);
+  void check_plain(const List& list, const ParameterPath& path) const;
+  void import_members();
+  void add_member(Member member, Origin origin);
+
+  // scene_reader_geometry.cpp
+  void place_members();
+  void place_member(std::size_t member);
+  std::vector<std::string> points_needed(std::size_t member) const;
+  void complete_open_arc(std::size_t member);
+  void place_end(std::size_t member);
+  void place_inner_points(std::size_t member);
+  void place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
+                   const ParameterPath& parameter);
+  ReferenceCurve reference_curve_of(std::size_t member) const;
+  void share_out_elements();
+  void check_members();
+  void check_curve(std::size_t member) const;
+  void check_formula_start(std::size_t member) const;
+  void check_line(std::size_t member) const;
+  void check_second_axis(std::size_t member) const;
+
+  InputError member_error(std::size_t member, const ParameterPath& parameter, const std::string& problem) const;
+
+  const List& list_;
+  const ParameterSource& source_;
+  const ParameterPath path_;
+  Scene scene_;
+  Index section_index_, point_index_, member_index_;
+  std::vector<bool> point_touched_;
+  std::vector<std::string> list_names_;  ///< of the list "Members"
+  std::vector<Origin> origins_;          ///< of every member
+  std::optional<ImportTable> imported_members_;
+  std::size_t declared_points_ = 0;  ///< those of the list "Points", which come first
+  long long elements_ = 0;           ///< of all members so far
+  std::vector<Polyline> polylines_;
+  std::unordered_map<std::size_t, ArcDefinition> open_arcs_;  ///< member -> what its centre, axis, angle follow from
+};
+
+}  // namespace mixbeam

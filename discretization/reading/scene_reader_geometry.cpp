@@ -1,0 +1,263 @@
+/// The part of SceneReader that checks where members are and completes their points.
+
+#include "discretization/geometry/curve_end.hpp"
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/reading/scene_reader.hpp"
+#include "discretization/text/expression.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+#include "discretization/text/result_names.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <queue>
+#include <stdexcept>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+
+// Points are written with a dozen digits or more, and computed ends carry rounding only.
+constexpr double kEndTolerance = 1e-9;  // of the curve length
+// Below this share of the coordinates, a length consists of rounding errors.
+constexpr double kShortestRelativeLength = 1e-12;
+
+Vector3 formula_position(const Curve& curve, double t) {
+  Vector3 position{};
+  for (std::size_t i = 0; i < 3; ++i) position[i] = Expression(curve.formula[i], {"t"})(t);
+  return position;
+}
+
+/// One element for each length, the others where they are longest. Takes the logarithm of the lines for each line, and
+/// nothing for each element.
+std::vector<int> shared_by_length(int elements, const std::vector<double>& lengths) {
+  const double whole = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+  const int spare = elements - static_cast<int>(lengths.size());
+  std::vector<int> shares(lengths.size(), 1);
+  if (spare <= 0 || !(whole > 0.0)) return shares;
+  std::priority_queue<std::pair<double, std::size_t>> longest;
+  int left = elements;
+  for (std::size_t i = 0; i < lengths.size(); ++i) {
+    shares[i] = std::max(1, static_cast<int>(spare * (lengths[i] / whole)));
+    left -= shares[i];
+    longest.emplace(lengths[i] / shares[i], i);
+  }
+  for (; left > 0; --left) {
+    const std::size_t i = longest.top().second;
+    longest.pop();
+    longest.emplace(lengths[i] / ++shares[i], i);
+  }
+  return shares;
+}
+
+}  // namespace
+
+/// Points that follow from a member are where the next one starts: from known points along the members.
+void SceneReader::place_members() {
+  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // point -> members that need it
+  std::vector<std::size_t> missing(scene_.members.size(), 0);         // points that a member still needs
+  std::vector<std::size_t> ready;
+  for (std::size_t i = scene_.members.size(); i-- > 0;) {
+    for (const std::string& point : points_needed(i)) {
+      if (point_index_.count(point) > 0) continue;
+      waiting[point].push_back(i);
+      ++missing[i];
+    }
+    if (missing[i] == 0) ready.push_back(i);
+  }
+  while (!ready.empty()) {
+    const std::size_t i = ready.back();
+    ready.pop_back();
+    std::size_t known = scene_.points.size();
+    place_member(i);
+    for (; known < scene_.points.size(); ++known) {
+      const auto next = waiting.find(scene_.points[known].name);
+      if (next == waiting.end()) continue;
+      for (const std::size_t member : next->second)
+        if (--missing[member] == 0) ready.push_back(member);
+      waiting.erase(next);
+    }
+  }
+}
+
+/// What must be known before a member can be placed.
+std::vector<std::string> SceneReader::points_needed(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const auto arc = open_arcs_.find(index);
+  const bool ends_at_point = arc == open_arcs_.end()
+                                 ? member.curve.shape == CurveShape::line || member.curve.shape == CurveShape::spline
+                                 : arc->second.needs_end();
+  if (ends_at_point && member.end_point != member.start_point) return {member.start_point, member.end_point};
+  return {member.start_point};
+}
+
+void SceneReader::place_member(std::size_t index) {
+  const CurveShape shape = scene_.members[index].curve.shape;
+  if (shape == CurveShape::circular_arc) complete_open_arc(index);
+  if (shape == CurveShape::circular_arc || shape == CurveShape::helix) check_curve(index);
+  if (shape == CurveShape::parametric) check_formula_start(index);
+  if (shape != CurveShape::line && shape != CurveShape::spline) place_end(index);
+  if (!scene_.members[index].inner_points.empty()) place_inner_points(index);
+}
+
+void SceneReader::complete_open_arc(std::size_t index) {
+  const auto arc = open_arcs_.find(index);
+  if (arc == open_arcs_.end()) return;
+  Member& member = scene_.members[index];
+  const Vector3 start = position_of(member.start_point);
+  const Vector3 end = arc->second.needs_end() ? position_of(member.end_point) : start;
+  try {
+    complete_arc(member.curve, arc->second, start, end);
+  } catch (const std::invalid_argument& problem) {
+    const std::string name = arc->second.given == ArcDefinition::Given::point ? "Through" : "Radius";
+    throw member_error(index, {"Curve", name}, std::string("there is no such arc: ") + problem.what());
+  }
+}
+
+/// Curve of a member whose points are known as far as it needs them.
+ReferenceCurve SceneReader::reference_curve_of(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Vector3& start = position_of(member.start_point);
+  const auto end = point_index_.find(member.end_point);
+  try {
+    return make_reference_curve(member, start, end == point_index_.end() ? start : scene_.points[end->second].position);
+  } catch (const std::invalid_argument& problem) {
+    throw member_error(index, {"Curve"}, problem.what());
+  }
+}
+
+/// Arc and helix end where their angle says, a parametric curve where its formulas say.
+void SceneReader::place_end(std::size_t index) {
+  const Member& member = scene_.members[index];
+  const Vector3 start = position_of(member.start_point);
+  if (member.curve.shape != CurveShape::parametric) {
+    const Vector3 end = curve_end(member.curve, start);
+    return place_point(member.end_point, end, curve_length(member.curve, start, end), index, {"End"});
+  }
+  place_point(member.end_point, formula_position(member.curve, member.curve.range[1]), reference_curve_of(index).length,
+              index, {"End"});
+}
+
+void SceneReader::place_inner_points(std::size_t index) {
+  if (scene_.members[index].curve.shape == CurveShape::line) check_line(index);
+  const ReferenceCurve curve = reference_curve_of(index);
+  for (const InnerPoint& inner : std::vector<InnerPoint>(scene_.members[index].inner_points)) {
+    const Vec3<double> r = curve.position(curve.length * inner.position);
+    place_point(inner.point, {r[0], r[1], r[2]}, curve.length, index, {"Inner Points", inner.point});
+  }
+}
+
+/// Adds the point, or checks that it is there. `length`: of the member.
+void SceneReader::place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
+                              const ParameterPath& parameter) {
+  const Problem problem = result_name_problem(point);
+  if (!problem.empty()) throw member_error(member, parameter, "name " + problem);
+  if (add_point(point, position)) return;
+  const Vector3& declared = position_of(point);
+  if (norm(difference(declared, position)) <= kEndTolerance * length) return;
+  throw member_error(member, parameter,
+                     "value \"" + excerpt(point) + "\" is at " + to_text(declared) + ", but the curve " +
+                         (parameter.front() == "End" ? "ends at " : "passes at ") + to_text(position) +
+                         "; allowed: equal to 1e-9 of the curve length " + shortest(length) + ", or a new name");
+}
+
+void SceneReader::check_formula_start(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Vector3 begin = formula_position(member.curve, member.curve.range[0]);
+  const Vector3& start = position_of(member.start_point);
+  const double length = reference_curve_of(index).length;
+  if (norm(difference(begin, start)) <= kEndTolerance * length) return;
+  throw member_error(index, {"Start"},
+                     "value \"" + excerpt(member.start_point) + "\" is at " + to_text(start) +
+                         ", but the formulas begin at " + to_text(begin) +
+                         "; allowed: equal to 1e-9 of the curve length " + shortest(length));
+}
+
+void SceneReader::check_curve(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Curve& curve = member.curve;
+  const Vector3 start = position_of(member.start_point);
+  const Vector3 from_center = difference(start, curve.center);
+  const double radius = norm(radius_vector(curve, start));
+  if (radius < kShortestLength || radius <= kShortestRelativeLength * (norm(from_center) + norm(start))) {
+    throw member_error(index, {"Curve", "Center"},
+                       "value " + to_text(curve.center) + ": the start point \"" + excerpt(member.start_point) +
+                           "\" lies on the axis; allowed: a radius > 0");
+  }
+  const double height = dot(from_center, axis_direction(curve));
+  if (curve.shape == CurveShape::circular_arc && std::abs(height) > kEndTolerance * radius) {
+    const Vector3 center = sum(curve.center, scaled(height, axis_direction(curve)));
+    throw member_error(index, {"Curve", "Center"},
+                       "value " + to_text(curve.center) + " is not in the plane of the arc; allowed: " +
+                           to_text(center) + " for this start point and axis");
+  }
+  const double arc = radius * curve.angle;
+  if (arc < kShortestLength || arc < kShortestRelativeLength * norm(start)) {
+    throw member_error(index, {"Curve", "Angle"},
+                       "value " + shortest(curve.angle) + ": the member has no length; allowed: larger");
+  }
+}
+
+/// Elements of polylines: one for each line, the others in proportion to the lengths.
+void SceneReader::share_out_elements() {
+  for (const Polyline& polyline : polylines_) {
+    std::vector<double> lengths;
+    for (std::size_t i = 0; i < polyline.lines; ++i) {
+      const Member& line = scene_.members[polyline.first_member + i];
+      const auto start = point_index_.find(line.start_point), end = point_index_.find(line.end_point);
+      if (start == point_index_.end() || end == point_index_.end()) return;  // check_members will say it
+      lengths.push_back(norm(difference(scene_.points[end->second].position, scene_.points[start->second].position)));
+    }
+    const std::vector<int> elements = shared_by_length(polyline.elements, lengths);
+    for (std::size_t i = 0; i < polyline.lines; ++i) scene_.members[polyline.first_member + i].elements = elements[i];
+  }
+}
+
+void SceneReader::check_members() {
+  point_touched_.assign(scene_.points.size(), false);
+  for (std::size_t i = 0; i < scene_.members.size(); ++i) {
+    const Member& member = scene_.members[i];
+    for (const bool at_start : {true, false}) {
+      const std::string& point = at_start ? member.start_point : member.end_point;
+      const auto known = point_index_.find(point);
+      if (known == point_index_.end()) throw unknown(i, at_start ? "Start" : "End", "point", point, point_index_);
+      point_touched_[known->second] = true;
+    }
+    for (const InnerPoint& inner : member.inner_points) point_touched_[point_index_.at(inner.point)] = true;
+    if (section_index_.count(member.section) == 0)
+      throw unknown(i, "Section", "section", member.section, section_index_);
+    if (!member.end_section.empty() && section_index_.count(member.end_section) == 0)
+      throw unknown(i, "End Section", "section", member.end_section, section_index_);
+    if (member.curve.shape == CurveShape::line) check_line(i);
+    if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
+    if (!is_zero(member.second_axis)) check_second_axis(i);
+  }
+}
+
+void SceneReader::check_line(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  const Vector3& start = position_of(member.start_point);
+  const Vector3& end = position_of(member.end_point);
+  const double length = norm(difference(end, start));
+  if (length >= kShortestLength && length > kShortestRelativeLength * std::max(norm(start), norm(end))) return;
+  throw member_error(index, {},
+                     "no length: it starts at \"" + excerpt(member.start_point) + "\" " + to_text(start) +
+                         " and ends at \"" + excerpt(member.end_point) + "\" " + to_text(end) +
+                         "; allowed: two different positions");
+}
+
+void SceneReader::check_second_axis(std::size_t index) const {
+  const Member& member = scene_.members[index];
+  if (member.curve.shape == CurveShape::spline || member.curve.shape == CurveShape::parametric) return;  // done
+  const Vector3 tangent = start_tangent(member.curve, position_of(member.start_point), position_of(member.end_point));
+  if (norm(cross(tangent, scaled(1.0 / norm(member.second_axis), member.second_axis))) >= kSmallestSecondAxisAngle)
+    return;
+  throw member_error(index, {"Second Axis"},
+                     "value " + to_text(member.second_axis) + " is parallel to the start tangent " + to_text(tangent) +
+                         "; allowed: any other direction");
+}
+
+}  // namespace mixbeam

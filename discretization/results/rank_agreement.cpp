@@ -1,0 +1,35 @@
+#include "discretization/results/rank_agreement.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
+
+#include <exception>
+
+namespace mixbeam {
+
+Communicator one_rank() { return Teuchos::rcp(new Teuchos::SerialComm<int>()); }
+
+std::string first_problem(const Teuchos::Comm<int>& communicator, const std::function<void()>& action) {
+  const int rank = communicator.getRank(), ranks = communicator.getSize();
+  std::string problem;
+  bool failed = false;
+  try {
+    action();
+  } catch (const std::exception& error) {
+    failed = true;
+    problem = error.what();
+    if (problem.empty()) problem = "no reason given";
+  }
+  if (ranks == 1) return problem;
+  const int mine = failed ? rank : ranks;
+  int first = ranks;
+  Teuchos::reduceAll(communicator, Teuchos::REDUCE_MIN, 1, &mine, &first);
+  if (first == ranks) return "";
+  int size = static_cast<int>(problem.size());
+  Teuchos::broadcast(communicator, first, &size);
+  problem.resize(static_cast<std::size_t>(size));
+  Teuchos::broadcast(communicator, first, size, problem.data());
+  return first == 0 ? problem : problem + " (rank " + std::to_string(first) + ")";
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,238 @@
+#include "discretization/results/result_tables.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ && sizeof(int) == 4,
+              "numbers go into the file as they are in memory");
+
+constexpr int kXdmfPolyline = 2;  // XDMF's number for a polyline in a mixed topology
+
+template <class Number>
+constexpr TableNumbers kNumbersOf = TableNumbers::doubles;
+template <>
+constexpr TableNumbers kNumbersOf<int> = TableNumbers::integers;
+
+/// `fill` gives the rows of this rank to a RowWriter<Number>.
+template <class Number, class Fill>
+ResultTable table(const std::string& name, std::size_t rows, std::size_t columns, const Fill& fill) {
+  return {{name, kNumbersOf<Number>, rows, columns}, [columns, fill](SlabFile& file, std::uint64_t offset) {
+            RowWriter<Number> writer(file, offset, columns);
+            fill(writer);
+            writer.finish();
+          }};
+}
+
+/// Calls action(row of the table, position among the rows that are held).
+template <class Action>
+void for_each_held(const RowShare& share, const Action& action) {
+  std::size_t held = 0;
+  for (const RowRun& run : share.runs)
+    for (std::size_t row = run.first; row < run.first + run.count; ++row) action(row, held++);
+}
+
+/// Numbers that are held as they are written, `values` pointing to the first.
+template <class Number>
+ResultTable table_of(const std::string& name, const RowShare& share, std::size_t columns, const Number* values) {
+  const std::size_t row = columns * sizeof(Number);
+  return {{name, kNumbersOf<Number>, share.rows, columns},
+          [share, row, columns, values](SlabFile& file, std::uint64_t offset) {
+            const Number* from = values;
+            for (const RowRun& run : share.runs) {
+              file.write(offset + run.first * row, from, run.count * row);
+              from += run.count * columns;
+            }
+          }};
+}
+
+const double* numbers_of(const std::vector<Vector3>& vectors) {
+  static_assert(sizeof(Vector3) == 3 * sizeof(double), "vectors are written as rows of three numbers");
+  return vectors.empty() ? nullptr : vectors.front().data();
+}
+
+/// The part of this rank in `values`, which every rank has.
+template <class Number>
+ResultTable known_table(const std::string& name, RankNumber rank, std::size_t columns, std::size_t rows,
+                        const Number* values) {
+  const RowShare share = even_share(rows, rank.rank, rank.ranks);
+  const std::size_t first = share.runs.empty() ? 0 : share.runs.front().first;
+  return table_of(name, share, columns, values + columns * first);
+}
+
+/// A field at the samples of all members: value(member, sample held of it, room for its numbers).
+template <class Value>
+ResultTable sample_table(const std::string& name, std::size_t columns, const std::vector<MemberSamples>& members,
+                         const Value& value) {
+  std::size_t samples = 0;
+  for (const MemberSamples& member : members) samples += member.share.rows;
+  return table<double>(name, samples, columns, [&members, value](RowWriter<double>& writer) {
+    std::size_t first = 0;
+    for (const MemberSamples& member : members) {
+      for_each_held(member.share,
+                    [&](std::size_t row, std::size_t held) { value(member, held, writer.row(first + row)); });
+      first += member.share.rows;
+    }
+  });
+}
+
+template <class Field>
+ResultTable field_table(const std::string& name, const std::vector<MemberSamples>& members, Field field) {
+  constexpr std::size_t columns = std::tuple_size_v<
+      typename std::decay_t<decltype(std::declval<MemberSamples>().*std::declval<Field>())>::value_type>;
+  return sample_table(name, columns, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
+    std::copy_n((member.*field)[sample].data(), columns, row);
+  });
+}
+
+// Columns g1, g2, g3 of the rotation matrix of a unit quaternion, spatial components.
+std::array<Vector3, 3> triad_vectors(const TriadQuaternion& triad) {
+  const auto [w, x, y, z] = triad;
+  return {Vector3{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+          Vector3{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          Vector3{2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
+// Spatial components of a material vector field: v = sum_i V_i g_i at every sample.
+ResultTable spatial_table(const std::string& name, const std::vector<MemberSamples>& members,
+                          std::vector<Vector3> MemberSamples::*material) {
+  return sample_table(name, 3, members, [material](const MemberSamples& member, std::size_t sample, double* row) {
+    const auto g = triad_vectors(member.triad[sample]);
+    const Vector3& v = (member.*material)[sample];
+    for (std::size_t i = 0; i < 3; ++i) row[i] = v[0] * g[0][i] + v[1] * g[1][i] + v[2] * g[2][i];
+  });
+}
+
+ResultTable triad_table(const std::string& name, const std::vector<MemberSamples>& members, std::size_t column) {
+  return sample_table(name, 3, members, [column](const MemberSamples& member, std::size_t sample, double* row) {
+    const Vector3 g = triad_vectors(member.triad[sample])[column];
+    std::copy(g.begin(), g.end(), row);
+  });
+}
+
+/// For each member 2, its number of samples, their numbers.
+ResultTable connectivity_table(const std::vector<MemberSamples>& members, RankNumber rank) {
+  constexpr std::size_t kHead = 2;
+  std::size_t rows = 0;
+  for (const MemberSamples& member : members) rows += kHead + member.share.rows;
+  const RowShare share = even_share(rows, rank.rank, rank.ranks);
+  return table<int>("/polyline/connectivity", rows, 1, [&members, share](RowWriter<int>& writer) {
+    std::size_t member = 0, begin = 0, first_sample = 0;  // of the member, in rows and in samples
+    for_each_held(share, [&](std::size_t row, std::size_t) {
+      while (row >= begin + kHead + members[member].share.rows) {
+        begin += kHead + members[member].share.rows;
+        first_sample += members[member++].share.rows;
+      }
+      const std::size_t inside = row - begin;
+      const std::size_t number = inside == 0   ? kXdmfPolyline
+                                 : inside == 1 ? members[member].share.rows
+                                               : first_sample + inside - kHead;
+      *writer.row(row) = static_cast<int>(number);
+    });
+  });
+}
+
+RowShare share_of_samples(const std::vector<MemberSamples>& members) {
+  RowShare all;
+  for (const MemberSamples& member : members) {
+    for (const RowRun& run : member.share.runs) all.hold(all.rows + run.first, run.count);
+    all.rows += member.share.rows;
+  }
+  return all;
+}
+
+void add_fields(const std::string& group, const std::vector<MemberSamples>& members, std::vector<ResultTable>& tables) {
+  tables.push_back(field_table(group + "position", members, &MemberSamples::position));
+  tables.push_back(field_table(group + "displacement", members, &MemberSamples::displacement));
+  tables.push_back(field_table(group + "triad", members, &MemberSamples::triad));
+  tables.push_back(field_table(group + "force_strain", members, &MemberSamples::force_strain));
+  tables.push_back(field_table(group + "moment_strain", members, &MemberSamples::moment_strain));
+  tables.push_back(field_table(group + "material_force", members, &MemberSamples::material_force));
+  tables.push_back(field_table(group + "material_moment", members, &MemberSamples::material_moment));
+  tables.push_back(spatial_table(group + "spatial_force", members, &MemberSamples::material_force));
+  tables.push_back(spatial_table(group + "spatial_moment", members, &MemberSamples::material_moment));
+  for (std::size_t i = 0; i < 3; ++i)
+    tables.push_back(triad_table(group + "triad_" + std::to_string(i + 1), members, i));
+}
+
+void add_state(const std::string& group, const StateShare& state, std::vector<ResultTable>& tables) {
+  const StateSnapshot& held = state.held;
+  tables.push_back(table_of(group + "vertex_displacement", state.vertices, 3, held.vertex_displacement.data()));
+  tables.push_back(table_of(group + "vertex_rotation", state.vertices, 4, held.vertex_rotation.data()));
+  tables.push_back(table_of(group + "element_triad", state.elements, 4, held.element_triad.data()));
+  tables.push_back(table_of(group + "interior", state.interior, 1, held.interior.data()));
+}
+
+void add_error_estimate(const std::string& group, const RecordedErrorEstimate& estimate, RankNumber rank,
+                        std::vector<ResultTable>& tables) {
+  const auto& u = estimate.vertex_displacement;
+  const auto &of_u = estimate.element_displacement, &of_moment = estimate.element_moment;
+  tables.push_back(known_table(group + "vertex_displacement", rank, 3, u.size(), numbers_of(u)));
+  tables.push_back(known_table(group + "element_displacement", rank, 1, of_u.size(), of_u.data()));
+  tables.push_back(known_table(group + "element_moment", rank, 1, of_moment.size(), of_moment.data()));
+}
+
+}  // namespace
+
+std::string step_group_name(int step) {
+  std::string digits = std::to_string(step);
+  return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits;
+}
+
+std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank) {
+  std::vector<ResultTable> tables;
+  for (const MemberSamples& member : members) {
+    const std::string group = "/members/" + member.name + "/";
+    tables.push_back(table_of(group + "arc_length", member.share, 1, member.arc_length.data()));
+    tables.push_back(table_of(group + "element", member.share, 1, member.element.data()));
+    tables.push_back(table_of(group + "reference_position", member.share, 3, numbers_of(member.reference_position)));
+  }
+  tables.push_back(connectivity_table(members, rank));
+  return tables;
+}
+
+std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank) {
+  std::vector<ResultTable> tables;
+  const RowShare samples = share_of_samples(record.members);
+  const auto add = [&](const std::string& name, const std::vector<Vector3>& vectors) {
+    tables.push_back(table_of(name, samples, 3, numbers_of(vectors)));
+  };
+  for (std::size_t i = 0; i < record.buckling.size(); ++i)
+    add("/buckling/" + std::to_string(i) + "/mode", record.buckling[i].mode);
+  const std::string group = "/steps/" + step_group_name(record.step) + "/";
+  add_fields(group, record.members, tables);
+  for (std::size_t i = 0; i < record.critical_points.size(); ++i) {
+    const RecordedCriticalPoint& point = record.critical_points[i];
+    const std::string inside = group + "critical_points/" + std::to_string(i) + "/";
+    add(inside + "position", point.position);
+    add(inside + "displacement", point.displacement);
+    add(inside + "mode", point.mode);
+    if (!point.state.empty()) add_state(inside + "state/", point.state, tables);
+  }
+  if (record.error_estimate && record.error_estimate->not_estimated.empty())
+    add_error_estimate(group + "error_estimate/", *record.error_estimate, rank, tables);
+  if (!record.state.empty()) add_state(group + "state/", record.state, tables);
+  return tables;
+}
+
+ResultTable copied_table(const TableShape& shape, std::shared_ptr<SlabFile> source, std::uint64_t offset,
+                         RankNumber rank) {
+  const RowShare share = even_share(shape.rows, rank.rank, rank.ranks);
+  const std::size_t row = shape.bytes_of_row();
+  return {shape, [share, row, offset, source = std::move(source)](SlabFile& file, std::uint64_t to) {
+            for (const RowRun& run : share.runs) {
+              const std::size_t end = (run.first + run.count) * row;
+              for (std::size_t place = run.first * row, count = 0; place < end; place += count) {
+                count = std::min(kSlabBytes, end - place);
+                source->read(offset + place, file.buffer(), count);
+                file.write(to + place, file.buffer(), count);
+              }
+            }
+          }};
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,61 @@
+/// A result file read back: what a run is resumed from. The layout is described in result_file.hpp.
+#pragma once
+
+#include "discretization/state/member_samples.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// What a result file says about the run as a whole.
+struct ResultHeader {
+  std::string scene_name;
+  std::string scene_xml;                          ///< the input, word for word
+  std::string version;                            ///< of the program
+  std::map<std::string, std::string> properties;  ///< compiler, threads, ranks, ...
+  std::map<std::string, std::string> imported{};  ///< text of every file that the input names, by that name
+};
+
+/// A quantity followed over the completed steps.
+struct MonitoredSeries {
+  std::string name{};
+  std::size_t columns = 1;
+  std::vector<double> values{};  ///< step after step
+};
+
+/// Keeps no file open.
+class StoredRun {
+ public:
+  /// Throws InputError when `path` is no readable result file of this program, or of a version that kept no states.
+  explicit StoredRun(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  const ResultHeader& header() const { return header_; }
+  const std::vector<PathPoint>& steps() const { return steps_; }
+  const std::vector<MonitoredSeries>& monitor() const { return monitor_; }
+  /// Names and sizes of members and monitored quantities, and the number of the last step; no values.
+  const StepRecord& layout() const { return layout_; }
+
+  /// Of each of steps(); "unknown" in files of versions that did not tell.
+  const std::vector<RecordedStability>& stability() const { return stability_; }
+  /// State of the step at this position in steps().
+  StateSnapshot state(std::size_t position) const;
+
+  /// Critical points between the step before and the one at this position: what they are, and their states; without
+  /// fields at samples and monitored quantities.
+  std::vector<RecordedCriticalPoint> critical_points(std::size_t position) const;
+
+ private:
+  std::filesystem::path path_;
+  ResultHeader header_;
+  std::vector<std::string> groups_;
+  std::vector<PathPoint> steps_;
+  std::vector<RecordedStability> stability_;
+  std::vector<MonitoredSeries> monitor_;
+  StepRecord layout_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,38 @@
+#include "discretization/results/table_file.hpp"
+
+#include "discretization/results/hdf5_writer.hpp"
+#include "discretization/results/result_file.hpp"
+
+namespace mixbeam {
+
+namespace {
+
+/// Writes into the groups that the name speaks of, which are made where they are missing.
+void write_column(hid_t parent, const std::string& name, const std::vector<double>& values) {
+  const std::size_t slash = name.find('/');
+  if (slash == std::string::npos) return hdf5::write_dataset(parent, name, values, 1);
+  const std::string group_name = name.substr(0, slash);
+  const bool exists = H5Lexists(parent, group_name.c_str(), H5P_DEFAULT) > 0;
+  const hdf5::Handle group = exists ? hdf5::open_group(parent, group_name) : hdf5::create_group(parent, group_name);
+  write_column(group, name.substr(slash + 1), values);
+}
+
+}  // namespace
+
+void write_table_file(const std::filesystem::path& path, const std::vector<TableColumn>& columns,
+                      const std::map<std::string, std::string>& texts) {
+  const hdf5::QuietScope quiet;
+  try {
+    hdf5::Handle file = hdf5::create_file(path);
+    for (const auto& [name, text] : texts) hdf5::write_text(file, name, text);
+    {
+      const hdf5::Handle group = hdf5::create_group(file, "columns");
+      for (const TableColumn& column : columns) write_column(group, column.name, column.values);
+    }
+    file.close("close the file");
+  } catch (const hdf5::Error& error) {
+    throw ResultFileError(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,80 @@
+#include "discretization/results/xdmf_text.hpp"
+
+#include <array>
+#include <charconv>
+
+namespace mixbeam {
+namespace {
+
+constexpr std::array<const char*, 10> kVectorFields = {
+    "displacement", "spatial_force",  "spatial_moment",  "triad_1",      "triad_2",
+    "triad_3",      "material_force", "material_moment", "force_strain", "moment_strain"};
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+// Shortest decimal text that reads back as the same double, whatever the locale.
+std::string number(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
+std::string data_item(const std::string& dimensions, const std::string& type, const std::string& place) {
+  return "<DataItem Format=\"HDF\" " + type + " Dimensions=\"" + dimensions + "\">" + place + "</DataItem>";
+}
+
+std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t members, std::size_t samples,
+                      std::size_t connectivity) {
+  const std::string vectors = std::to_string(samples) + " 3";
+  const std::string real = "NumberType=\"Float\" Precision=\"8\"";
+  const std::string place = file + ":" + step.group + "/";
+  std::string text = "      <Grid Name=\"step " + std::to_string(step.step) + "\" GridType=\"Uniform\">\n";
+  text += "        <Time Value=\"" + std::to_string(step.step) + "\"/>\n";
+  text +=
+      "        <Topology TopologyType=\"Mixed\" NumberOfElements=\"" + std::to_string(members) + "\">" +
+      data_item(std::to_string(connectivity), "NumberType=\"Int\" Precision=\"4\"", file + ":/polyline/connectivity") +
+      "</Topology>\n";
+  text += "        <Geometry GeometryType=\"XYZ\">" + data_item(vectors, real, place + "position") + "</Geometry>\n";
+  for (const char* field : kVectorFields) {
+    text += "        <Attribute Name=\"" + std::string(field) + "\" AttributeType=\"Vector\" Center=\"Node\">" +
+            data_item(vectors, real, place + field) + "</Attribute>\n";
+  }
+  text += "        <Attribute Name=\"load_factor\" AttributeType=\"Scalar\" Center=\"Grid\"><DataItem Format=\"XML\" " +
+          real + " Dimensions=\"1\">" + number(step.load_factor) + "</DataItem></Attribute>\n";
+  return text + "      </Grid>\n";
+}
+
+}  // namespace
+
+std::string xdmf_text(const std::string& data_file, const std::vector<XdmfStep>& steps, std::size_t members,
+                      std::size_t samples, std::size_t connectivity) {
+  const std::string file = escaped(data_file);
+  std::string text =
+      "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
+      "    <Grid Name=\"steps\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const auto& step : steps) text += step_grid(file, step, members, samples, connectivity);
+  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,22 @@
+/// Bounds of the numbers in a scene.
+#pragma once
+
+#include "discretization/parameters/spec.hpp"
+
+#include <string>
+
+namespace mixbeam {
+
+inline constexpr double kLargestCoordinate = 1e100;  ///< squares of lengths must not overflow
+/// Beyond that sine and cosine lose the digits that ends are compared with. [radian]
+inline constexpr double kLargestAngle = 1e6;
+
+/// Below that relative errors of displacements are those of rounding.
+inline constexpr double kBestAccuracy = 1e-12;
+
+/// A position or a direction.
+inline ParameterSpec bounded_vector(const std::string& name) {
+  return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,20 @@
+/// Load cases: alternatives that are solved one by one.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+
+namespace mixbeam {
+
+/// The scene of one case: its loads and prescribed motions and those without a case, no names of cases, and the number
+/// of stages that these loads use. Supports stay; what a support prescribes in another case is left out. An empty name
+/// gives what acts in all cases. Throws std::invalid_argument, with the nearest name, for a case the scene does not
+/// have.
+Scene scene_of_case(const Scene& scene, const std::string& name);
+
+/// Whether a support moves, as opposed to holding still.
+bool prescribes_motion(const Support& support);
+
+/// Largest stage of any load, eigenstrain or prescribed motion, at least 1.
+int stages_in_use(const Scene& scene);
+
+}  // namespace mixbeam

@@ -1,0 +1,20 @@
+/// Several scenes as one, side by side without touching: what is solved in one go.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+
+namespace mixbeam {
+
+/// Scenes of one load case each and of the same number of stages, merged: members, supports, loads, ... of the first,
+/// then those of the second, and so on, each in its own order.
+struct MergedScene {
+  Scene scene{};
+  std::vector<int> part_of_member{};  ///< which of the scenes a member comes from
+
+  /// What the part calls `name` (a point, section, member, joint).
+  static std::string name_in_part(int part, const std::string& name) { return std::to_string(part) + ":" + name; }
+};
+
+MergedScene merge_scenes(const std::vector<const Scene*>& scenes);
+
+}  // namespace mixbeam

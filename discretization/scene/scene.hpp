@@ -1,0 +1,207 @@
+/// The scene: what a user describes, as plain structs in any consistent set of units (angles in radians).
+/// Reading and validating a scene is `read_scene` (scene_reader.hpp); turning it into elements is `Mesh` (mesh.hpp).
+#pragma once
+
+#include "kernels/element/force_integration.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+using Vector3 = std::array<double, 3>;
+using Matrix6 = std::array<std::array<double, 6>, 6>;
+
+enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section };
+
+/// Cross-section of one material, from which stiffnesses follow (section_shape.hpp).
+struct SectionShape {
+  SectionShapeKind kind = SectionShapeKind::circle;
+  double size2 = 0.0;  ///< outer dimension along axis 2 (circle, tube: the diameter; I: width of the flanges)
+  double size3 = 0.0;  ///< outer dimension along axis 3 (circle, tube: unused; I: height)
+  double wall = 0.0;   ///< tube: wall thickness; I: thickness of the flanges
+  double web = 0.0;    ///< I: thickness of the web
+  double youngs_modulus = 0.0;
+  double poisson_ratio = 0.0;
+  std::optional<double> shear_modulus{};                    ///< absent: E / (2 (1 + nu))
+  std::array<std::optional<double>, 2> shear_correction{};  ///< factors of GA2, GA3; absent: the value of the shape
+};
+
+/// Linear elastic section; every stiffness is positive, and infinity means rigid in that component (compliance zero).
+struct Section {
+  std::string name{};
+  double axial_stiffness = 0.0;               ///< EA
+  std::array<double, 2> shear_stiffness{};    ///< GA2, GA3
+  double torsional_stiffness = 0.0;           ///< GIt
+  std::array<double, 2> bending_stiffness{};  ///< EI2, EI3
+  /// Coupled section: symmetric positive definite stiffness of (gamma_1, gamma_2, gamma_3, kappa_1, kappa_2, kappa_3),
+  /// material. The six numbers above are then its diagonal, where infinity makes a component rigid: its row and column
+  /// of the compliance are zero whatever the matrix says.
+  std::optional<Matrix6> matrix{};
+  /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it.
+  std::optional<SectionShape> shape{};
+};
+
+/// A named point of the undeformed structure; members that name the same point are rigidly joined there, unless a joint
+/// says otherwise.
+struct Point {
+  std::string name{};
+  Vector3 position{};
+};
+
+enum class CurveShape { line, circular_arc, helix, spline, parametric };
+
+/// Undeformed centerline of a member. Line, arc and helix have a constant curvature vector in their own frame.
+struct Curve {
+  CurveShape shape = CurveShape::line;
+  Vector3 center{};  ///< circular arc: its centre; helix: a point of its axis
+  Vector3 axis{0, 0,
+               1};     ///< arc: normal of its plane (the arc turns right-handed about it); helix: direction of its axis
+  double angle = 0.0;  ///< arc and helix: angle swept about the axis, positive, in radians
+  double rise = 0.0;   ///< helix: signed length gained along the axis over the whole angle
+  std::vector<Vector3> through{};  ///< spline: interior points between start and end of the member
+  /// spline: tangent directions at start and end (any length); zero: no curvature there, both zero: closed ones smooth
+  std::array<Vector3, 2> end_tangents{};
+  std::array<std::string, 3> formula{};   ///< parametric: x, y, z as formulas of t, spatial
+  std::array<double, 2> range{0.0, 1.0};  ///< parametric: t at start and end of the member
+};
+
+/// A named point inside a member, which becomes a vertex.
+struct InnerPoint {
+  std::string point{};
+  double position = 0.0;  ///< arc length over the length of the member, in (0, 1)
+};
+
+/// A beam between two points, divided into elements: of equal length between its ends and inner points, unless
+/// `stations` gives their ends.
+struct Member {
+  std::string name{};
+  std::string start_point{};  ///< where arc length s = 0
+  std::string end_point{};    ///< where s = L
+  Curve curve;
+  std::string section{};
+  int order = 2;  ///< k = 1..8
+  int elements = 1;
+  ForceIntegration force_integration = ForceIntegration::both_reduced;
+  Vector3 second_axis{};  ///< direction that g2 of the start triad should take; zero: chosen by the program
+  double twist = 0.0;     ///< pre-twist: angle by which the section turns about the tangent from start to end, in
+                          ///< radians, on top of how the curve carries its triad
+  std::vector<InnerPoint> inner_points{};  ///< ascending
+  std::vector<double>
+      stations{};               ///< relative arc length of every vertex from 0 to 1, ascending, elements + 1 of them;
+                                ///< inner points are among them; empty: elements as equal as the inner points permit
+  std::string end_section{};    ///< taper: section at the end of the member; empty: one section throughout
+  std::string taper{};          ///< weight of the end section as formula of x = relative arc length; empty: x itself
+  bool keeps_order = false;     ///< the order was asked for, so Scene::accuracy does not change it
+  bool keeps_elements = false;  ///< likewise the elements
+};
+
+/// When a load or a prescribed motion acts: its amplitude is clamp(load_factor - (stage - 1), 0, 1),
+/// so stage 1 grows while the load factor goes from 0 to 1, stage 2 from 1 to 2, and finished stages stay (outside the
+/// range of all stages see Amplitude).
+using Stage = int;
+
+enum class JointKind {
+  hinge,  ///< free to turn about `axis`
+  ball,   ///< free to turn about any axis
+  slider  ///< free to move along `axis`, not to turn
+};
+
+/// Connection of the ends of some members at a point with the rest of what meets there. Each of these ends has its own
+/// triad, and its own position in a slider; the members not listed (at least one) stay rigidly joined to each other,
+/// and supports and loads of the point act on them. With `together`, the listed ends are rigidly joined to each other
+/// and have one triad (and position) of their own: two members that cross at a pin are four halves, two of them listed.
+struct Joint {
+  std::string name{};
+  std::string point{};
+  std::vector<std::string> members{};  ///< each has one end at the point and is joined on its own
+  JointKind kind = JointKind::hinge;
+  Vector3 axis{0, 0, 1};   ///< spatial direction in the undeformed structure (any length); turns with the rest
+  double stiffness = 0.0;  ///< of a spring in the free motion of hinge (moment per radian) or slider (force per length)
+  bool together = false;   ///< whether the listed ends share one joint instead of having one each
+};
+
+using Axes = std::array<Vector3, 3>;  ///< three orthonormal directions, right-handed: [i] is the i-th
+inline constexpr Axes kGlobalAxes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+/// What keeps a vertex in place. Motions not fixed here are free.
+struct Support {
+  std::string point{};
+  std::array<bool, 3> displacement_fixed{};  ///< components along `axes`
+  std::array<bool, 3> rotation_fixed{};  ///< components along `axes`: none, all, two of them (a hinge about the third),
+                                         ///< or one of them (that component of the rotation vector)
+  Vector3 prescribed_displacement{};     ///< reached at the end of `stage`; fixed components only
+  Vector3 prescribed_rotation{};  ///< rotation vector; amplitude * vector at each load factor, may exceed 2 pi; all
+                                  ///< components fixed only
+  Stage stage = 1;
+  std::string amplitude{};  ///< of the prescribed motions: formula of t = load factor; empty: the ramp of `stage`
+  Axes axes = kGlobalAxes;  ///< all components of this support refer to these spatial directions
+  Vector3 displacement_stiffness{};  ///< springs to the ground on free components: force = - stiffness * displacement
+  Vector3 rotation_stiffness{};      ///< energy 1/2 sum k_i theta_i^2 of the rotation vector of Lambda_V
+  std::string load_case{};           ///< of the prescribed motions, see Scene::load_cases
+};
+
+enum class LoadFrame {
+  dead,     ///< keeps its direction in space
+  follower  ///< turns with the vertex: components are in the member's triad at that end
+};
+
+struct PointLoad {
+  std::string point{};
+  Vector3 force{};
+  Vector3 moment{};  ///< dead moments are spatial: virtual work moment . dtheta
+  LoadFrame frame = LoadFrame::dead;
+  std::string member{};  ///< follower loads: whose triad the components refer to
+  Stage stage = 1;
+  std::string amplitude{};  ///< formula of t = load factor; empty: the ramp of `stage`
+  std::string load_case{};
+};
+
+/// Load per unit reference length of a member: dead (spatial components) or follower (components in the triad of the
+/// section on which it acts).
+struct DistributedLoad {
+  std::string member{};
+  Vector3 force{};
+  Vector3 couple{};
+  Stage stage = 1;
+  LoadFrame frame = LoadFrame::dead;
+  std::array<std::string, 3> force_formula{};   ///< of s = arc length and x = s / length; empty: the constant above
+  std::array<std::string, 3> couple_formula{};  ///< likewise
+  std::string amplitude{};
+  std::string load_case{};
+};
+
+/// Strain of a member without any stress: temperature, growth, actuation. Material components.
+struct Eigenstrain {
+  std::string member{};
+  Vector3 strain{};     ///< gamma: axial, shear
+  Vector3 curvature{};  ///< kappa: twist, bending, on top of the curvature of the undeformed member
+  Stage stage = 1;
+  std::array<std::string, 3> strain_formula{};     ///< of s and x, as in DistributedLoad
+  std::array<std::string, 3> curvature_formula{};  ///< likewise
+  std::string amplitude{};
+  std::string load_case{};
+};
+
+struct Scene {
+  std::string name{};
+  std::vector<Section> sections{};
+  std::vector<Point> points{};
+  std::vector<Member> members{};
+  std::vector<Support> supports{};
+  std::vector<PointLoad> point_loads{};
+  std::vector<DistributedLoad> distributed_loads{};
+  int stages = 1;  ///< largest stage in use; the load factor runs from 0 to this number
+  std::vector<Joint> joints{};
+  std::vector<Eigenstrain> eigenstrains{};
+  /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
+  /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
+  std::vector<std::string> load_cases{};
+  /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
+  /// chosen (accurate_run.hpp), and those here mean nothing.
+  std::optional<double> accuracy{};
+};
+
+}  // namespace mixbeam

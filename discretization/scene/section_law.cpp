@@ -1,0 +1,258 @@
+#include "discretization/scene/section_law.hpp"
+
+#include "discretization/scene/section_shape.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kComponents = 6;
+constexpr const char* kStiffnessNames[kComponents] = {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"};
+
+/// Entries of a matrix scaled to a diagonal of ones that count as equal: a matrix printed with twelve digits is
+/// symmetric.
+constexpr double kSymmetry = 1e-10;
+
+/// Smallest pivot of such a matrix that is no rounding of zero: six rows, a few roundings each.
+constexpr double kSmallestPivot = 1e-14;
+
+std::array<double, kComponents> diagonal(const Section& s) {
+  return {s.axial_stiffness,     s.shear_stiffness[0],   s.shear_stiffness[1],
+          s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]};
+}
+
+void set_diagonal(Section& s, const std::array<double, kComponents>& d) {
+  s.axial_stiffness = d[0];
+  s.shear_stiffness = {d[1], d[2]};
+  s.torsional_stiffness = d[3];
+  s.bending_stiffness = {d[4], d[5]};
+}
+
+std::string in_section(const Section& section) { return "section \"" + section.name + "\": "; }
+
+void check_diagonal(const Section& section) {
+  const auto values = diagonal(section);
+  for (int i = 0; i < kComponents; ++i)
+    if (!(values[i] > 0.0))
+      throw std::invalid_argument(in_section(section) + kStiffnessNames[i] + " is " + shortest(values[i]) +
+                                  "; allowed: a positive number or infinity");
+}
+
+/// Components that are not rigid.
+std::vector<int> elastic_components(const Section& section) {
+  std::vector<int> elastic;
+  const auto values = diagonal(section);
+  for (int i = 0; i < kComponents; ++i)
+    if (!std::isinf(values[i])) elastic.push_back(i);
+  return elastic;
+}
+
+/// Roots of the diagonal of the matrix, by which it is scaled: its test must not depend on units.
+std::vector<double> scales(const Section& section, const std::vector<int>& elastic) {
+  std::vector<double> scale;
+  for (int i : elastic) {
+    const double value = (*section.matrix)[i][i];
+    if (!(value > 0.0) || std::isinf(value))
+      throw std::invalid_argument(in_section(section) + "the entry of the matrix for " + kStiffnessNames[i] + " is " +
+                                  shortest(value) + "; allowed: a positive number");
+    scale.push_back(std::sqrt(value));
+  }
+  return scale;
+}
+
+/// The elastic part of the matrix, scaled to a diagonal of ones.
+Matrix6 scaled_matrix(const Section& section, const std::vector<int>& elastic, const std::vector<double>& scale) {
+  const Matrix6& matrix = *section.matrix;
+  Matrix6 scaled{};
+  for (std::size_t i = 0; i < elastic.size(); ++i)
+    for (std::size_t j = 0; j < elastic.size(); ++j) {
+      const double unit = scale[i] * scale[j], here = matrix[elastic[i]][elastic[j]] / unit,
+                   there = matrix[elastic[j]][elastic[i]] / unit;
+      if (!(std::abs(here - there) <= kSymmetry))
+        throw std::invalid_argument(in_section(section) + "the matrix is not symmetric: row " +
+                                    kStiffnessNames[elastic[i]] + ", column " + kStiffnessNames[elastic[j]] + " is " +
+                                    shortest(matrix[elastic[i]][elastic[j]]) + ", the entry across the diagonal " +
+                                    shortest(matrix[elastic[j]][elastic[i]]));
+      scaled[i][j] = 0.5 * (here + there);
+    }
+  return scaled;
+}
+
+/// Cholesky factor, lower triangle, of the leading n x n part; throws where a pivot is not positive.
+Matrix6 cholesky(const Section& section, const Matrix6& a, std::size_t n) {
+  Matrix6 l{};
+  for (std::size_t j = 0; j < n; ++j) {
+    double pivot = a[j][j];
+    for (std::size_t k = 0; k < j; ++k) pivot -= l[j][k] * l[j][k];
+    if (!(pivot > kSmallestPivot))
+      throw std::invalid_argument(in_section(section) +
+                                  "the matrix is not positive definite: a strain without positive energy exists");
+    l[j][j] = std::sqrt(pivot);
+    for (std::size_t i = j + 1; i < n; ++i) {
+      double sum = a[i][j];
+      for (std::size_t k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+      l[i][j] = sum / l[j][j];
+    }
+  }
+  return l;
+}
+
+/// (L L^T)^-1 for the leading n x n part, symmetric to the last bit.
+Matrix6 inverse_from_cholesky(const Matrix6& l, std::size_t n) {
+  Matrix6 g{}, inverse{};  // g = L^-1
+  for (std::size_t j = 0; j < n; ++j) {
+    g[j][j] = 1.0 / l[j][j];
+    for (std::size_t i = j + 1; i < n; ++i) {
+      double sum = 0.0;
+      for (std::size_t k = j; k < i; ++k) sum -= l[i][k] * g[k][j];
+      g[i][j] = sum / l[i][i];
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      for (std::size_t k = i; k < n; ++k) inverse[i][j] += g[k][i] * g[k][j];
+      inverse[j][i] = inverse[i][j];
+    }
+  return inverse;
+}
+
+Matrix6 inverse_of_matrix(const Section& section) {
+  const std::vector<int> elastic = elastic_components(section);
+  const std::size_t n = elastic.size();
+  const std::vector<double> scale = scales(section, elastic);
+  const Matrix6 inverse = inverse_from_cholesky(cholesky(section, scaled_matrix(section, elastic, scale), n), n);
+  Matrix6 compliance{};
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) compliance[elastic[i]][elastic[j]] = inverse[i][j] / (scale[i] * scale[j]);
+  return compliance;
+}
+
+const Section& find_section(const Scene& scene, const Member& member, const std::string& name) {
+  std::vector<std::string> names;
+  for (const Section& section : scene.sections) {
+    if (section.name == name) return section;
+    names.push_back(section.name);
+  }
+  throw InputError("member \"" + member.name + "\": there is no section named \"" + name + "\"" +
+                   did_you_mean(name, names));
+}
+
+double mixed(double weight, double start, double end) { return (1.0 - weight) * start + weight * end; }
+
+/// (1 - w) start + w end; equal values stay as they are, infinite ones too.
+std::array<double, kComponents> mixed_diagonal(double weight, const Section& start, const Section& end) {
+  const auto a = diagonal(start), b = diagonal(end);
+  std::array<double, kComponents> result{};
+  for (int i = 0; i < kComponents; ++i) result[i] = std::isinf(a[i]) ? a[i] : mixed(weight, a[i], b[i]);
+  return result;
+}
+
+Matrix6 stiffness_matrix(const Section& section) {
+  if (section.matrix) return *section.matrix;
+  Matrix6 matrix{};
+  const auto values = diagonal(section);
+  for (int i = 0; i < kComponents; ++i) matrix[i][i] = std::isinf(values[i]) ? 0.0 : values[i];
+  return matrix;
+}
+
+Section mixed_stiffness(double weight, const Section& start, const Section& end) {
+  Section section;
+  section.name = start.name;
+  set_diagonal(section, mixed_diagonal(weight, start, end));
+  if (!start.matrix && !end.matrix) return section;
+  const Matrix6 a = stiffness_matrix(start), b = stiffness_matrix(end);
+  section.matrix.emplace();
+  for (int i = 0; i < kComponents; ++i)
+    for (int j = 0; j < kComponents; ++j) (*section.matrix)[i][j] = mixed(weight, a[i][j], b[i][j]);
+  return section;
+}
+
+double shear_modulus(const SectionShape& shape) {
+  return shape.shear_modulus ? *shape.shear_modulus : shape.youngs_modulus / (2.0 * (1.0 + shape.poisson_ratio));
+}
+
+Section mixed_shape(double weight, const Section& start, const Section& end) {
+  const SectionShape &a = *start.shape, &b = *end.shape;
+  SectionShape shape = a;
+  for (double SectionShape::*number : {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall,
+                                       &SectionShape::web, &SectionShape::youngs_modulus, &SectionShape::poisson_ratio})
+    shape.*number = mixed(weight, a.*number, b.*number);
+  if (a.shear_modulus || b.shear_modulus) shape.shear_modulus = mixed(weight, shear_modulus(a), shear_modulus(b));
+  for (int i = 0; i < 2; ++i)
+    if (a.shear_correction[i] && b.shear_correction[i])
+      shape.shear_correction[i] = mixed(weight, *a.shear_correction[i], *b.shear_correction[i]);
+  Section section = make_section(start.name, shape);
+  auto values = diagonal(section);
+  const auto of_start = diagonal(start);
+  for (int i = 0; i < kComponents; ++i)
+    if (std::isinf(of_start[i])) values[i] = of_start[i];
+  set_diagonal(section, values);
+  return section;
+}
+
+/// Between rigid and elastic there is nothing to interpolate.
+void check_taper(const Section& start, const Section& end, bool by_shape) {
+  const auto a = diagonal(start), b = diagonal(end);
+  const std::string text = "taper from section \"" + start.name + "\" to \"" + end.name + "\": ";
+  for (int i = 0; i < kComponents; ++i)
+    if (std::isinf(a[i]) != std::isinf(b[i]))
+      throw std::invalid_argument(text + kStiffnessNames[i] +
+                                  " is rigid in one of them and not in the other; allowed: both or none");
+  if (!by_shape) return;
+  for (int i = 0; i < 2; ++i)
+    if (start.shape->shear_correction[i].has_value() != end.shape->shear_correction[i].has_value())
+      throw std::invalid_argument(text + "only one of them gives the shear correction " + std::to_string(i + 2) +
+                                  "; allowed: both or none");
+}
+
+}  // namespace
+
+Matrix6 section_compliance(const Section& section) {
+  check_diagonal(section);
+  if (section.matrix) return inverse_of_matrix(section);
+  Matrix6 compliance{};
+  const auto values = diagonal(section);
+  for (int i = 0; i < kComponents; ++i) compliance[i][i] = 1.0 / values[i];  // rigid: 1/infinity is zero
+  return compliance;
+}
+
+bool has_general_section(const Scene& scene, const Member& member) {
+  return !member.end_section.empty() || find_section(scene, member, member.section).matrix.has_value();
+}
+
+SectionLaw::SectionLaw(const Scene& scene, const Member& member)
+    : tapered_(!member.end_section.empty()), start_(find_section(scene, member, member.section)) {
+  start_compliance_ = section_compliance(start_);  // errors of a section itself do not name a place along the member
+  if (!tapered_) return;
+  end_ = find_section(scene, member, member.end_section);
+  section_compliance(end_);
+  weight_ = Expression(member.taper.empty() ? "x" : member.taper, {"x"});
+  by_shape_ = start_.shape && end_.shape && start_.shape->kind == end_.shape->kind && !start_.matrix && !end_.matrix;
+  check_taper(start_, end_, by_shape_);
+}
+
+Section SectionLaw::section(double x) const {
+  if (!tapered_) return start_;
+  const double weight = weight_(x);
+  if (!std::isfinite(weight))
+    throw std::invalid_argument("taper \"" + weight_.text() + "\" is not a finite number at x = " + shortest(x));
+  return by_shape_ ? mixed_shape(weight, start_, end_) : mixed_stiffness(weight, start_, end_);
+}
+
+Matrix6 SectionLaw::compliance(double x) const {
+  if (!tapered_) return start_compliance_;
+  try {
+    return section_compliance(section(x));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument("at x = " + shortest(x) + " of the taper: " + error.what());
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,44 @@
+/// From the section of a scene to the compliance that elements use: coupled sections, and sections that vary along a
+/// member.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+#include "discretization/text/expression.hpp"
+
+namespace mixbeam {
+
+/// Compliance S = C^-1 of (N, M) -> (gamma, kappa), material components, order as in Section::matrix. Rigid components
+/// (an infinite stiffness among the six numbers) have zero rows and columns. Throws std::invalid_argument when a
+/// stiffness is not positive, or the matrix is not finite, symmetric and positive definite in the components that are
+/// not rigid.
+Matrix6 section_compliance(const Section& section);
+
+/// Whether elements of the member need the full 6 x 6 law: a coupled section, or one that varies.
+bool has_general_section(const Scene& scene, const Member& member);
+
+/// Section of a member along its length.
+class SectionLaw {
+ public:
+  /// The same section everywhere, none at all.
+  SectionLaw() = default;
+  /// Throws InputError for an unknown section, std::invalid_argument for a formula that cannot be parsed, a section
+  /// that section_compliance rejects, and for a taper between sections of which one is rigid in a component and the
+  /// other is not.
+  SectionLaw(const Scene& scene, const Member& member);
+
+  /// Section at x = relative arc length in [0, 1]. Along a taper with end section and weight w(x): dimensions
+  /// (1 - w) start + w end where both sections come from shapes of one kind, otherwise the stiffness matrix in that
+  /// way. Throws std::invalid_argument where the weight is not finite.
+  Section section(double x) const;
+
+  /// section_compliance(section(x)), with the place in the text of an error.
+  Matrix6 compliance(double x) const;
+
+ private:
+  bool tapered_ = false, by_shape_ = false;
+  Section start_{}, end_{};
+  Matrix6 start_compliance_{};
+  Expression weight_{};
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,201 @@
+#include "discretization/scene/section_shape.hpp"
+
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace mixbeam {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at 5
+
+/// What geometry gives: everything that does not depend on the material but for the shear factors.
+struct SectionGeometry {
+  double area = 0.0;
+  double torsion_constant = 0.0;
+  std::array<double, 2> second_moment{};  ///< about axes 2 and 3
+  std::array<double, 2> shear_factor{};   ///< of GA2, GA3
+};
+
+void require(bool condition, const std::string& otherwise) {
+  if (!condition) throw std::invalid_argument(otherwise);
+}
+
+void require_length(double value, const std::string& name) {
+  require(std::isfinite(value) && value > 0.0, name + " is " + shortest(value) + "; allowed: a length > 0");
+}
+
+double square(double x) { return x * x; }
+double cube(double x) { return x * x * x; }
+
+SectionGeometry tube_geometry(double diameter, double wall, double nu) {
+  const double inner = diameter - 2.0 * wall;
+  SectionGeometry g;
+  g.area = kPi * wall * (diameter - wall);  // differences of squares as products: thin walls lose no digits
+  const double second_moment = g.area * (square(diameter) + square(inner)) / 16.0;
+  g.second_moment = {second_moment, second_moment};
+  g.torsion_constant = 2.0 * second_moment;
+  const double m = inner / diameter;
+  const double p = square(1.0 + square(m));
+  const double factor = 6.0 * (1.0 + nu) * p / ((7.0 + 6.0 * nu) * p + (20.0 + 12.0 * nu) * square(m));
+  g.shear_factor = {factor, factor};
+  return g;
+}
+
+double rectangle_shear_factor(double nu) { return 10.0 * (1.0 + nu) / (12.0 + 11.0 * nu); }
+
+SectionGeometry rectangle_geometry(double width, double height, double nu) {
+  SectionGeometry g;
+  g.area = width * height;
+  g.second_moment = {g.area * square(height) / 12.0, g.area * square(width) / 12.0};
+  g.torsion_constant = rectangle_torsion_constant(width, height);
+  g.shear_factor = {rectangle_shear_factor(nu), rectangle_shear_factor(nu)};
+  return g;
+}
+
+/// `along`: axis of the ellipse in the direction of the shear force.
+double ellipse_shear_factor(double along, double across, double nu) {
+  const double r = square(across / along);
+  return 12.0 * (1.0 + nu) * (3.0 + r) / ((40.0 + 37.0 * nu) + (16.0 + 10.0 * nu) * r + nu * r * r);
+}
+
+SectionGeometry ellipse_geometry(double width, double height, double nu) {
+  SectionGeometry g;
+  g.area = 0.25 * kPi * width * height;
+  g.second_moment = {g.area * square(height) / 16.0, g.area * square(width) / 16.0};
+  // pi a^3 b^3 / (a^2 + b^2) with half axes a, b
+  g.torsion_constant = 0.25 * g.area * square(width) / (1.0 + square(width / height));
+  g.shear_factor = {ellipse_shear_factor(width, height, nu), ellipse_shear_factor(height, width, nu)};
+  return g;
+}
+
+/// Cowper's thin-walled I loaded along its web; b and h between the middle lines.
+double web_shear_factor(const SectionShape& s, double nu) {
+  const double h = s.size3 - s.wall;
+  const double m = 2.0 * s.size2 * s.wall / (h * s.web);
+  const double n2 = square(s.size2 / h);
+  const double denominator = 12.0 + 72.0 * m + 150.0 * m * m + 90.0 * cube(m) +
+                             nu * (11.0 + 66.0 * m + 135.0 * m * m + 90.0 * cube(m)) + 30.0 * n2 * (m + m * m) +
+                             5.0 * nu * n2 * (8.0 * m + 9.0 * m * m);
+  return 10.0 * (1.0 + nu) * square(1.0 + 3.0 * m) / denominator;
+}
+
+SectionGeometry i_geometry(const SectionShape& s, double nu) {
+  const double between = s.size3 - 2.0 * s.wall;
+  const double flanges = 2.0 * s.size2 * s.wall;
+  const double web = between * s.web;
+  SectionGeometry g;
+  g.area = flanges + web;
+  // each flange about its own middle line, and by Steiner's theorem about axis 2
+  g.second_moment[0] = (flanges * (square(s.wall) + 3.0 * square(s.size3 - s.wall)) + web * square(between)) / 12.0;
+  g.second_moment[1] = (flanges * square(s.size2) + web * square(s.web)) / 12.0;
+  g.torsion_constant = i_section_torsion_constant(s.size2, s.size3, s.wall, s.web);
+  g.shear_factor = {rectangle_shear_factor(nu) * flanges / g.area, web_shear_factor(s, nu)};
+  return g;
+}
+
+void check_dimensions(const SectionShape& s) {
+  const bool round = s.kind == SectionShapeKind::circle || s.kind == SectionShapeKind::tube;
+  require_length(s.size2, round ? "the diameter" : "the width");
+  if (!round) require_length(s.size3, "the height");
+  if (s.kind == SectionShapeKind::tube) {
+    require_length(s.wall, "the wall thickness");
+    require(2.0 * s.wall <= s.size2, "the wall thickness is " + shortest(s.wall) + "; allowed: at most half of the " +
+                                         "diameter " + shortest(s.size2));
+  }
+  if (s.kind == SectionShapeKind::i_section) {
+    require_length(s.wall, "the flange thickness");
+    require_length(s.web, "the web thickness");
+    require(2.0 * s.wall < s.size3, "the flange thickness is " + shortest(s.wall) + "; allowed: less than half of " +
+                                        "the height " + shortest(s.size3));
+    require(s.web <= s.size2, "the web thickness is " + shortest(s.web) + "; allowed: at most the width of the " +
+                                  "flanges " + shortest(s.size2));
+  }
+}
+
+void check_material(const SectionShape& s) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0.0; };
+  require(positive(s.youngs_modulus), "Young's modulus is " + shortest(s.youngs_modulus) + "; allowed: > 0");
+  require(s.poisson_ratio > -1.0 && s.poisson_ratio <= 0.5,
+          "Poisson's ratio is " + shortest(s.poisson_ratio) + "; allowed: -1 < nu <= 0.5");
+  if (s.shear_modulus)
+    require(positive(*s.shear_modulus), "the shear modulus is " + shortest(*s.shear_modulus) + "; allowed: > 0");
+  for (const auto& factor : s.shear_correction)
+    if (factor) require(positive(*factor), "a shear correction factor is " + shortest(*factor) + "; allowed: > 0");
+}
+
+SectionGeometry geometry_of(const SectionShape& s) {
+  switch (s.kind) {
+    case SectionShapeKind::circle:
+      return tube_geometry(s.size2, 0.5 * s.size2, s.poisson_ratio);
+    case SectionShapeKind::tube:
+      return tube_geometry(s.size2, s.wall, s.poisson_ratio);
+    case SectionShapeKind::rectangle:
+      return rectangle_geometry(s.size2, s.size3, s.poisson_ratio);
+    case SectionShapeKind::ellipse:
+      return ellipse_geometry(s.size2, s.size3, s.poisson_ratio);
+    case SectionShapeKind::i_section:
+      return i_geometry(s, s.poisson_ratio);
+  }
+  throw std::logic_error("make_section: a kind of section without a rule");
+}
+
+/// Dimensions far from 1 overflow in their fourth powers.
+void check_stiffnesses(const Section& section) {
+  for (const double value : {section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1],
+                             section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]}) {
+    require(std::isnormal(value) && value > 0.0, "a stiffness becomes " + shortest(value) +
+                                                     "; allowed: dimensions and moduli that give finite stiffnesses "
+                                                     "> 0");
+  }
+}
+
+}  // namespace
+
+double rectangle_torsion_constant(double width, double height) {
+  const double a = std::max(width, height);
+  const double b = std::min(width, height);
+  // J = a b^3 (1/3 - 64/pi^5 b/a sum tanh(n pi a / 2 b) / n^5), n = 1, 3, 5, ...; with
+  // tanh(x) = 1 - 2 / (exp(2 x) + 1), whose first part sums to 31/32 zeta(5) and whose second falls like exp(-n pi).
+  constexpr int kLastTerm = 13;  // exp(-13 pi) / 13^5 is 5e-24
+  double rest = 0.0;
+  for (int n = kLastTerm; n > 0; n -= 2) rest += 2.0 / (std::pow(n, 5) * (std::exp(n * kPi * a / b) + 1.0));
+  const double sum = 31.0 / 32.0 * kZeta5 - rest;
+  return a * cube(b) * (1.0 / 3.0 - 64.0 / std::pow(kPi, 5) * (b / a) * sum);
+}
+
+double i_section_torsion_constant(double width, double height, double flange, double web) {
+  const double between = height - 2.0 * flange;
+  const double flanges = 2.0 * rectangle_torsion_constant(width, flange);
+  const double separate = flanges + rectangle_torsion_constant(between, web);
+  if (web > flange) return separate;
+  const double ratio = web / flange;
+  const double alpha = -0.042 + 0.2204 * ratio - 0.0725 * square(ratio);
+  const double circle = flange + 0.25 * square(web) / flange;  // diameter of the inscribed circle at the junction
+  return std::max(separate, flanges + between * cube(web) / 3.0 + 2.0 * alpha * square(square(circle)));
+}
+
+Section make_section(const std::string& name, const SectionShape& shape) {
+  check_dimensions(shape);
+  check_material(shape);
+  const SectionGeometry geometry = geometry_of(shape);
+  const double e = shape.youngs_modulus;
+  const double g = shape.shear_modulus.value_or(e / (2.0 * (1.0 + shape.poisson_ratio)));
+  Section section;
+  section.name = name;
+  section.axial_stiffness = e * geometry.area;
+  section.torsional_stiffness = g * geometry.torsion_constant;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double factor = shape.shear_correction[i].value_or(geometry.shear_factor[i]);
+    section.shear_stiffness[i] = factor * g * geometry.area;
+    section.bending_stiffness[i] = e * geometry.second_moment[i];
+  }
+  section.shape = shape;
+  check_stiffnesses(section);
+  return section;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,33 @@
+/// Stiffnesses of a cross-section that is given by its shape and its material.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+
+#include <string>
+
+namespace mixbeam {
+
+/// Section of the given name with the stiffnesses of `shape`, which it remembers. Section axes 2 and 3 are the axes of
+/// symmetry; stiffness about axis 2 is EI2 = E * integral of x3^2, about axis 3 EI3 = E * integral of x2^2.
+///
+/// Shear correction (unless the shape overrides it): Cowper, "The shear coefficient in Timoshenko's beam theory",
+/// J. Appl. Mech. 33 (1966) 335-340: circle, thick tube, rectangle, ellipse, and the thin-walled I loaded along its
+/// web. The I loaded along its flanges: two rectangles of Cowper, the web carries nothing.
+///
+/// Torsion: closed form for circle, tube and ellipse, Saint-Venant's series summed to rounding for the rectangle, and
+/// for the I `i_section_torsion_constant`.
+///
+/// Throws std::invalid_argument for dimensions or moduli that no body has.
+Section make_section(const std::string& name, const SectionShape& shape);
+
+/// Torsion constant of a full rectangle, Saint-Venant's series [length^4]; relative error below 1e-14 for any ratio.
+/// Timoshenko and Goodier, Theory of Elasticity, section 109.
+double rectangle_torsion_constant(double width, double height);
+
+/// Torsion constant of an I without fillets [length^4]: three rectangles joined by the junction term of El Darwish and
+/// Johnston, "Torsion of structural shapes", J. Struct. Div. ASCE 91 (1965) 203-227, for webs not thicker than the
+/// flanges; at least the sum over the three separate rectangles, which is a lower bound for any such section.
+/// Within 2 per cent for the proportions of rolled sections.
+double i_section_torsion_constant(double width, double height, double flange, double web);
+
+}  // namespace mixbeam

@@ -1,0 +1,144 @@
+#include "discretization/state/difference.hpp"
+
+#include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kNumbers = 5;  ///< of ElementDifference
+static_assert(sizeof(ElementDifference) == kNumbers * sizeof(double), "sent as an array of doubles");
+
+/// Displacement along an element in Legendre polynomials, which are orthogonal. From u = mean of both ends +
+/// xi (u_b - u_a) / 2 + h/2 sum_j beta_j B_j and B_j = (P_{j+1} - P_{j-1}) / (2 j + 1).
+struct LegendreDisplacement {
+  Vec coefficient[kMaximumOrder + 1];
+
+  KOKKOS_INLINE_FUNCTION LegendreDisplacement(const Vec& start, const Vec& end, double length, int order,
+                                              const double* bubbles) {
+    for (int j = 0; j <= order; ++j) coefficient[j] = Vec{{0.0, 0.0, 0.0}};
+    coefficient[0] = 0.5 * (start + end);
+    coefficient[1] = 0.5 * (end - start);
+    for (int j = 1; j < order; ++j) {
+      const Vec part = (0.5 * length / (2 * j + 1)) * load_vector(bubbles + 3 * (j - 1));
+      coefficient[j + 1] += part;
+      coefficient[j - 1] += -part;
+    }
+  }
+};
+
+/// int |sum_j (a_j - b_j) P_j|^2 ds
+KOKKOS_INLINE_FUNCTION double squared_norm(double length, int order, const Vec* a, const Vec* b) {
+  double sum = 0.0;
+  for (int j = 0; j <= order; ++j) {
+    const Vec d = a[j] - b[j];
+    sum += length / (2 * j + 1) * dot(d, d);
+  }
+  return sum;
+}
+
+/// |u| at xi = 0, where P_2 = -1/2, P_4 = 3/8, ...
+KOKKOS_INLINE_FUNCTION double middle(int order, const Vec* u) {
+  double P[kMaximumOrder + 1];
+  legendre(order, 0.0, P);
+  Vec sum{{0.0, 0.0, 0.0}};
+  for (int j = 0; j <= order; ++j) sum += P[j] * u[j];
+  return norm(sum);
+}
+
+/// (element of the block, kNumbers)
+void compare_elements(const ElementBlock& block, const StateViews& first, const StateViews& second,
+                      const KernelView<double* [kNumbers]>& result) {
+  const InteriorLayout layout = block.interior;
+  const int order = block.order;
+  const size_t offset = block.interior_offset;
+  const KernelView<int* [2]> vertices = block.vertices;
+  const KernelView<double**> reference = block.reference;
+  const KernelView<double*[3]> u1 = first.vertex_displacement, u2 = second.vertex_displacement;
+  const KernelView<double*> interior1 = first.interior, interior2 = second.interior;
+  Kokkos::parallel_for(
+      "mixbeam::difference", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
+        const double h = reference(e, 0);
+        const int a = vertices(e, 0), b = vertices(e, 1);
+        const size_t place = offset + static_cast<size_t>(e) * layout.unknowns();
+        const double* x1 = interior1.data() + place;
+        const double* x2 = interior2.data() + place;
+        const LegendreDisplacement d1(load_vector(&u1(a, 0)), load_vector(&u1(b, 0)), h, order, x1 + layout.bubble(1));
+        const LegendreDisplacement d2(load_vector(&u2(a, 0)), load_vector(&u2(b, 0)), h, order, x2 + layout.bubble(1));
+        Vec m1[kMaximumOrder + 1], m2[kMaximumOrder + 1], zero[kMaximumOrder + 1];
+        for (int j = 0; j <= order; ++j) {
+          m1[j] = load_vector(x1 + layout.moment(j));
+          m2[j] = load_vector(x2 + layout.moment(j));
+          zero[j] = Vec{{0.0, 0.0, 0.0}};
+        }
+        result(e, 0) = squared_norm(h, order, d2.coefficient, d1.coefficient);
+        result(e, 1) = squared_norm(h, order, m2, m1);
+        result(e, 2) = squared_norm(h, order, d2.coefficient, zero);
+        result(e, 3) = squared_norm(h, order, m2, zero);
+        result(e, 4) = middle(order, d2.coefficient);
+      });
+}
+
+/// Every number is zero on all ranks but one.
+void share(const Teuchos::Comm<int>& comm, std::vector<double>& numbers) {
+  if (comm.getSize() == 1) return;
+  std::vector<double> mine = numbers;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), numbers.data());
+}
+
+std::vector<double> compare_owned_elements(const Assembler& assembler, const State& first, const State& second) {
+  const Structure& structure = assembler.structure();
+  std::vector<double> numbers(kNumbers * assembler.mesh().elements.size(), 0.0);
+  for (const ElementBlock& block : structure.blocks) {
+    const KernelView<double* [kNumbers]> result("mixbeam::element_difference", block.count);
+    compare_elements(block, first.views, second.views, result);
+    for (int e = 0; e < block.count; ++e) {
+      if (block.vertices(e, 0) >= structure.owned_vertices) continue;
+      const auto element = static_cast<size_t>(structure.local_element_to_mesh[block.first_element + e]);
+      std::copy_n(&result(e, 0), kNumbers, &numbers[kNumbers * element]);
+    }
+  }
+  return numbers;
+}
+
+/// (vertex, 6): difference, displacement of the second state.
+std::vector<double> compare_owned_vertices(const Assembler& assembler, const State& first, const State& second) {
+  const Structure& structure = assembler.structure();
+  std::vector<double> numbers(6 * static_cast<size_t>(assembler.mesh().vertices()), 0.0);
+  for (int v = 0; v < structure.owned_vertices; ++v) {
+    double* place = &numbers[6 * static_cast<size_t>(structure.local_vertex_to_global[v])];
+    for (int i = 0; i < 3; ++i) {
+      place[i] = second.views.vertex_displacement(v, i) - first.views.vertex_displacement(v, i);
+      place[3 + i] = second.views.vertex_displacement(v, i);
+    }
+  }
+  return numbers;
+}
+
+}  // namespace
+
+StateDifference difference(const Assembler& assembler, const State& first, const State& second) {
+  const auto& comm = *assembler.map()->getComm();
+  std::vector<double> elements = compare_owned_elements(assembler, first, second);
+  std::vector<double> vertices = compare_owned_vertices(assembler, first, second);
+  share(comm, elements);
+  share(comm, vertices);
+  StateDifference all;
+  all.elements.resize(elements.size() / kNumbers);
+  std::copy(elements.begin(), elements.end(), reinterpret_cast<double*>(all.elements.data()));
+  for (const ElementDifference& element : all.elements)
+    all.largest_displacement = std::max(all.largest_displacement, element.middle);
+  for (size_t v = 0; v < vertices.size(); v += 6) {
+    all.vertex_displacement.push_back({vertices[v], vertices[v + 1], vertices[v + 2]});
+    all.largest_displacement =
+        std::max(all.largest_displacement, std::hypot(vertices[v + 3], vertices[v + 4], vertices[v + 5]));
+  }
+  return all;
+}
+
+}  // namespace mixbeam

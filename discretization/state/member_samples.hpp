@@ -1,0 +1,163 @@
+/// The sampled configuration of a structure at one converged step: what the solver hands to result files, tables and
+/// plots. Plain data; nothing here knows how it was computed. Lengths, forces and moments in the scene's own consistent
+/// units.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+#include "discretization/state/resume_point.hpp"
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Unit quaternion (w, x, y, z) of a total triad: its rotation matrix has the spatial components of g1, g2, g3 as
+/// columns.
+using TriadQuaternion = std::array<double, 4>;
+
+/// One member sampled along its centerline, or the share of a rank in it. Every vector has one entry per sample, in the
+/// order of growing arc length. Elements may disagree in triad and strains at a common vertex, so a vertex inside the
+/// member is sampled once for each of the two elements that meet there; `element` tells them apart.
+struct MemberSamples {
+  std::string name;                         ///< the member's name in the scene
+  int order = 0, elements = 0;              ///< of its mesh
+  int points_per_element = 0;               ///< samples of each of its elements
+  RowShare share;                           ///< which samples of the member are held here
+  std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
+  std::vector<int> element;                 ///< element within the member, 0, 1, ...
+  std::vector<Vector3> reference_position;  ///< undeformed centerline, spatial
+  std::vector<Vector3> position;            ///< deformed centerline r, spatial
+  std::vector<Vector3> displacement;        ///< position - reference_position, spatial
+  std::vector<TriadQuaternion> triad;       ///< total rotation of the section, from the global frame to g1, g2, g3
+  std::vector<Vector3> force_strain;        ///< gamma, material (axial, shear 2, shear 3)
+  std::vector<Vector3> moment_strain;       ///< kappa, material (torsion, bending 2, bending 3), 1/length
+  std::vector<Vector3> material_force;      ///< N, material
+  std::vector<Vector3> material_moment;     ///< M, material
+
+  /// Samples that are held here.
+  std::size_t size() const { return arc_length.size(); }
+
+  /// Makes room for all of `count` samples: zeros, and the triad of the global frame.
+  void resize(std::size_t count) { hold(all_rows(count)); }
+
+  /// Makes room for a share of them.
+  void hold(const RowShare& rows) {
+    share = rows;
+    const std::size_t count = rows.held();
+    arc_length.resize(count);
+    element.resize(count);
+    for (auto* field : {&reference_position, &position, &displacement, &force_strain, &moment_strain, &material_force,
+                        &material_moment}) {
+      field->resize(count);
+    }
+    triad.resize(count, TriadQuaternion{1, 0, 0, 0});
+  }
+
+  /// True when every field has one entry for each sample of the share.
+  bool is_complete() const {
+    if (size() != share.held()) return false;
+    for (const auto* field : {&reference_position, &position, &displacement, &force_strain, &moment_strain,
+                              &material_force, &material_moment}) {
+      if (field->size() != size()) return false;
+    }
+    return element.size() == size() && triad.size() == size();
+  }
+};
+
+/// A quantity followed over the load path, such as the displacement of a point: one value, or three spatial components.
+struct MonitoredQuantity {
+  std::string name;                ///< for example "tip.displacement"
+  std::vector<double> components;  ///< size 1 (scalar) or 3 (vector)
+};
+
+/// What a support exerts on the structure; spatial.
+struct RecordedReaction {
+  std::string point{};
+  Vector3 force{}, moment{};
+};
+
+/// Sums over everything that acts from outside, see Balance in reactions.hpp. NaN: not computed.
+struct RecordedBalance {
+  Vector3 applied_force{}, applied_moment{}, reaction_force{}, reaction_moment{};
+  double force_error = std::numeric_limits<double>::quiet_NaN();
+  double moment_error = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Whether an equilibrium is stable, in the words of files and messages: "true", "false", "neutral" (no eigenvalue is
+/// negative, one is zero) or "unknown".
+struct RecordedStability {
+  std::string stable = "unknown";
+  std::string held{};         ///< with the controlled displacement held in place of the load; empty: not known
+  int negative = -1;          ///< eigenvalues of the tangent below zero; -1: not counted
+  bool has_potential = true;  ///< the loads have one; without, stability is never certain
+};
+
+/// A limit point or bifurcation between two steps; see CriticalPoint. Fields at those samples of all members that the
+/// rank holds, one after the other, spatial.
+struct RecordedCriticalPoint {
+  std::string kind{};  ///< "limit point", "bifurcation"
+  double load_factor = 0.0;
+  double load_factor_error = 0.0;               ///< estimated
+  int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
+  int modes = 1;                                ///< that become singular together
+  std::vector<Vector3> position{}, displacement{};
+  std::vector<Vector3> mode{};  ///< displacement of the critical mode, per unit of its largest |du_i|/L or |dtheta_i|
+  std::vector<MonitoredQuantity> monitored{};  ///< as in the step
+  std::vector<RecordedReaction> reactions{};
+  StateShare state{};
+};
+
+/// A mode of the linear buckling analysis of the undeformed structure.
+struct RecordedBucklingMode {
+  double load_factor = 0.0;     ///< negative: under the reversed load
+  std::vector<Vector3> mode{};  ///< displacement at the samples as of a critical point, scaled likewise
+  double residual{};            ///< see linear_buckling()
+  bool confirmed{};             ///< by the inertia of the tangent on both sides
+};
+
+/// An estimated error and the size of the quantity that it belongs to.
+struct RecordedError {
+  double error = 0.0, size = 0.0;
+};
+
+/// See ErrorEstimate (nonlinear/accuracy/error_estimate.hpp).
+struct RecordedErrorEstimate {
+  std::string not_estimated{};                                   ///< why there is none; empty where there is one
+  std::vector<Vector3> vertex_displacement{};                    ///< (vertex of the mesh)
+  std::vector<double> element_displacement{}, element_moment{};  ///< (element of the mesh)
+  RecordedError largest_displacement{}, displacement{}, moment{}, energy{};
+  std::vector<MonitoredQuantity> points{};  ///< error of the displacement of the points that the run follows
+};
+
+/// A converged configuration and how it was reached. On several ranks each holds its own share of the samples and of
+/// the state; all else is the same on every rank.
+struct StepRecord {
+  int step = 0;               ///< 0 is the state before any load; grows from record to record
+  double load_factor = 0.0;   ///< may fall along a path past a limit point
+  int newton_iterations = 0;  ///< spent on this step, failed attempts included
+  double residual = std::numeric_limits<double>::quiet_NaN();       ///< scale-free norm at the last iterate
+  double strain_energy = std::numeric_limits<double>::quiet_NaN();  ///< of the whole structure
+  double force_energy = std::numeric_limits<double>::quiet_NaN();   ///< share of the force strains in it
+  double moment_energy = std::numeric_limits<double>::quiet_NaN();  ///< share of the moment strains
+  std::vector<MemberSamples> members;         ///< same members, same samples in every record of a run
+  std::vector<MonitoredQuantity> monitored;   ///< same names in every record of a run
+  std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
+  RecordedBalance balance{};
+  RecordedStability stability{};
+  std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
+  std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
+  std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
+  std::vector<NewtonIteration> history{};                 ///< of all attempts at this step
+  StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
+  PathPoint point{};                                      ///< of the state
+};
+
+/// All but the fields at samples, vertices and elements: what a step takes few bytes for.
+StepRecord without_rows(const StepRecord& record);
+RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point);
+
+}  // namespace mixbeam

@@ -1,0 +1,299 @@
+#include "discretization/state/reactions.hpp"
+
+#include "discretization/state/structure_parts.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
+
+/// A force and a moment, the moment about some fixed point.
+struct Wrench {
+  Vec force{}, moment{};
+  void add(const Vec& f, const Vec& m, const Vec& arm) {
+    force += f;
+    moment += m + cross(arm, f);
+  }
+};
+
+using Rows = KernelView<const double*>;
+
+Vec vector_at(const Rows& rows, size_t first) { return load_vector(&rows(first)); }
+
+/// Makes the rows of the elements those that supports have to hold: point loads subtracted, slaves with their masters.
+void leave_to_supports(const Conditions& conditions, const State& state, double load_factor,
+                       const KernelView<double*>& rows) {
+  subtract_point_loads(conditions, state, load_factor, false, rows);
+  for (const VertexJoint& joint : conditions.joints) join_rows(joint, state, rows);
+}
+
+SpatialLoad reaction_of(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
+  return support_reaction(support, state, rows_of(rows, support.vertex, kForcePart),
+                          rows_of(rows, support.vertex, kMomentPart));
+}
+
+/// Reference tangents of an element as a polynomial of degree k - 1 whose mean is the chord between the vertices: in a
+/// rigid rotation of the vertices this is what the displacements of the element can turn.
+struct TangentPolynomial {
+  Vec coefficient[kMaximumOrder];  ///< of the Legendre polynomials
+
+  TangentPolynomial(const ElementBlock& block, int e, const Vec& chord) {
+    const int points = axial_points(block.order, block.force_integration);
+    const double h = block.reference(e, block.reference_layout.length());
+    double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
+    gauss_rule(points, xi, weight);
+    coefficient[0] = (1.0 / h) * chord;
+    for (int j = 1; j < block.order; ++j) coefficient[j] = Vec{{0.0, 0.0, 0.0}};
+    for (int q = 0; q < points; ++q) {
+      legendre(block.order, xi[q], P);
+      const Vec tangent = load_vector(&block.reference(e, block.reference_layout.tangent(q)));
+      for (int j = 1; j < block.order; ++j) coefficient[j] += (0.5 * (2 * j + 1) * weight[q] * P[j]) * tangent;
+    }
+  }
+  Vec at(int order, const double* P) const {
+    Vec value{{0.0, 0.0, 0.0}};
+    for (int j = 0; j < order; ++j) value += P[j] * coefficient[j];
+    return value;
+  }
+};
+
+/// An element with what its two sums below need.
+struct ElementView {
+  const ElementBlock& block;
+  const State& state;
+  int e;
+  TangentPolynomial tangent;
+  const double* interior;
+  Quat triad;
+
+  ElementView(const ElementBlock& of, const State& at, const Mesh& mesh, const MeshElement& element, int index)
+      : block(of),
+        state(at),
+        e(index),
+        tangent(of, index,
+                to_vec(mesh.vertex_position[element.vertex[1]]) - to_vec(mesh.vertex_position[element.vertex[0]])),
+        interior(at.views.interior.data() + of.interior_offset + static_cast<size_t>(index) * of.interior.unknowns()),
+        triad(load_quaternion(&at.views.element_triad(of.first_element + index, 0))) {}
+
+  /// Moment of the spatial forces n at the Gauss points over the part of the reference tangent that the quadrature does
+  /// not share with the polynomial: see Balance::curve_moment.
+  Vec curve_moment() const {
+    Vec sum{{0.0, 0.0, 0.0}};
+    const int axial = axial_points(block.order, block.force_integration);
+    add_curve_moment(0, axial, sum);
+    if (block.interior.force_points > axial) add_curve_moment(axial, block.interior.force_points - axial, sum);
+    return sum;
+  }
+
+  /// Virtual work of line loads in the motions of the interior of the element, when everything turns: `rows` is what
+  /// the loads add to the rows of this element.
+  Vec moment_of_interior_load(const double* rows) const {
+    Vec sum = -(rotation_matrix(triad) * load_vector(rows + block.interior.spin()));
+    for (int j = 1; j < block.order; ++j)
+      sum += -cross(tangent.coefficient[j] + load_vector(interior + block.interior.bubble(j)),
+                    load_vector(rows + block.interior.bubble(j)));
+    return sum;
+  }
+
+ private:
+  void add_curve_moment(int first, int count, Vec& sum) const {
+    double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
+    gauss_rule(count, xi, weight);
+    const double h = block.reference(e, block.reference_layout.length());
+    for (int q = 0; q < count; ++q) {
+      legendre(block.order, xi[q], P);
+      Vec psi{{0.0, 0.0, 0.0}};
+      for (int j = 1; j < block.order; ++j) psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
+      const Vec force =
+          rotation_matrix(triad * exp_quaternion(psi)) * load_vector(interior + block.interior.force(first + q));
+      const Vec here = load_vector(&block.reference(e, block.reference_layout.tangent(first + q)));
+      sum += (0.5 * h * weight[q]) * cross(tangent.at(block.order, P) - here, force);
+    }
+  }
+};
+
+/// What is added up for one part of a structure.
+struct PartSums {
+  Vec low{{HUGE_VAL, HUGE_VAL, HUGE_VAL}}, high{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};  ///< box around it, undeformed
+  Wrench applied{}, reactions{};
+  Vec curve_moment{};
+  double largest_force = 0.0, largest_moment = 0.0;
+  Vec center() const { return 0.5 * (low + high); }
+  void enclose(const Vector3& position) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], position[i]);
+      high[i] = std::max(high[i], position[i]);
+    }
+  }
+};
+
+/// Everything that the balance adds up, of one rank, part by part.
+class BalanceSums {
+ public:
+  /// Without `parts`, the structure is one.
+  BalanceSums(Assembler& assembler, const State& state, double load_factor, const StructureParts& parts = {})
+      : assembler_(assembler), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
+    find_boxes();
+    MixedVector rows = assembler.create_vector();
+    assembler.element_rows(state, load_factor, true, rows);
+    if (assembler.line_fields().has_loads()) add_line_loads(rows);
+    leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
+    add_point_loads();
+    for (const VertexSupport& support : assembler.conditions().supports)
+      add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
+    for_each_owned_element(
+        [&](const ElementView& element) { part_of(element).curve_moment += element.curve_moment(); });
+  }
+
+  Balance over_all_ranks() const;
+  /// Of one part, `scales` its own. One rank only.
+  Balance of_part(int part, const ResidualScales& scales) const;
+
+ private:
+  void find_boxes() {
+    const std::vector<Vector3>& position = assembler_.mesh().vertex_position;
+    for (std::size_t v = 0; v < position.size(); ++v)
+      sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].enclose(position[v]);
+  }
+  PartSums& part_at(int vertex) { return sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[vertex]]; }
+  PartSums& part_of(const ElementView& element) {
+    return sums_[parts_.of_element.empty() ? 0 : parts_.of_element[element.block.first_element + element.e]];
+  }
+  Vec arm(int vertex, const PartSums& part) const {
+    const int global = assembler_.structure().local_vertex_to_global[vertex];
+    return to_vec(assembler_.mesh().vertex_position[global]) +
+           load_vector(&state_.views.vertex_displacement(vertex, 0)) - part.center();
+  }
+  void add(Wrench PartSums::*sum, int vertex, const SpatialLoad& load) {
+    PartSums& part = part_at(vertex);
+    const Vec lever = arm(vertex, part);
+    (part.*sum).add(load.force, load.moment, lever);
+    part.largest_force = std::max(part.largest_force, norm(load.force));
+    part.largest_moment = std::max({part.largest_moment, norm(load.moment), norm(cross(lever, load.force))});
+  }
+  void add_point_loads() {
+    for (const VertexLoad& load : assembler_.conditions().loads)
+      add(&PartSums::applied, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
+  }
+  void add_line_loads(const MixedVector& loaded) {
+    MixedVector difference = assembler_.create_vector();
+    assembler_.element_rows(state_, load_factor_, false, difference);
+    difference.update(1.0, loaded, -1.0);
+    const Rows rows = difference.vertex(), interior = difference.interior();
+    for (int v = 0; v < assembler_.structure().owned_vertices; ++v) {
+      const size_t first = static_cast<size_t>(kVertexDofs) * v;
+      PartSums& part = part_at(v);
+      part.applied.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v, part));
+    }
+    for_each_owned_element([&](const ElementView& element) {
+      const size_t first =
+          element.block.increment_offset + static_cast<size_t>(element.e) * element.block.interior.increments();
+      part_of(element).applied.moment += element.moment_of_interior_load(&interior(first));
+    });
+  }
+  /// Elements that start at a vertex of this rank: each element of the mesh on one rank.
+  template <class Action>
+  void for_each_owned_element(const Action& action) const {
+    const Structure& structure = assembler_.structure();
+    const Mesh& mesh = assembler_.mesh();
+    for (const ElementBlock& block : structure.blocks)
+      for (int e = 0; e < block.count; ++e)
+        if (block.vertices(e, 0) < structure.owned_vertices)
+          action(ElementView(block, state_, mesh,
+                             mesh.elements[structure.local_element_to_mesh[block.first_element + e]], e));
+  }
+
+  Assembler& assembler_;
+  const State& state_;
+  double load_factor_;
+  const StructureParts& parts_;
+  std::vector<PartSums> sums_;
+};
+
+/// `force`, `moment`: the largest at work. A force at work is a moment too, by the length of the structure: a row of
+/// forces that is in equilibrium to 1e-11 of it leaves that much of a moment, however small the moments are.
+Balance to_balance(const Vec& center, const Wrench& applied, const Wrench& reactions, const Vec& curve, double force,
+                   double moment) {
+  Balance result;
+  result.center = to_array(center);
+  result.applied_force = to_array(applied.force);
+  result.applied_moment = to_array(applied.moment);
+  result.reaction_force = to_array(reactions.force);
+  result.reaction_moment = to_array(reactions.moment);
+  result.force_error = norm(applied.force + reactions.force) / force;
+  result.moment_error = norm(applied.moment + reactions.moment - curve) / moment;
+  result.curve_moment = norm(curve) / moment;
+  return result;
+}
+
+Balance BalanceSums::of_part(int part, const ResidualScales& scales) const {
+  const PartSums& sums = sums_[part];
+  return to_balance(sums.center(), sums.applied, sums.reactions, sums.curve_moment,
+                    std::max(sums.largest_force, scales.force),
+                    std::max({sums.largest_moment, scales.moment, scales.force * scales.length}));
+}
+
+Balance BalanceSums::over_all_ranks() const {
+  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  const PartSums& sums = sums_.front();
+  std::array<double, 15> mine{}, all{};
+  const Vec parts[5] = {sums.applied.force, sums.applied.moment, sums.reactions.force, sums.reactions.moment,
+                        sums.curve_moment};
+  for (int part = 0; part < 5; ++part) store_vector(parts[part], &mine[3 * part]);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 15, mine.data(), all.data());
+  // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
+  const ResidualScales scales = assembler_.scales_of(state_, load_factor_);
+  const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
+  const double moment =
+      maximum_over_ranks(comm, std::max({sums.largest_moment, scales.moment, scales.force * scales.length}));
+  return to_balance(sums.center(), {load_vector(&all[0]), load_vector(&all[3])},
+                    {load_vector(&all[6]), load_vector(&all[9])}, load_vector(&all[12]), force, moment);
+}
+
+}  // namespace
+
+std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor) {
+  MixedVector rows = assembler.create_vector();
+  assembler.element_rows(state, load_factor, true, rows);
+  leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
+  const std::vector<Support>& supports = assembler.scene().supports;
+  std::vector<double> mine(6 * supports.size(), 0.0), all(mine.size());
+  for (const VertexSupport& support : assembler.conditions().supports) {
+    const SpatialLoad reaction = reaction_of(support, state, rows.vertex());
+    store_vector(reaction.force, &mine[6 * support.index]);
+    store_vector(reaction.moment, &mine[6 * support.index + 3]);
+  }
+  if (!mine.empty())
+    Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
+                       all.data());
+  std::vector<Reaction> result;
+  for (size_t i = 0; i < supports.size(); ++i) {
+    const double* values = &all[6 * i];
+    result.push_back({supports[i].point, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}});
+  }
+  return result;
+}
+
+std::vector<Balance> balance_of_parts(Assembler& assembler, const State& state, double load_factor,
+                                      const StructureParts& parts, const std::vector<ResidualScales>& scales) {
+  const BalanceSums sums(assembler, state, load_factor, parts);
+  std::vector<Balance> result;
+  result.reserve(scales.size());
+  for (int part = 0; part < parts.count; ++part) result.push_back(sums.of_part(part, scales[part]));
+  return result;
+}
+
+Balance balance(Assembler& assembler, const State& state, double load_factor) {
+  return BalanceSums(assembler, state, load_factor).over_all_ranks();
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,38 @@
+/// What holds a structure: the forces and moments of its supports, and whether they balance the loads.
+#pragma once
+
+#include "discretization/assembly/assembler.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// What a support, springs included, exerts on the structure. Spatial; the moment is that on the vertex itself.
+struct Reaction {
+  std::string point{};
+  Vector3 force{}, moment{};
+};
+
+/// Sums over everything that acts from outside; all moments about `center`. Spatial.
+struct Balance {
+  Vector3 center{};  ///< middle of the box around the undeformed structure
+  Vector3 applied_force{}, applied_moment{};
+  Vector3 reaction_force{}, reaction_moment{};
+  /// |applied + reaction|, over the largest force and the largest moment at work inside or outside. Zero up to the
+  /// tolerance of Newton's method.
+  double force_error = 0.0, moment_error = 0.0;
+  /// Moment (over the largest moment at work) which `moment_error` leaves out: the quadrature of an element sees the
+  /// integral of the tangent at its Gauss points in place of the chord of a curved member. A discretisation error: zero
+  /// for straight members, and vanishing as h^2k.
+  double curve_moment = 0.0;
+};
+
+/// Reactions in the order of Scene::supports, complete on every rank. Collective.
+std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor);
+
+/// Sums of loads and reactions. The total of the line loads is what the equations of the elements take of them: their
+/// virtual work in the six rigid motions. Collective.
+Balance balance(Assembler& assembler, const State& state, double load_factor);
+
+}  // namespace mixbeam

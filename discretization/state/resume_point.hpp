@@ -1,0 +1,62 @@
+/// What a run needs to go on after a completed step as if it had never stopped, to the last bit. Plain numbers that do
+/// not depend on ranks and threads.
+#pragma once
+
+#include "discretization/state/row_share.hpp"
+
+#include <utility>
+#include <vector>
+
+namespace mixbeam {
+
+/// A state. Vertices and elements in the order of the mesh; every number as the solver holds it, quaternions as
+/// w, x, y, z.
+struct StateSnapshot {
+  std::vector<double> vertex_displacement{};  ///< (vertex, 3), spatial
+  std::vector<double> vertex_rotation{};      ///< (vertex, 4)
+  std::vector<double> element_triad{};        ///< (element, 4)
+  std::vector<double> interior{};             ///< unknowns inside each element, element after element
+  bool in_plane = false;                      ///< State::in_plane
+
+  bool empty() const { return vertex_rotation.empty(); }
+};
+
+/// What one rank holds of a state: these rows of its arrays, one after the other.
+struct StateShare {
+  StateSnapshot held{};
+  RowShare vertices{}, elements{}, interior{};
+
+  bool empty() const { return vertices.rows == 0; }
+};
+
+/// All of it on one rank.
+inline StateShare whole(StateSnapshot state) {
+  const RowShare vertices = all_rows(state.vertex_rotation.size() / 4), interior = all_rows(state.interior.size()),
+                 elements = all_rows(state.element_triad.size() / 4);
+  return {std::move(state), vertices, elements, interior};
+}
+
+/// Where a load path stands after a completed step: with the state, all that the steps to come depend on.
+struct PathPoint {
+  int step = 0;                                 ///< number of the step, 0: the state at the start of the path
+  int stage = 1;                                ///< in which it lies, or which it ends
+  double load_factor = 0.0;                     ///< of that step
+  double step_size = 0.0;                       ///< as the step size control gave it; 0 at the start
+  int iterations = 0;                           ///< of the attempt that succeeded
+  int attempts_left = 0;                        ///< in this stage
+  int failed_steps = 0, newton_iterations = 0;  ///< on the whole path so far
+  int critical_points = 0;                      ///< passed on the whole path so far, this step included
+  // Paths followed by their length only:
+  double path_length = 0.0;  ///< of the step to come; 0: steps of the load factor
+  int direction = 1;         ///< sign of the change of the load factor along the path here
+  int negative = -1;         ///< eigenvalues of the tangent below zero; -1: not counted
+  bool branched = false;     ///< the path has left the primary one at a bifurcation
+};
+
+/// Scaled maximum norm of the residual after an iteration (0: before the first one) of an attempt at a step.
+struct NewtonIteration {
+  int attempt = 0, iteration = 0;
+  double residual = 0.0;
+};
+
+}  // namespace mixbeam

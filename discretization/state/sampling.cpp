@@ -1,0 +1,434 @@
+#include "discretization/state/sampling.hpp"
+
+#include "discretization/state/structure_parts.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr int kMaximumPoints = kMaximumOrder + 1;
+
+/// Value at xi of the polynomial through `count` Gauss points; `values(q)` is the vector at point q.
+template <class Values>
+Vec interpolate_gauss(int count, double xi, const Values& values) {
+  double points[kMaximumPoints], weights[kMaximumPoints];
+  gauss_rule(count, points, weights);
+  Vec sum{{0.0, 0.0, 0.0}};
+  for (int q = 0; q < count; ++q) {
+    double lagrange = 1.0;
+    for (int p = 0; p < count; ++p)
+      if (p != q) lagrange *= (xi - points[p]) / (points[q] - points[p]);
+    sum += lagrange * values(q);
+  }
+  return sum;
+}
+
+Vec force_at(const ElementBlock& block, const double* interior, double xi) {
+  const int axial = axial_points(block.order, block.force_integration),
+            shear = shear_points(block.order, block.force_integration);
+  const int first_shear = axial == shear ? 0 : axial;
+  Vec force = interpolate_gauss(axial, xi, [&](int q) { return load_vector(interior + block.interior.force(q)); });
+  const Vec sideways = interpolate_gauss(
+      shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
+  force[1] = sideways[1];
+  force[2] = sideways[2];
+  return force;
+}
+
+const double* interior_of(const ElementBlock& block, const State& state, int e) {
+  return state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
+}
+
+/// Elements that this rank answers for: those that start at one of its vertices.
+bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
+  return block.vertices(e, 0) < structure.owned_vertices;
+}
+
+bool answers_for(const Structure& structure, int mesh_element) {
+  const int local = structure.mesh_element_to_local[mesh_element];
+  if (local < 0) return false;
+  const ElementBlock& block = structure.block_of(local);
+  return answers_for(structure, block, local - block.first_element);
+}
+
+/// (gamma, kappa) = S (N, M)
+void set_strains(const Matrix6& compliance, PointSample& sample) {
+  sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
+  for (int i = 0; i < 6; ++i) {
+    double& strain = i < 3 ? sample.force_strain[i] : sample.moment_strain[i - 3];
+    for (int j = 0; j < 3; ++j) strain += compliance[i][j] * sample.force[j] + compliance[i][3 + j] * sample.moment[j];
+  }
+}
+
+/// PointSample as plain numbers, for the exchange between ranks.
+constexpr int kSampleNumbers = sizeof(PointSample) / sizeof(double);
+static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
+
+}  // namespace
+
+PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
+                           double xi) {
+  const ElementBlock& block = structure.block_of(local_element);
+  const int e = local_element - block.first_element, k = block.order;
+  const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local_element]];
+  const MeshMember& member = mesh.members[element.member];
+  const double h = block.reference(e, 0);
+  const double* interior = interior_of(block, state, e);
+  PointSample sample;
+  sample.arc_length = mesh.arc_length(element, xi);
+  sample.reference_position = member.curve.position(sample.arc_length);
+  const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(e, 0), 0));
+  const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(e, 1), 0));
+  sample.displacement = (0.5 * (1.0 - xi)) * a + (0.5 * (1.0 + xi)) * b;
+  double P[kMaximumOrder + 1], B[kMaximumOrder + 1];
+  legendre(k, xi, P);
+  integrated_legendre(k, xi, B);
+  Vec psi{{0.0, 0.0, 0.0}};
+  for (int j = 1; j < k; ++j) {
+    sample.displacement += (0.5 * h * B[j]) * load_vector(interior + block.interior.bubble(j));
+    psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
+  }
+  sample.position = sample.reference_position + sample.displacement;
+  sample.triad = load_quaternion(&state.views.element_triad(local_element, 0)) * exp_quaternion(psi);
+  sample.force = force_at(block, interior, xi);
+  sample.moment = Vec{{0.0, 0.0, 0.0}};
+  for (int j = 0; j <= k; ++j) sample.moment += P[j] * load_vector(interior + block.interior.moment(j));
+  if (block.general_section) {
+    const double x = sample.arc_length / member.curve.length;
+    set_strains(structure.member_laws[element.member]->compliance(x), sample);
+    return sample;
+  }
+  const SectionConstants& section = structure.views.member_section(element.member);
+  for (int i = 0; i < 3; ++i) {
+    sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
+    sample.moment_strain[i] = section.moment_compliance[i] * sample.moment[i];
+  }
+  return sample;
+}
+
+PointSample sample_member(const Assembler& assembler, const State& state, int member, double position) {
+  const Structure& structure = assembler.structure();
+  const MeshMember& m = assembler.mesh().members[member];
+  const double s = position * m.curve.length;
+  const auto& ends = m.vertex_arc_length;
+  const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
+  const int index = static_cast<int>(next - ends.begin()) - 1;
+  const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
+  const int local = structure.mesh_element_to_local[m.first_element + index];
+  double mine[kSampleNumbers] = {}, all[kSampleNumbers];
+  if (answers_for(structure, m.first_element + index)) {
+    const PointSample sample = sample_element(structure, assembler.mesh(), state, local, xi);
+    std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
+  }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
+  PointSample sample;
+  std::copy_n(all, kSampleNumbers, reinterpret_cast<double*>(&sample));
+  return sample;
+}
+
+int smooth_points(int order) {
+  constexpr int kFewestPoints = 5;  // a quarter of a radian from chord to chord in an element that turns by one radian
+  return std::max(kFewestPoints, 2 * order + 1);
+}
+
+namespace {
+
+/// More smooth curves than this are no better to look at: the elements of larger structures are sampled at both ends
+/// only.
+constexpr size_t kMostSmoothSamples = 1'000'000;
+
+/// Place of the first sample of every element in the order of the mesh, and the number of all samples behind them.
+std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
+  const auto places = [&](const auto& points_of_order) {
+    std::vector<size_t> first(mesh.elements.size() + 1, 0);
+    for (size_t e = 0; e < mesh.elements.size(); ++e)
+      first[e + 1] = first[e] + points_of_order(scene.members[mesh.elements[e].member].order);
+    return first;
+  };
+  if (points_per_element != kPointsByOrder) return places([&](int) { return points_per_element; });
+  std::vector<size_t> first = places(smooth_points);
+  return first.back() <= kMostSmoothSamples ? first : places([](int) { return 2; });
+}
+
+void put(const PointSample& sample, int element, size_t place, MemberSamples& member) {
+  const auto array = [](const Vec& v) { return Vector3{v[0], v[1], v[2]}; };
+  member.arc_length[place] = sample.arc_length;
+  member.element[place] = element;
+  member.reference_position[place] = array(sample.reference_position);
+  member.position[place] = array(sample.position);
+  member.displacement[place] = array(sample.displacement);
+  member.triad[place] = {sample.triad.w, sample.triad.x, sample.triad.y, sample.triad.z};
+  member.force_strain[place] = array(sample.force_strain);
+  member.moment_strain[place] = array(sample.moment_strain);
+  member.material_force[place] = array(sample.force);
+  member.material_moment[place] = array(sample.moment);
+}
+
+/// Place of one of `points` equidistant points along an element.
+double sample_point(size_t point, size_t points) {
+  return -1.0 + 2.0 * static_cast<double>(point) / static_cast<double>(points - 1);
+}
+
+/// Names and numbers of all members.
+std::vector<MemberSamples> members_without_samples(const Scene& scene, const Mesh& mesh,
+                                                   const std::vector<size_t>& first) {
+  std::vector<MemberSamples> members(scene.members.size());
+  for (size_t m = 0; m < members.size(); ++m) {
+    const int begin = mesh.members[m].first_element, end = begin + mesh.members[m].elements;
+    members[m].name = scene.members[m].name;
+    members[m].order = scene.members[m].order;
+    members[m].elements = mesh.members[m].elements;
+    members[m].points_per_element = static_cast<int>(first[begin + 1] - first[begin]);
+    members[m].share.rows = first[end] - first[begin];
+  }
+  return members;
+}
+
+/// Samples of those elements of a member that this rank answers for.
+RowShare own_share(const Structure& structure, const MeshMember& member, const std::vector<size_t>& first) {
+  const int begin = member.first_element, end = begin + member.elements;
+  RowShare share{first[end] - first[begin]};
+  for (int element = begin; element < end; ++element)
+    if (answers_for(structure, element)) share.hold(first[element] - first[begin], first[element + 1] - first[element]);
+  return share;
+}
+
+/// Calls action(mesh element, place, sample) for every sample that this rank answers for.
+template <class Action>
+void for_each_sample(const Assembler& assembler, const State& state, const std::vector<size_t>& first,
+                     const Action& action) {
+  const Structure& structure = assembler.structure();
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const int local = block.first_element + e, element = structure.local_element_to_mesh[local];
+      const size_t points = first[element + 1] - first[element];
+      for (size_t i = 0; i < points; ++i) {
+        action(element, first[element] + i,
+               sample_element(structure, assembler.mesh(), state, local, sample_point(i, points)));
+      }
+    }
+}
+
+/// Samples of one rank: their elements, and the numbers of all samples of these one after the other.
+struct RankSamples {
+  std::vector<int> elements;
+  std::vector<double> numbers;
+};
+
+RankSamples numbers_of_own_samples(const Assembler& assembler, const State& state, const std::vector<size_t>& first) {
+  RankSamples mine;
+  for_each_sample(assembler, state, first, [&](int element, size_t place, const PointSample& sample) {
+    if (place == first[element]) mine.elements.push_back(element);
+    const auto* numbers = reinterpret_cast<const double*>(&sample);
+    mine.numbers.insert(mine.numbers.end(), numbers, numbers + kSampleNumbers);
+  });
+  return mine;
+}
+
+/// One rank after the other, so that rank 0 never holds more than its own samples and those of one other rank.
+template <class Keep>
+void send_samples_to_root(const Teuchos::Comm<int>& comm, const RankSamples& mine, const Keep& keep) {
+  constexpr int root = 0;
+  if (comm.getRank() != root) {
+    const int sizes[2] = {static_cast<int>(mine.elements.size()), static_cast<int>(mine.numbers.size())};
+    Teuchos::send<int, int>(comm, 2, sizes, root);
+    Teuchos::send<int, int>(comm, sizes[0], mine.elements.data(), root);
+    Teuchos::send<int, double>(comm, sizes[1], mine.numbers.data(), root);
+    return;
+  }
+  keep(mine);
+  for (int rank = 1; rank < comm.getSize(); ++rank) {
+    int sizes[2];
+    Teuchos::receive<int, int>(comm, rank, 2, sizes);
+    RankSamples other{std::vector<int>(sizes[0]), std::vector<double>(sizes[1])};
+    Teuchos::receive<int, int>(comm, rank, sizes[0], other.elements.data());
+    Teuchos::receive<int, double>(comm, rank, sizes[1], other.numbers.data());
+    keep(other);
+  }
+}
+
+}  // namespace
+
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+                                               int points_per_element) {
+  const Structure& structure = assembler.structure();
+  const Mesh& mesh = assembler.mesh();
+  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
+  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
+  for (size_t m = 0; m < members.size(); ++m) {
+    members[m].hold(own_share(structure, mesh.members[m], first));
+    size_t place = 0;
+    for (int e = 0; e < mesh.members[m].elements; ++e) {
+      const int element = mesh.members[m].first_element + e;
+      if (!answers_for(structure, element)) continue;
+      const size_t points = first[element + 1] - first[element];
+      for (size_t i = 0; i < points; ++i, ++place)
+        put(sample_element(structure, mesh, state, structure.mesh_element_to_local[element], sample_point(i, points)),
+            e, place, members[m]);
+    }
+  }
+  return members;
+}
+
+std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+                                          int points_per_element) {
+  const auto& comm = *assembler.map()->getComm();
+  if (comm.getSize() == 1) return sample_own_elements(scene, assembler, state, points_per_element);
+  const Mesh& mesh = assembler.mesh();
+  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
+  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
+  if (comm.getRank() == 0)
+    for (MemberSamples& member : members) member.resize(member.share.rows);
+  const auto keep = [&](int element, size_t place, const PointSample& sample) {
+    const MeshElement& of = mesh.elements[element];
+    put(sample, of.index, place - first[mesh.members[of.member].first_element], members[of.member]);
+  };
+  send_samples_to_root(comm, numbers_of_own_samples(assembler, state, first), [&](const RankSamples& of_rank) {
+    const double* numbers = of_rank.numbers.data();
+    for (int element : of_rank.elements)
+      for (size_t place = first[element]; place < first[element + 1]; ++place, numbers += kSampleNumbers) {
+        PointSample sample;
+        std::copy_n(numbers, kSampleNumbers, reinterpret_cast<double*>(&sample));
+        keep(element, place, sample);
+      }
+  });
+  return members;
+}
+
+double l2_norm(const Assembler& assembler, const State& state, int points,
+               const std::function<Vec3<double>(const PointSample&, int member)>& field) {
+  const Structure& structure = assembler.structure();
+  std::vector<double> xi(points), weight(points);
+  gauss_rule(points, xi.data(), weight.data());
+  double sum[2] = {0.0, 0.0}, total[2];
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const double h = block.reference(e, 0);
+      sum[1] += h;
+      for (int q = 0; q < points; ++q) {
+        const Vec value =
+            field(sample_element(structure, assembler.mesh(), state, block.first_element + e, xi[q]), block.member(e));
+        sum[0] += 0.5 * h * weight[q] * dot(value, value);
+      }
+    }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  return std::sqrt(total[0] / total[1]);
+}
+
+namespace {
+
+/// Half the work of N on its strain and of M on its strain, where a general section couples them.
+StrainEnergy general_element_energy(const ElementBlock& block, int e, const double* interior) {
+  const int k = block.order, n = block.interior.force_points;
+  const GeneralSection section{&block.compliance(e, 0), {k, n}, 0.0, 0.0};
+  StrainEnergy energy;
+  double points[kMaximumPoints], weights[kMaximumPoints];
+  const auto moment_at = [&](double xi) {
+    double P[kMaximumOrder + 1];
+    legendre(k, xi, P);
+    Vec moment{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= k; ++j) moment += P[j] * load_vector(interior + block.interior.moment(j));
+    return moment;
+  };
+  const double quarter = 0.25 * block.reference(e, 0);  // half of ds = h/2 dxi
+  gauss_rule(n, points, weights);
+  for (int q = 0; q < n; ++q) {
+    const Vec force = load_vector(interior + block.interior.force(q));
+    const double mixed = dot(force, section.force_moment(q) * moment_at(points[q]));
+    energy.force += quarter * weights[q] * (dot(force, section.force_force(q) * force) + mixed);
+    energy.moment += quarter * weights[q] * mixed;
+  }
+  gauss_rule(k + 1, points, weights);
+  for (int q = 0; q <= k; ++q) {
+    const Vec moment = moment_at(points[q]);
+    energy.moment += quarter * weights[q] * dot(moment, section.moment_moment(q) * moment);
+  }
+  return energy;
+}
+
+StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h,
+                            const SectionConstants& section) {
+  StrainEnergy energy;
+  const int axial = axial_points(block.order, block.force_integration),
+            shear = shear_points(block.order, block.force_integration);
+  const auto add_force = [&](int first, int count, int begin, int end) {
+    double points[kMaximumPoints], weights[kMaximumPoints];
+    gauss_rule(count, points, weights);
+    for (int q = 0; q < count; ++q)
+      for (int i = begin; i < end; ++i) {
+        const double n = interior[block.interior.force(first + q) + i];
+        energy.force += 0.25 * h * weights[q] * section.force_compliance[i] * n * n;
+      }
+  };
+  add_force(0, axial, 0, 1);
+  add_force(axial == shear ? 0 : axial, shear, 1, 3);
+  for (int j = 0; j <= block.order; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const double m = interior[block.interior.moment(j) + i];
+      energy.moment += 0.5 * h / (2 * j + 1) * section.moment_compliance[i] * m * m;
+    }
+  return energy;
+}
+
+StrainEnergy element_energy(const Structure& structure, const ElementBlock& block, const State& state, int e) {
+  const double* interior = interior_of(block, state, e);
+  if (block.general_section) return general_element_energy(block, e, interior);
+  return element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
+}
+
+}  // namespace
+
+std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, const State& state,
+                                                 const StructureParts& parts) {
+  const Structure& structure = assembler.structure();
+  std::vector<StrainEnergy> sums(parts.count);
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const StrainEnergy energy = element_energy(structure, block, state, e);
+      StrainEnergy& sum = sums[parts.of_element[block.first_element + e]];
+      sum.force += energy.force;
+      sum.moment += energy.moment;
+    }
+  return sums;
+}
+
+StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
+  const Structure& structure = assembler.structure();
+  double sum[2] = {0.0, 0.0}, total[2];
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!answers_for(structure, block, e)) continue;
+      const StrainEnergy energy = element_energy(structure, block, state, e);
+      sum[0] += energy.force;
+      sum[1] += energy.moment;
+    }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  return {total[0], total[1]};
+}
+
+std::array<double, 6> vertex_motion(const Assembler& assembler, const State& state, int vertex) {
+  const VertexPartition& partition = assembler.structure().partition;
+  std::array<double, 6> mine{}, all{};
+  if (partition.owns(vertex)) {
+    const int local = vertex - partition.owned_first();
+    const Vec rotation = log_quaternion(load_quaternion(&state.views.vertex_rotation(local, 0)));
+    for (int i = 0; i < 3; ++i) {
+      mine[i] = state.views.vertex_displacement(local, i);
+      mine[3 + i] = rotation[i];
+    }
+  }
+  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 6, mine.data(), all.data());
+  return all;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,60 @@
+/// Fields of a state at any point of an element or member: what results, plots and error norms read.
+#pragma once
+
+#include "discretization/assembly/assembler.hpp"
+#include "discretization/state/member_samples.hpp"
+
+#include <functional>
+
+namespace mixbeam {
+
+/// Fields at one point of an element.
+struct PointSample {
+  double arc_length = 0.0;                                  ///< along the member
+  Vec3<double> reference_position, position, displacement;  ///< spatial
+  Quaternion<double> triad;                                 ///< Lambda_E, spatial
+  Vec3<double> force, moment;  ///< N, M: material; N interpolated through its Gauss points (degree k - 1 or k)
+  Vec3<double> force_strain, moment_strain;  ///< C^-1 N, C^-1 M: material
+};
+
+/// xi in [-1, 1] along a local element.
+PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
+                           double xi);
+
+/// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
+/// counts (at the end of the member its last one). Collective.
+PointSample sample_member(const Assembler& assembler, const State& state, int member, double position);
+
+/// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
+/// enough for a kink-free arc where the order is low but the element turns by up to one radian.
+int smooth_points(int order);
+
+/// In place of a number of points for each element: smooth_points() of its order, or both ends alone where that would
+/// make more than a million samples.
+inline constexpr int kPointsByOrder = 0;
+
+/// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
+/// included, so that one-sided values at vertices show) or at kPointsByOrder: the share of this rank, which are the
+/// elements that start at one of its vertices.
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+                                               int points_per_element);
+
+/// The same, complete on rank 0; other ranks return the members without samples. For small structures. Collective.
+std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+                                          int points_per_element);
+
+/// sqrt(1/L int |field(point)|^2 ds) over the whole structure, L its total length, by Gauss rules with `points` points
+/// in each element. Collective.
+double l2_norm(const Assembler& assembler, const State& state, int points,
+               const std::function<Vec3<double>(const PointSample&, int member)>& field);
+
+/// Strain energy of the force strains and of the moment strains (all ranks). Collective.
+struct StrainEnergy {
+  double force = 0.0, moment = 0.0;
+};
+StrainEnergy strain_energy(const Assembler& assembler, const State& state);
+
+/// Displacement (3) and rotation vector of Lambda_V (3, norm at most pi) of a global vertex, on every rank. Collective.
+std::array<double, 6> vertex_motion(const Assembler& assembler, const State& state, int vertex);
+
+}  // namespace mixbeam

@@ -1,0 +1,205 @@
+#include "discretization/state/structure_parts.hpp"
+
+#include "kernels/element/kinematics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+double largest_component(const Vec3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+
+/// Keeps what is not a number as infinity.
+void raise(double& largest, double value) {
+  const double size = std::abs(value);
+  if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
+}
+
+/// What residual scales are made of, see residual_scales.
+struct PartSize {
+  StateMagnitude state{};
+  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  ///< box, undeformed
+  double longest_member = 0.0, shortest_element = HUGE_VAL;
+
+  double length() const {
+    return std::max(longest_member, std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]));
+  }
+};
+
+/// Sizes and residuals of the parts of one state.
+class PartMeasure {
+ public:
+  PartMeasure(Assembler& assembler, const State& state, double load_factor, const StructureParts& parts)
+      : assembler_(assembler), structure_(assembler.structure()), parts_(parts), sizes_(parts.count) {
+    measure_vertices(state);
+    measure_elements(state);
+    measure_loads(load_factor);
+    for (const PartSize& size : sizes_)
+      scales_.push_back(residual_scales(size.state, size.length(), size.shortest_element, structure_.bending_reference,
+                                        assembler.residual_tolerance()));
+  }
+
+  const std::vector<ResidualScales>& scales() const { return scales_; }
+  /// Largest row of each part of a residual that is scaled for the whole structure.
+  std::vector<double> largest_rows(const MixedVector& residual) const;
+
+ private:
+  PartSize& part_at(int vertex) { return sizes_[parts_.of_vertex[vertex]]; }
+  void measure_vertices(const State& state);
+  void measure_elements(const State& state);
+  void measure_loads(double load_factor);
+  void measure_line_fields(const ElementBlock& block, int e, PartSize& size) const;
+  void raise_vertex_rows(const MixedVector& residual, std::vector<double>& largest) const;
+  void raise_interior_rows(const ElementBlock& block, const MixedVector& residual, std::vector<double>& largest) const;
+
+  const Assembler& assembler_;
+  const Structure& structure_;
+  const StructureParts& parts_;
+  std::vector<PartSize> sizes_;
+  std::vector<ResidualScales> scales_;
+};
+
+void PartMeasure::measure_vertices(const State& state) {
+  const Mesh& mesh = assembler_.mesh();
+  for (int v = 0; v < mesh.vertices(); ++v) {
+    PartSize& size = part_at(v);
+    double square = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      size.low[i] = std::min(size.low[i], mesh.vertex_position[v][i]);
+      size.high[i] = std::max(size.high[i], mesh.vertex_position[v][i]);
+      raise(size.state.displacement, state.views.vertex_displacement(v, i));
+      square += state.views.vertex_rotation(v, i + 1) * state.views.vertex_rotation(v, i + 1);
+    }
+    raise(size.state.rotation, 2.0 * std::sqrt(square));
+  }
+}
+
+void PartMeasure::measure_elements(const State& state) {
+  for (const ElementBlock& block : structure_.blocks) {
+    const int forces = 3 * block.interior.force_points, moments = 3 * (block.order + 1);
+    for (int e = 0; e < block.count; ++e) {
+      PartSize& size = sizes_[parts_.of_element[block.first_element + e]];
+      const double* interior =
+          &state.views.interior(block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns());
+      for (int i = 0; i < forces; ++i) raise(size.state.force, interior[i]);
+      for (int i = forces; i < forces + moments; ++i) raise(size.state.moment, interior[i]);
+      size.shortest_element = std::min(size.shortest_element, block.reference(e, block.reference_layout.length()));
+      const Mesh& mesh = assembler_.mesh();
+      const MeshElement& element = mesh.elements[structure_.local_element_to_mesh[block.first_element + e]];
+      size.longest_member = std::max(size.longest_member, mesh.member_of(element).curve.length);
+      if (block.field_row.extent(0) > 0) measure_line_fields(block, e, size);
+    }
+  }
+}
+
+/// Of the values at the load factor of the last residual.
+void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize& size) const {
+  const MeshElement& element = assembler_.mesh().elements[structure_.local_element_to_mesh[block.first_element + e]];
+  const double length = assembler_.mesh().member_of(element).curve.length;
+  for (int kind = 0; kind < kLineFields; ++kind) {
+    if (block.field_row(e, kind) < 0) continue;
+    const LineField field = static_cast<LineField>(kind);
+    double largest = 0.0;
+    for (int q = 0; q < line_field_points(field, block.order, block.interior.force_points); ++q)
+      for (int i = 0; i < 3; ++i) raise(largest, block.field_value(block.field_row(e, kind) + q, i));
+    if (field == LineField::dead_force || field == LineField::follower_force)
+      raise(size.state.load_force, largest * length);
+    else if (field == LineField::dead_couple || field == LineField::follower_couple)
+      raise(size.state.load_moment, largest * length);
+    else if (field == LineField::eigenstrain)
+      raise(size.state.eigenstrain, largest);
+    else {
+      raise(size.state.load_moment, largest * structure_.bending_reference);
+      raise(size.state.eigenstrain, largest * length);
+    }
+  }
+}
+
+void PartMeasure::measure_loads(double load_factor) {
+  for (const VertexLoad& load : assembler_.conditions().loads) {
+    const double amplitude = load.amplitude(load_factor);
+    StateMagnitude& size = part_at(load.vertex).state;
+    raise(size.load_force, amplitude * largest_component(load.force));
+    raise(size.load_moment, amplitude * largest_component(load.moment));
+  }
+}
+
+std::vector<double> PartMeasure::largest_rows(const MixedVector& residual) const {
+  std::vector<double> largest(parts_.count, 0.0);
+  raise_vertex_rows(residual, largest);
+  for (const ElementBlock& block : structure_.blocks) raise_interior_rows(block, residual, largest);
+  return largest;
+}
+
+void PartMeasure::raise_vertex_rows(const MixedVector& residual, std::vector<double>& largest) const {
+  const ResidualScales& whole = assembler_.scales();
+  const auto fixed = assembler_.fixed_rows();
+  const auto rows = residual.vertex();
+  for (int v = 0; v < structure_.owned_vertices; ++v) {
+    const int part = parts_.of_vertex[v];
+    const ResidualScales& own = scales_[part];
+    const double force = whole.force / own.force, moment = whole.moment / own.moment, place = whole.length / own.length;
+    for (int c = 0; c < kVertexDofs; ++c) {
+      const size_t row = static_cast<size_t>(kVertexDofs) * v + c;
+      const double constraint = c < 3 ? place : 1.0, equilibrium = c < 3 ? force : moment;
+      raise(largest[part], rows(row) * (fixed(row) ? constraint : equilibrium));
+    }
+  }
+}
+
+void PartMeasure::raise_interior_rows(const ElementBlock& block, const MixedVector& residual,
+                                      std::vector<double>& largest) const {
+  const ResidualScales& whole = assembler_.scales();
+  const InteriorLayout& layout = block.interior;
+  for (int e = 0; e < block.count; ++e) {
+    const int part = parts_.of_element[block.first_element + e];
+    const ResidualScales& own = scales_[part];
+    const double h = block.reference(e, block.reference_layout.length());
+    const double* row = &residual.interior()(block.increment_offset + static_cast<size_t>(e) * layout.increments());
+    const auto raise_rows = [&](int first, int end, double factor) {
+      for (int i = first; i < end; ++i) raise(largest[part], factor * row[i]);
+    };
+    const double spin = whole.element_moment(h) / own.element_moment(h);
+    raise_rows(0, layout.moment(0), whole.element_strain(h) / own.element_strain(h));
+    raise_rows(layout.moment(0), layout.relative_rotation(1), whole.rotation / own.rotation);
+    raise_rows(layout.relative_rotation(1), layout.bubble(1), spin);
+    raise_rows(layout.bubble(1), layout.spin(), whole.element_bubble(h) / own.element_bubble(h));
+    raise_rows(layout.spin(), layout.increments(), spin);
+  }
+}
+
+}  // namespace
+
+StructureParts structure_parts(const Assembler& assembler, const std::vector<int>& part_of_member) {
+  const Mesh& mesh = assembler.mesh();
+  const Structure& structure = assembler.structure();
+  StructureParts parts;
+  parts.count = part_of_member.empty() ? 0 : 1 + *std::max_element(part_of_member.begin(), part_of_member.end());
+  parts.of_vertex.resize(mesh.vertices());
+  for (const MeshElement& element : mesh.elements)
+    for (const int vertex : element.vertex) parts.of_vertex[vertex] = part_of_member[element.member];
+  for (const MeshJoint& joint : mesh.joints) {  // a master that no element ends at
+    parts.of_vertex[joint.master] = parts.of_vertex[joint.slave] = part_of_member[joint.member];
+  }
+  for (const int element : structure.local_element_to_mesh)
+    parts.of_element.push_back(part_of_member[mesh.elements[element].member]);
+  return parts;
+}
+
+std::vector<PartCheck> check_parts(Assembler& assembler, const State& state, double load_factor,
+                                   const StructureParts& parts) {
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(state, load_factor, residual);
+  const PartMeasure measure(assembler, state, load_factor, parts);
+  const std::vector<double> rows = measure.largest_rows(residual);
+  const std::vector<Balance> balance = balance_of_parts(assembler, state, load_factor, parts, measure.scales());
+  std::vector<PartCheck> checks;
+  for (int part = 0; part < parts.count; ++part)
+    checks.push_back({rows[part], balance[part].force_error, balance[part].moment_error});
+  return checks;
+}
+
+}  // namespace mixbeam

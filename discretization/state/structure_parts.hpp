@@ -1,0 +1,37 @@
+/// A structure made of parts that do not touch each other: each measured by itself, as if it were alone.
+#pragma once
+
+#include "discretization/state/reactions.hpp"
+#include "discretization/state/sampling.hpp"
+
+namespace mixbeam {
+
+/// To which part everything belongs. One rank only: local and global numbers are the same.
+struct StructureParts {
+  int count = 1;
+  std::vector<int> of_vertex{};   ///< (vertex); empty: there is one part
+  std::vector<int> of_element{};  ///< (local element); likewise
+};
+
+/// `part_of_member`: of each member of the scene, numbers from zero without gaps.
+StructureParts structure_parts(const Assembler& assembler, const std::vector<int>& part_of_member);
+
+/// How well one part is in equilibrium.
+struct PartCheck {
+  double residual = 0.0;  ///< largest row of the mixed residual over the scales of the part alone
+  double force_error = 0.0, moment_error = 0.0;  ///< as in Balance
+};
+
+/// Leaves the residual of the state in the assembler.
+std::vector<PartCheck> check_parts(Assembler& assembler, const State& state, double load_factor,
+                                   const StructureParts& parts);
+
+/// balance() of every part by itself, moments about the middle of its own box; `scales`: of each part.
+std::vector<Balance> balance_of_parts(Assembler& assembler, const State& state, double load_factor,
+                                      const StructureParts& parts, const std::vector<ResidualScales>& scales);
+
+/// strain_energy() of every part.
+std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, const State& state,
+                                                 const StructureParts& parts);
+
+}  // namespace mixbeam

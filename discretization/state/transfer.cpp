@@ -1,0 +1,432 @@
+#include "discretization/state/transfer.hpp"
+
+#include "discretization/mesh/reference_element.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr Vec kNone{{0.0, 0.0, 0.0}};
+/// Vertices of two meshes at this distance or less are the same, over the length of the elements there: stations are
+/// written with a dozen digits, and no element is so short beside its neighbours.
+constexpr double kSamePlace = 1e-6;
+/// Mean of psi that is left: rounding. [radian]
+constexpr double kLeastMean = 1e-15;
+constexpr double kAllowedMean = 1e-12;  ///< where rounding keeps it above
+constexpr int kMostFits = 50;           ///< the mean shrinks by |psi|^2 / 12 or faster
+constexpr double kMostRotation = 3.0;   ///< from the triad of an element to a point of it; the logarithm ends at pi
+constexpr double kSameLength = 1e-12;   ///< of a member in two meshes, relative
+
+/// Points and weights of the Gauss rules, computed once.
+struct GaussRule {
+  std::vector<double> xi, weight;
+};
+const GaussRule& gauss(int count) {
+  static const std::array<GaussRule, kMaximumOrder + 2> rules = [] {
+    std::array<GaussRule, kMaximumOrder + 2> all;
+    for (int n = 1; n <= kMaximumOrder + 1; ++n) {
+      all[n] = {std::vector<double>(n), std::vector<double>(n)};
+      gauss_rule(n, all[n].xi.data(), all[n].weight.data());
+    }
+    return all;
+  }();
+  return rules[count];
+}
+
+using Coefficients = std::array<Vec, kMaximumOrder + 1>;  ///< of P_0 .. P_k
+
+Vec value_at(const Coefficients& coefficients, int degree, const double* P) {
+  Vec sum = kNone;
+  for (int j = 0; j <= degree; ++j) sum += P[j] * coefficients[j];
+  return sum;
+}
+
+/// The fields of one element, in polynomials. What an order does not have is zero.
+struct ElementPolynomials {
+  Vec start = kNone;               ///< displacement there
+  Coefficients slope{};            ///< u' = du/ds, degree k - 1
+  Quat triad;                      ///< Lambda_lo
+  Coefficients psi{};              ///< degree k - 1, [0] = 0
+  Coefficients force{}, moment{};  ///< N of degree k - 1 or k, M of degree k
+};
+
+/// Legendre coefficients of one component of N through its `count` Gauss points, from point `first` on.
+void fit_force(const InteriorLayout& layout, const double* interior, int first, int count, int component,
+               Coefficients& force) {
+  const GaussRule& rule = gauss(count);
+  for (int q = 0; q < count; ++q) {
+    double P[kMaximumOrder + 1];
+    legendre(count - 1, rule.xi[q], P);
+    const double n = interior[layout.force(first + q) + component];
+    for (int j = 0; j < count; ++j) force[j][component] += 0.5 * (2 * j + 1) * rule.weight[q] * P[j] * n;
+  }
+}
+
+/// Their inverse, of a polynomial cut off at the degree that the points carry.
+void put_force(const InteriorLayout& layout, const Coefficients& force, int first, int count, int component,
+               double* interior) {
+  for (int q = 0; q < count; ++q) {
+    double P[kMaximumOrder + 1];
+    legendre(count - 1, gauss(count).xi[q], P);
+    double n = 0.0;
+    for (int j = 0; j < count; ++j) n += P[j] * force[j][component];
+    interior[layout.force(first + q) + component] = n;
+  }
+}
+
+/// Calls action(first point, points, component of N) for what the Gauss points of an element carry.
+template <class Action>
+void for_each_force_component(const Member& member, const Action& action) {
+  const int axial = axial_points(member.order, member.force_integration),
+            shear = shear_points(member.order, member.force_integration);
+  action(0, axial, 0);
+  for (int i = 1; i < 3; ++i) action(axial == shear ? 0 : axial, shear, i);
+}
+
+InteriorLayout layout_of(const Member& member) {
+  return {member.order, force_point_count(member.order, member.force_integration)};
+}
+
+ElementPolynomials read(const Member& member, double length, const double* start, const double* end,
+                        const double* triad, const double* interior) {
+  const InteriorLayout layout = layout_of(member);
+  ElementPolynomials element;
+  element.start = load_vector(start);
+  element.slope[0] = (1.0 / length) * (load_vector(end) - element.start);
+  element.triad = load_quaternion(triad);
+  for (int j = 1; j < member.order; ++j) {
+    element.slope[j] = load_vector(interior + layout.bubble(j));
+    element.psi[j] = load_vector(interior + layout.relative_rotation(j));
+  }
+  for (int j = 0; j <= member.order; ++j) element.moment[j] = load_vector(interior + layout.moment(j));
+  for_each_force_component(member, [&](int first, int count, int component) {
+    fit_force(layout, interior, first, count, component, element.force);
+  });
+  return element;
+}
+
+/// Everything but the displacement of the vertices.
+void write(const Member& member, const ElementPolynomials& element, double* triad, double* interior) {
+  const InteriorLayout layout = layout_of(member);
+  std::fill_n(interior, layout.unknowns(), 0.0);  // a force point may carry one part only
+  store_quaternion(element.triad, triad);
+  for (int j = 1; j < member.order; ++j) {
+    store_vector(element.slope[j], interior + layout.bubble(j));
+    store_vector(element.psi[j], interior + layout.relative_rotation(j));
+  }
+  for (int j = 0; j <= member.order; ++j) store_vector(element.moment[j], interior + layout.moment(j));
+  for_each_force_component(member, [&](int first, int count, int component) {
+    put_force(layout, element.force, first, count, component, interior);
+  });
+}
+
+/// Discrete rotations of an undeformed element.
+struct UndeformedRotation {
+  int order;
+  ReferenceElement reference;
+
+  UndeformedRotation(const Discretization& d, int member, int index)
+      : order(d.scene.members[member].order),
+        reference(
+            make_reference_element(d.mesh.members[member], index, order, d.scene.members[member].force_integration)) {}
+  Quat at(double xi) const {
+    double P[kMaximumOrder + 1];
+    legendre(order, xi, P);
+    Vec psi = kNone;
+    for (int j = 1; j < order; ++j) psi += P[j] * reference.relative_rotation[j];
+    return reference.triad * exp_quaternion(psi);
+  }
+};
+
+/// Whether the undeformed rotations are Lambda_0(s) in elements of this order.
+bool has_exact_undeformed_rotation(const ReferenceCurve& curve, int order) {
+  return curve.has_constant_curvature() && (order > 1 || dot(curve.start_curvature, curve.start_curvature) == 0.0);
+}
+
+/// A point at which the fields are handed over.
+struct FieldPoint {
+  double xi = 0.0, weight = 0.0;  ///< in the new element; weights sum up to 2
+  Vec slope, force, moment;
+  Quat rotation;  ///< Lambda_E, or its change Lambda_E Lambda_E0^T
+};
+
+/// The old fields on one member.
+class MemberFields {
+ public:
+  MemberFields(const Discretization& d, const StateSnapshot& state, const std::vector<size_t>& places, int member)
+      : d_(d), state_(state), places_(places), member_(member), mesh_(d.mesh.members[member]) {}
+
+  int order() const { return d_.scene.members[member_].order; }
+  int elements() const { return mesh_.elements; }
+  double start(int index) const { return mesh_.vertex_arc_length[index]; }
+  double length(int index) const { return mesh_.element_length(index); }
+  /// Element that holds the point behind s.
+  int element_behind(double s) const {
+    const auto& ends = mesh_.vertex_arc_length;
+    const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
+    return static_cast<int>(next - ends.begin()) - 1;
+  }
+  /// Its vertex (0 .. elements) at this arc length, or -1.
+  int vertex_at(double s) const {
+    const int index = element_behind(s);
+    const double allowed = kSamePlace * length(index);
+    if (std::abs(s - start(index)) <= allowed) return index;
+    if (std::abs(s - start(index + 1)) <= allowed) return index + 1;
+    return -1;
+  }
+  int mesh_vertex(int vertex) const {
+    const MeshElement* first = &d_.mesh.elements[mesh_.first_element];
+    return vertex == 0 ? first->vertex[0] : first[vertex - 1].vertex[1];
+  }
+  const ElementPolynomials& element(int index) {
+    if (index == polynomials_of_) return polynomials_;
+    const int e = mesh_.first_element + index;
+    const auto displacement = [&](int end) {
+      return &state_.vertex_displacement[3 * static_cast<size_t>(d_.mesh.elements[e].vertex[end])];
+    };
+    polynomials_ = read(d_.scene.members[member_], length(index), displacement(0), displacement(1),
+                        &state_.element_triad[4 * static_cast<size_t>(e)], &state_.interior[places_[e]]);
+    polynomials_of_ = index;
+    return polynomials_;
+  }
+  double xi_of(int index, double s) const {
+    return std::clamp(-1.0 + 2.0 * (s - start(index)) / length(index), -1.0, 1.0);
+  }
+  Vec displacement(int index, double xi) {
+    const ElementPolynomials& fields = element(index);
+    double B[kMaximumOrder + 1];
+    integrated_legendre(kMaximumOrder, xi, B);
+    Vec u = fields.start + (0.5 * length(index) * (1.0 + xi)) * fields.slope[0];
+    for (int j = 1; j < order(); ++j) u += (0.5 * length(index) * B[j]) * fields.slope[j];
+    return u;
+  }
+  FieldPoint point(int index, double xi, bool with_change) {
+    const ElementPolynomials& fields = element(index);
+    double P[kMaximumOrder + 1];
+    legendre(kMaximumOrder, xi, P);
+    FieldPoint at;
+    at.slope = value_at(fields.slope, order() - 1, P);
+    at.force = value_at(fields.force, order(), P);
+    at.moment = value_at(fields.moment, order(), P);
+    at.rotation = fields.triad * exp_quaternion(value_at(fields.psi, order() - 1, P));
+    if (with_change) at.rotation = at.rotation * conjugate(undeformed(index).at(xi));
+    return at;
+  }
+
+ private:
+  const UndeformedRotation& undeformed(int index) {
+    if (index != undeformed_of_) undeformed_.emplace(d_, member_, index);
+    undeformed_of_ = index;
+    return *undeformed_;
+  }
+
+  const Discretization& d_;
+  const StateSnapshot& state_;
+  const std::vector<size_t>& places_;
+  int member_;
+  const MeshMember& mesh_;
+  // of the element looked at last
+  int polynomials_of_ = -1, undeformed_of_ = -1;
+  ElementPolynomials polynomials_;
+  std::optional<UndeformedRotation> undeformed_;
+};
+
+/// Carries the state of one member over.
+class MemberTransfer {
+ public:
+  MemberTransfer(const Discretization& from, const StateSnapshot& state, const std::vector<size_t>& from_places,
+                 const Discretization& to, const std::vector<size_t>& to_places, int member, StateSnapshot& result)
+      : fields_(from, state, from_places, member),
+        state_(state),
+        to_(to),
+        places_(to_places),
+        index_(member),
+        member_(to.scene.members[member]),
+        mesh_(to.mesh.members[member]),
+        result_(result),
+        same_undeformed_(has_exact_undeformed_rotation(mesh_.curve, fields_.order()) &&
+                         has_exact_undeformed_rotation(mesh_.curve, member_.order)) {}
+
+  void run() {
+    for (int vertex = 0; vertex <= mesh_.elements; ++vertex) carry_vertex(vertex);
+    for (int element = 0; element < mesh_.elements; ++element) carry_element(element);
+  }
+
+ private:
+  void carry_vertex(int vertex) {
+    const double s = mesh_.vertex_arc_length[vertex];
+    const int old = vertex == 0 ? 0 : vertex == mesh_.elements ? fields_.elements() : fields_.vertex_at(s);
+    const MeshElement* first = &to_.mesh.elements[mesh_.first_element];
+    const auto here = static_cast<size_t>(vertex == 0 ? first->vertex[0] : first[vertex - 1].vertex[1]);
+    double* u = &result_.vertex_displacement[3 * here];
+    double* q = &result_.vertex_rotation[4 * here];
+    if (old >= 0) {
+      const auto there = static_cast<size_t>(fields_.mesh_vertex(old));
+      std::copy_n(&state_.vertex_displacement[3 * there], 3, u);
+      std::copy_n(&state_.vertex_rotation[4 * there], 4, q);
+      return;
+    }
+    const int element = fields_.element_behind(s);
+    const double xi = fields_.xi_of(element, s);
+    store_vector(fields_.displacement(element, xi), u);
+    store_quaternion(normalized(fields_.point(element, xi, true).rotation), q);
+  }
+
+  void carry_element(int index) {
+    const double start = mesh_.vertex_arc_length[index], end = mesh_.vertex_arc_length[index + 1];
+    const int first = fields_.vertex_at(start);
+    const bool coincides = first >= 0 && first < fields_.elements() && fields_.vertex_at(end) == first + 1;
+    ElementPolynomials element;
+    if (coincides) element = fields_.element(first);  // Legendre series cut off or continued by zeros
+    if (!coincides || !same_undeformed_) {
+      collect_points(start, end);
+      if (!coincides) project(element);
+      fit_rotation(index, element);
+    }
+    const auto e = static_cast<size_t>(mesh_.first_element + index);
+    write(member_, element, &result_.element_triad[4 * e], &result_.interior[places_[e]]);
+  }
+
+  /// Gauss points in every piece that the old elements cut the new one into, enough to integrate products of old and
+  /// new polynomials, and of undeformed rotations and new polynomials, exactly.
+  void collect_points(double start, double end) {
+    points_.clear();
+    const GaussRule& rule = gauss(std::max((fields_.order() + member_.order) / 2 + 1, member_.order));
+    const double length = end - start, least = kSamePlace * length;
+    double from = start;
+    for (int old = fields_.element_behind(start + least); old < fields_.elements() && end - from > least; ++old) {
+      const double old_end = fields_.start(old + 1);
+      const double to = end - old_end > least ? old_end : end;
+      for (size_t q = 0; q < rule.xi.size(); ++q) {
+        const double s = from + 0.5 * (1.0 + rule.xi[q]) * (to - from);
+        FieldPoint point = fields_.point(old, fields_.xi_of(old, s), !same_undeformed_);
+        point.xi = -1.0 + 2.0 * (s - start) / length;
+        point.weight = rule.weight[q] * (to - from) / length;
+        points_.push_back(point);
+      }
+      from = to;
+    }
+  }
+
+  void project(ElementPolynomials& element) const {
+    for (const FieldPoint& point : points_) {
+      double P[kMaximumOrder + 1];
+      legendre(member_.order, point.xi, P);
+      for (int j = 0; j <= member_.order; ++j) {
+        const double factor = 0.5 * (2 * j + 1) * point.weight * P[j];
+        element.slope[j] += factor * point.slope;
+        element.force[j] += factor * point.force;
+        element.moment[j] += factor * point.moment;
+      }
+    }
+  }
+
+  /// Lambda_lo and psi that turn the undeformed rotations of the new element as the points say.
+  void fit_rotation(int index, ElementPolynomials& element) {
+    std::vector<Quat> target;
+    for (const FieldPoint& point : points_) target.push_back(point.rotation);
+    if (!same_undeformed_) {
+      const UndeformedRotation undeformed(to_, index_, index);
+      for (size_t q = 0; q < target.size(); ++q) target[q] = target[q] * undeformed.at(points_[q].xi);
+    }
+    for (Quat& rotation : target) rotation = normalized(rotation);
+    element.triad = target[target.size() / 2];
+    double mean = 1.0;
+    for (int i = 0; i < kMostFits && mean > kLeastMean; ++i) {
+      element.psi = logarithms(element.triad, target);
+      mean = norm(element.psi[0]);
+      if (mean > kLeastMean) element.triad = normalized(element.triad * exp_quaternion(element.psi[0]));
+    }
+    if (!(mean <= kAllowedMean)) throw turns_too_far();
+    element.psi[0] = kNone;
+  }
+
+  Coefficients logarithms(const Quat& triad, const std::vector<Quat>& target) const {
+    Coefficients psi{};
+    for (size_t q = 0; q < target.size(); ++q) {
+      const Vec rotation = log_quaternion(conjugate(triad) * target[q]);
+      if (!(norm(rotation) <= kMostRotation)) throw turns_too_far();
+      double P[kMaximumOrder + 1];
+      legendre(member_.order, points_[q].xi, P);
+      for (int j = 0; j < member_.order; ++j) psi[j] += (0.5 * (2 * j + 1) * points_[q].weight * P[j]) * rotation;
+    }
+    return psi;
+  }
+
+  std::invalid_argument turns_too_far() const {
+    return std::invalid_argument("member \"" + member_.name +
+                                 "\": the state turns too far inside an element of the mesh that is to take it over");
+  }
+
+  MemberFields fields_;
+  const StateSnapshot& state_;
+  const Discretization& to_;
+  const std::vector<size_t>& places_;
+  int index_;
+  const Member& member_;
+  const MeshMember& mesh_;
+  StateSnapshot& result_;
+  bool same_undeformed_;            ///< then rotations themselves are carried over, not their change
+  std::vector<FieldPoint> points_;  ///< of the element at work
+};
+
+void require_same_members(const Discretization& from, const Discretization& to) {
+  bool same = from.mesh.members.size() == to.mesh.members.size();
+  for (size_t m = 0; same && m < from.mesh.members.size(); ++m) {
+    const double length = from.mesh.members[m].curve.length;
+    same = from.scene.members[m].name == to.scene.members[m].name &&
+           std::abs(to.mesh.members[m].curve.length - length) <= kSameLength * length;
+  }
+  if (!same) throw std::invalid_argument("a state can be carried over between meshes of the same members only");
+}
+
+}  // namespace
+
+StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, const Discretization& to) {
+  require_same_members(from, to);
+  const std::vector<size_t> from_places = interior_places(from.scene, from.mesh),
+                            to_places = interior_places(to.scene, to.mesh);
+  StateSnapshot result;
+  result.vertex_displacement.resize(3 * static_cast<size_t>(to.mesh.vertices()));
+  result.vertex_rotation.resize(4 * static_cast<size_t>(to.mesh.vertices()));
+  result.element_triad.resize(4 * to.mesh.elements.size());
+  result.interior.resize(to_places.back());
+  for (size_t m = 0; m < to.mesh.members.size(); ++m)
+    MemberTransfer(from, state, from_places, to, to_places, static_cast<int>(m), result).run();
+  return result;
+}
+
+State transfer(const Assembler& from, const State& state, const Assembler& to) {
+  const Communicator comm = from.map()->getComm();
+  const Discretization source{from.scene(), from.mesh()}, target{to.scene(), to.mesh()};
+  require_same_members(source, target);
+  const StateSnapshot old = snapshot_of(from, state);
+  StateSnapshot result;
+  std::string problem;
+  if (comm->getRank() == 0) {
+    try {
+      result = transfer(source, old, target);
+    } catch (const std::invalid_argument& error) {
+      problem = error.what();
+    }
+  }
+  int failed = problem.empty() ? 0 : 1;
+  Teuchos::broadcast(*comm, 0, &failed);
+  if (failed != 0)
+    throw std::invalid_argument(problem.empty() ? "the state cannot be carried over to the other mesh" : problem);
+  State carried = restore(to, result);
+  carried.in_plane = state.in_plane && to.plane().has_value();
+  return carried;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,180 @@
+#include "discretization/text/csv_file.hpp"
+
+#include "discretization/text/message_text.hpp"
+
+#include <libxml/xmlstring.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+constexpr std::uintmax_t kMaximumBytes = std::uintmax_t{256} << 20U;  // as for scenes; keeps slips from eating memory
+const std::string kByteOrderMark = "\xEF\xBB\xBF";
+
+bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+/// One walk through the text.
+class CsvScanner {
+ public:
+  CsvScanner(const CsvFile& file, const std::string& text) : file_(file), text_(text) {}
+
+  /// False at the end of the text.
+  bool next(CsvRecord& record) {
+    record.cells.clear();
+    record.columns.clear();
+    if (!skip_to_record()) return false;
+    if (separator_ == '\0') separator_ = find_separator();
+    record.line = line_;
+    do {
+      read_cell(record);
+    } while (take_separator());
+    end_line();
+    return true;
+  }
+
+ private:
+  bool at_end() const { return at_ == text_.size(); }
+  bool at_line_end() const { return at_end() || is_line_end(text_[at_]); }
+
+  /// Characters of UTF-8, not bytes.
+  int column() const {
+    const auto begin = text_.begin() + static_cast<std::ptrdiff_t>(line_begin_);
+    const auto here = text_.begin() + static_cast<std::ptrdiff_t>(at_);
+    return 1 + static_cast<int>(std::count_if(begin, here, [](char c) { return (c & 0xC0) != 0x80; }));
+  }
+
+  void end_line() {
+    if (at_end()) return;
+    if (text_[at_] == '\r' && at_ + 1 < text_.size() && text_[at_ + 1] == '\n') ++at_;
+    ++at_;
+    ++line_;
+    line_begin_ = at_;
+  }
+
+  /// Past empty lines and comments.
+  bool skip_to_record() {
+    while (!at_end()) {
+      while (!at_line_end() && is_blank(text_[at_])) ++at_;
+      const bool comment = !at_end() && text_[at_] == '#';
+      if (comment)
+        while (!at_line_end()) ++at_;
+      if (!at_line_end()) {
+        at_ = line_begin_;  // an empty first cell may be in front of a tabulator
+        return true;
+      }
+      end_line();
+    }
+    return false;
+  }
+
+  char find_separator() const {
+    bool quoted = false;
+    std::string seen;
+    for (std::size_t i = at_; i < text_.size() && (quoted || !is_line_end(text_[i])); ++i) {
+      if (text_[i] == '"') quoted = !quoted;
+      if (!quoted) seen += text_[i];
+    }
+    for (const char candidate : {';', '\t'})
+      if (seen.find(candidate) != std::string::npos) return candidate;
+    return ',';
+  }
+
+  bool take_separator() {
+    if (at_line_end() || text_[at_] != separator_) return false;
+    ++at_;
+    return true;
+  }
+
+  void skip_blanks() {
+    while (!at_line_end() && is_blank(text_[at_]) && text_[at_] != separator_) ++at_;
+  }
+
+  void read_cell(CsvRecord& record) {
+    skip_blanks();
+    record.columns.push_back(column());
+    if (!at_line_end() && text_[at_] == '"') {
+      record.cells.push_back(quoted_cell());
+      skip_blanks();
+      if (!at_line_end() && text_[at_] != separator_)
+        throw file_.error(line_, column(), "text after a closing quote; allowed: the separator or the end of the line");
+      return;
+    }
+    const std::size_t begin = at_;
+    while (!at_line_end() && text_[at_] != separator_) ++at_;
+    std::size_t end = at_;
+    while (end > begin && is_blank(text_[end - 1])) --end;
+    record.cells.push_back(text_.substr(begin, end - begin));
+  }
+
+  std::string quoted_cell() {
+    const int opened = column();
+    std::string cell;
+    for (++at_; !at_line_end(); ++at_) {
+      if (text_[at_] == '"') {
+        ++at_;
+        if (at_end() || text_[at_] != '"') return cell;
+      }
+      cell += text_[at_];
+    }
+    throw file_.error(line_, opened,
+                      "a quote that is not closed in its line; allowed: \"...\", a quote inside doubled");
+  }
+
+  const CsvFile& file_;
+  const std::string& text_;
+  std::size_t at_ = 0, line_begin_ = 0;
+  int line_ = 1;
+  char separator_ = '\0';
+};
+
+}  // namespace
+
+std::string text_of_table(const std::string& path) {
+  std::error_code failure;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, failure);  // fails for a folder
+  if (failure) throw InputError(path + ": cannot be read: " + failure.message());
+  if (bytes > kMaximumBytes) throw InputError(path + ": larger than 256 MiB; allowed: smaller files");
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.good() && !file.eof()) throw InputError(path + ": cannot be read");
+  return text;
+}
+
+CsvFile::CsvFile(const std::string& path) : path_(path), text_(text_of_table(path)) { prepare(); }
+
+CsvFile::CsvFile(std::string path, std::string text) : path_(std::move(path)), text_(std::move(text)) { prepare(); }
+
+void CsvFile::prepare() {
+  if (text_.compare(0, kByteOrderMark.size(), kByteOrderMark) == 0) text_.erase(0, kByteOrderMark.size());
+  const bool has_zero = text_.find('\0') != std::string::npos;
+  if (has_zero || xmlCheckUTF8(reinterpret_cast<const xmlChar*>(text_.c_str())) == 0)
+    throw InputError(path_ + ":1: not a text in UTF-8; allowed: a table as text");
+}
+
+void CsvFile::for_each(const std::function<void(const CsvRecord&)>& action) const {
+  CsvScanner scanner(*this, text_);
+  for (CsvRecord record; scanner.next(record);) action(record);
+}
+
+InputError CsvFile::error(int line, int column, const std::string& problem) const {
+  return InputError{path_ + ":" + std::to_string(line) + ":" + std::to_string(column) + ": " + problem};
+}
+
+InputError CsvFile::error(const CsvRecord& record, std::size_t cell, const std::string& problem) const {
+  return error(record.line, cell < record.columns.size() ? record.columns[cell] : 1, problem);
+}
+
+CsvRecord CsvFile::record_at(int line) const {
+  CsvScanner scanner(*this, text_);
+  for (CsvRecord record; scanner.next(record);)
+    if (record.line == line) return record;
+  return {line, {}, {}};
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,50 @@
+/// Tables as text: comma, semicolon or tabulator between cells.
+#pragma once
+
+#include "discretization/text/errors.hpp"
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+struct CsvRecord {
+  int line = 0;                      ///< where it begins
+  std::vector<std::string> cells{};  ///< without blanks around them and without quotes
+  std::vector<int> columns{};        ///< where each cell begins: characters from 1
+};
+
+/// The whole file. Throws InputError if it cannot be read or is too large for a table.
+std::string text_of_table(const std::string& path);
+
+/// A file of records, one per line. Cells may stand in double quotes (a quote inside is doubled); empty lines and lines
+/// that begin with # do not count; a byte order mark and any line ends are understood. The separator is the first of
+/// semicolon, tabulator, comma that the first record contains.
+class CsvFile {
+ public:
+  /// Reads the file. Throws InputError if it cannot be read or is not text in UTF-8.
+  explicit CsvFile(const std::string& path);
+  /// For a text that is there already; `path` appears in messages.
+  CsvFile(std::string path, std::string text);
+
+  /// Calls `action` with every record in turn. Throws InputError for quotes that do not match.
+  void for_each(const std::function<void(const CsvRecord&)>& action) const;
+
+  /// `members.csv:12:7: <problem>`
+  InputError error(int line, int column, const std::string& problem) const;
+  /// At a cell, or at the start of the record if it has fewer.
+  InputError error(const CsvRecord& record, std::size_t cell, const std::string& problem) const;
+  /// The record that begins in this line.
+  CsvRecord record_at(int line) const;
+
+ private:
+  void prepare();
+
+  std::string path_;
+  std::string text_;
+};
+
+}  // namespace mixbeam

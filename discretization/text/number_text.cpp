@@ -1,0 +1,63 @@
+#include "discretization/text/number_text.hpp"
+
+#include "discretization/text/message_text.hpp"
+
+#include <charconv>
+#include <limits>
+#include <system_error>
+
+namespace mixbeam {
+namespace {
+
+/// from_chars, which knows no leading plus sign, over the whole of `text`.
+template <typename Number>
+std::errc read_all(const std::string& text, Number& value) {
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const char* const begin = text.data() + (plus ? 1 : 0);
+  const char* const end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(begin, end, value);
+  if (error == std::errc() && stopped != end) return std::errc::invalid_argument;
+  return error;
+}
+
+}  // namespace
+
+std::string trimmed(const std::string& text) {
+  const char* const blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks);
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(blanks) - begin + 1);
+}
+
+Problem parse_number(const std::string& text, int& value) {
+  const std::string number = trimmed(text);
+  const std::errc error = read_all(number, value);
+  if (error == std::errc()) return "";
+  if (error == std::errc::result_out_of_range) {
+    return "value \"" + excerpt(number) + "\" does not fit an int; allowed: whole numbers from " +
+           std::to_string(std::numeric_limits<int>::min()) + " to " + std::to_string(std::numeric_limits<int>::max());
+  }
+  return "value \"" + excerpt(number) + "\" is not a whole number; allowed: digits with an optional sign, like 12";
+}
+
+Problem parse_number(const std::string& text, double& value) {
+  const std::string number = trimmed(text);
+  const std::errc error = read_all(number, value);
+  if (error == std::errc()) return "";
+  if (error == std::errc::result_out_of_range) {
+    return "value \"" + excerpt(number) + "\" does not fit a double; allowed: magnitudes from 2.3e-308 to 1.7e308";
+  }
+  return "value \"" + excerpt(number) + "\" is not a number; allowed: like 12, 0.5 or 1.5e-3 (decimal point, no units)";
+}
+
+std::string shortest(double value) {
+  std::array<char, 32> buffer{};
+  const char* const end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), static_cast<std::size_t>(end - buffer.data())};
+}
+
+std::string to_text(const std::array<double, 3>& vector) {
+  return "(" + shortest(vector[0]) + ", " + shortest(vector[1]) + ", " + shortest(vector[2]) + ")";
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,320 @@
+#include "kernels/chains/level.hpp"
+
+#include "kernels/chains/elimination.hpp"
+
+namespace mixbeam {
+
+namespace {
+
+using Real = Pack<kLanes>;
+template <int N>
+using Link = LinkMatrix<N, Real>;
+template <int N>
+using Factors = VertexFactors<N, Real>;
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+/// Which links the lanes of one step take, and from which end.
+struct StepLinks {
+  int link[kLanes];
+  bool backward[kLanes];  ///< passed from the second end
+  Real::Mask rests;       ///< lanes whose run has ended: they load what is harmless
+
+  KOKKOS_INLINE_FUNCTION StepLinks(const ChainLevel& level, int step) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int code = level.link(step, lane);
+      rests[lane] = code < 0 ? -1 : 0;
+      const int safe = code < 0 ? level.link(step, 0) : code;
+      link[lane] = safe / 2;
+      backward[lane] = safe % 2 == 1;
+    }
+  }
+};
+
+/// From full matrices.
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_full(const StepLinks& links, const double* const* matrix) {
+  Link<N> m;
+  const double *first[kLanes], *second[kLanes], *coupling[kLanes];
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const int f = links.backward[lane] ? N : 0, s = N - f;
+    first[lane] = matrix[lane] + 2 * N * f + f;
+    second[lane] = matrix[lane] + 2 * N * s + s;
+    coupling[lane] = matrix[lane] + 2 * N * s + f;
+  }
+  const auto entry = [](const double* const* blocks, int i, int j) {
+    return Real::gathered([=](int lane) { return blocks[lane][2 * N * i + j]; });
+  };
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i) {
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) {
+      m.first[triangle(i, j)] = entry(first, i, j);
+      m.second[triangle(i, j)] = entry(second, i, j);
+    }
+#pragma GCC unroll 6
+    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(coupling, i, j);
+  }
+  return m;
+}
+
+/// The other end first: u_b - u_a changes its sign, the spins change places.
+template <int N>
+KOKKOS_INLINE_FUNCTION void turn_around(const Real* from, Real* to) {
+  using Layout = TangentLayout<N>;
+  constexpr int moved = Layout::kMoved, turned = Layout::kTurned;
+  const auto counterpart = [](int i) { return i < moved ? i : (i < moved + turned ? i + turned : i - turned); };
+#pragma GCC unroll 9
+  for (int i = 0; i < Layout::kReduced; ++i)
+#pragma GCC unroll 9
+    for (int j = 0; j <= i; ++j) {
+      const Real& x = from[Layout::place(counterpart(i), counterpart(j))];
+      to[triangle(i, j)] = i >= moved && j < moved ? -x : x;
+    }
+}
+
+/// From symmetric tangents of elements.
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_symmetric(const StepLinks& links, const double* const* numbers) {
+  using Layout = TangentLayout<N>;
+  Real forward[Layout::kSymmetric];
+  gather_lanes(numbers, Layout::kSymmetric, forward);
+  bool some_backward = false;
+  for (int lane = 0; lane < kLanes; ++lane) some_backward = some_backward || links.backward[lane];
+  if (some_backward) {
+    Real backward[Layout::kSymmetric];
+    turn_around<N>(forward, backward);
+    Real::Mask turned{};
+    for (int lane = 0; lane < kLanes; ++lane) turned[lane] = links.backward[lane] ? -1 : 0;
+    for (int i = 0; i < Layout::kSymmetric; ++i) forward[i] = select(turned, backward[i], forward[i]);
+  }
+  const auto entry = [&](int i, int j) {
+    const Real& x = forward[Layout::place_of_full(i, j)];
+    return Layout::is_negative(i, j) ? -x : x;
+  };
+  Link<N> m;
+#pragma GCC unroll 6
+  for (int i = 0; i < N; ++i) {
+#pragma GCC unroll 6
+    for (int j = 0; j <= i; ++j) {
+      m.first[triangle(i, j)] = entry(i, j);
+      m.second[triangle(i, j)] = entry(N + i, N + j);
+    }
+#pragma GCC unroll 6
+    for (int j = 0; j < N; ++j) m.coupling[i][j] = entry(N + i, j);
+  }
+  return m;
+}
+
+template <int N>
+KOKKOS_INLINE_FUNCTION Link<N> load_link(const LinkMatrices<N>& matrices, const StepLinks& links) {
+  const double* rows[kLanes];
+  bool all_elements = matrices.keeps_symmetric_elements();
+  for (int lane = 0; lane < kLanes; ++lane) all_elements = all_elements && matrices.is_element(links.link[lane]);
+  if (all_elements) {
+    for (int lane = 0; lane < kLanes; ++lane) rows[lane] = &matrices.elements(links.link[lane], 0);
+    return load_symmetric<N>(links, rows);
+  }
+  double room[kLanes][LinkMatrices<N>::kFull];
+  for (int lane = 0; lane < kLanes; ++lane) rows[lane] = matrices.full(links.link[lane], room[lane]);
+  return load_full<N>(links, rows);
+}
+
+template <int N>
+KOKKOS_INLINE_FUNCTION void store_link(const Link<N>& m, int lane, double* out) {
+  for (int i = 0; i < N; ++i)
+    for (int j = 0; j < N; ++j) {
+      const int low = i < j ? triangle(j, i) : triangle(i, j);
+      out[2 * N * i + j] = m.first[low][lane];
+      out[2 * N * (N + i) + N + j] = m.second[low][lane];
+      out[2 * N * (N + i) + j] = out[2 * N * j + N + i] = m.coupling[i][j][lane];
+    }
+}
+
+/// Lanes at rest keep what they have.
+template <int N>
+KOKKOS_INLINE_FUNCTION void keep_resting(const Real::Mask& rests, const Link<N>& before, Link<N>& after) {
+  const Real* from = before.first;
+  Real* to = after.first;
+  constexpr int numbers = sizeof(Link<N>) / sizeof(Real);
+  for (int i = 0; i < numbers; ++i) to[i] = select(rests, from[i], to[i]);
+}
+
+template <int N>
+struct CondenseLoop {
+  ChainLevel level;
+  LinkMatrices<N> matrices;
+  ChainFactors factors_of;
+  ChainPivots pivots;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
+    const int begin = level.step_start(pack), end = level.step_start(pack + 1);
+    Link<N> chain = load_link<N>(matrices, StepLinks(level, begin));
+    PivotWatch<Real> watch;
+    for (int step = begin + 1; step < end; ++step) {
+      const StepLinks links(level, step);
+      auto& factors = *reinterpret_cast<Factors<N>*>(&factors_of(step - pack - 1, 0));
+      if (any<kLanes>(links.rests)) {
+        const Link<N> before = chain;
+        const PivotWatch<Real> seen = watch;
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
+        keep_resting<N>(links.rests, before, chain);
+        watch.negative = select(links.rests, seen.negative, watch.negative);
+        watch.smallest = select(links.rests, seen.smallest, watch.smallest);
+      } else {
+        eliminate_vertex<N>(chain, load_link<N>(matrices, links), factors, watch);
+      }
+    }
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int run = level.run(pack, lane);
+      if (run < 0) continue;
+      store_link<N>(chain, lane, &matrices.runs(run, 0));
+      pivots(run, 0) = watch.negative[lane];
+      pivots(run, 1) = watch.smallest[lane];
+    }
+  }
+};
+
+/// What has arrived at the vertex between two links: the given rows and the shares of the runs on both sides.
+template <int N>
+struct RowsLoop {
+  ChainLevel level;
+  int elements;
+  KernelView<const double*> rows;
+  ChainFactors factors_of;
+  KernelView<double * [2 * N]> arrived;
+  KernelView<double*> x;
+
+  KOKKOS_INLINE_FUNCTION void add_share(int code, bool far_end, double* sum) const {
+    const int run = code / 2 - elements;
+    if (run < 0) return;
+    const bool second = far_end != (code % 2 == 1);
+    for (int c = 0; c < N; ++c) sum[c] += arrived(run, (second ? N : 0) + c);
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
+    const int begin = level.step_start(pack), end = level.step_start(pack + 1);
+    Real at_begin[N], passed[N];
+    for (int c = 0; c < N; ++c) at_begin[c] = passed[c] = 0.0;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      double share[N] = {};
+      if (level.run(pack, lane) >= 0) add_share(level.link(begin, lane), false, share);
+      for (int c = 0; c < N; ++c) at_begin[c].set(lane, share[c]);
+    }
+    for (int step = begin + 1; step < end; ++step) eliminate(pack, step, at_begin, passed);
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int run = level.run(pack, lane);
+      if (run < 0) continue;
+      double share[N] = {};
+      add_share(level.link(begin + level.links(pack, lane) - 1, lane), true, share);
+      for (int c = 0; c < N; ++c) {
+        arrived(run, c) = at_begin[c][lane];
+        arrived(run, N + c) = passed[c][lane] + share[c];
+      }
+    }
+  }
+  /// The vertex before link `step`.
+  KOKKOS_INLINE_FUNCTION void eliminate(int pack, int step, Real* at_begin, Real* passed) const {
+    const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+    Real b[N];
+    Real::Mask rests{};
+    for (int lane = 0; lane < kLanes; ++lane) {
+      double sum[N] = {};
+      const int code = level.link(step, lane);
+      rests[lane] = code < 0 ? -1 : 0;
+      if (code >= 0) {
+        const double* given = &rows(static_cast<size_t>(N) * level.vertex(step - 1, lane));
+        for (int c = 0; c < N; ++c) sum[c] = given[c];
+        add_share(level.link(step - 1, lane), true, sum);
+        add_share(code, false, sum);
+      }
+      for (int c = 0; c < N; ++c) b[c].set(lane, sum[c]);
+    }
+    for (int c = 0; c < N; ++c) b[c] += passed[c];
+    Real before[2 * N];
+    for (int c = 0; c < N; ++c) {
+      before[c] = at_begin[c];
+      before[N + c] = passed[c];
+      passed[c] = 0.0;
+    }
+    pass_on<N>(factors.left, b, at_begin);
+    pass_on<N>(factors.right, b, passed);
+    for (int c = 0; c < N; ++c) {
+      at_begin[c] = select(rests, before[c], at_begin[c]);
+      passed[c] = select(rests, before[N + c], passed[c]);
+    }
+    solve_block<N>(factors.factor, b);
+    for (int lane = 0; lane < kLanes; ++lane)
+      if (rests[lane] == 0)
+        for (int c = 0; c < N; ++c) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = b[c][lane];
+  }
+};
+
+template <int N>
+struct ExpandLoop {
+  ChainLevel level;
+  ChainFactors factors_of;
+  KernelView<double*> x;
+
+  /// Lanes at rest get zeros.
+  KOKKOS_INLINE_FUNCTION void load(const int* vertices, Real* out) const {
+    for (int c = 0; c < N; ++c)
+      out[c] = Real::gathered(
+          [&](int lane) { return vertices[lane] < 0 ? 0.0 : x(static_cast<size_t>(N) * vertices[lane] + c); });
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int pack) const {
+    const int begin = level.step_start(pack), end = level.step_start(pack + 1);
+    Real first[N], next[N];
+    load(&level.first_vertex(pack, 0), first);
+    load(&level.vertex(end - 1, 0), next);
+    for (int step = end - 1; step > begin; --step) {
+      const auto& factors = *reinterpret_cast<const Factors<N>*>(&factors_of(step - pack - 1, 0));
+      Real here[N];
+      load(&level.vertex(step - 1, 0), here);
+      Real moved[N];
+      for (int c = 0; c < N; ++c) moved[c] = here[c];
+      follow<N>(factors.left, first, moved);
+      follow<N>(factors.right, next, moved);
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const bool rests = level.link(step, lane) < 0;  // its end, where the lane waits, is known already
+        for (int c = 0; c < N; ++c) {
+          const double value = rests ? here[c][lane] : moved[c][lane];
+          next[c].set(lane, value);
+          if (!rests) x(static_cast<size_t>(N) * level.vertex(step - 1, lane) + c) = value;
+        }
+      }
+    }
+  }
+};
+
+}  // namespace
+
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                   const ChainPivots& pivots) {
+  static_assert(Factors<N>::kSize == vertex_factor_size(N), "layout of the factors");
+  Kokkos::parallel_for("mixbeam::chains::condense", Range(0, level.packs),
+                       CondenseLoop<N>{level, matrices, factors, pivots});
+}
+
+template <int N>
+void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
+                   const KernelView<double*>& x) {
+  Kokkos::parallel_for("mixbeam::chains::condense_rows", Range(0, level.packs),
+                       RowsLoop<N>{level, elements, rows, factors, arrived, x});
+}
+
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x) {
+  Kokkos::parallel_for("mixbeam::chains::expand", Range(0, level.packs), ExpandLoop<N>{level, factors, x});
+}
+
+#define MIXBEAM_CHAINS(N)                                                                                             \
+  template void condense_runs<N>(const ChainLevel&, const LinkMatrices<N>&, const ChainFactors&, const ChainPivots&); \
+  template void condense_rows<N>(const ChainLevel&, int, const KernelView<const double*>&, const ChainFactors&,       \
+                                 const KernelView<double * [2 * N]>&, const KernelView<double*>&);                    \
+  template void expand_runs<N>(const ChainLevel&, const ChainFactors&, const KernelView<double*>&);
+MIXBEAM_CHAINS(kSpatialDofs)
+MIXBEAM_CHAINS(kPlanarDofs)
+#undef MIXBEAM_CHAINS
+
+}  // namespace mixbeam

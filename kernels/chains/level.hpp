@@ -1,0 +1,69 @@
+/// Chains of links condensed to their two end vertices, many of them side by side: a direct solver for what hangs
+/// together like beads on a string. A link is an element or, on the next level, a whole run of links that has become
+/// one. Runs are cut by the structure alone, so results do not depend on the number of threads.
+#pragma once
+
+#include "kernels/execution/pack.hpp"
+#include "kernels/loops/block.hpp"
+
+namespace mixbeam {
+
+/// Matrices of links: those of the elements, then those of condensed runs.
+template <int N>
+struct LinkMatrices {
+  static constexpr int kFull = TangentLayout<N>::kFull;  ///< ends as they are stored
+  KernelView<const double**> elements;                   ///< (element, kFull or kSymmetric of TangentLayout)
+  KernelView<double* [kFull]> runs;                      ///< (run, kFull)
+
+  KOKKOS_INLINE_FUNCTION bool is_element(int link) const { return link < static_cast<int>(elements.extent(0)); }
+  KOKKOS_INLINE_FUNCTION bool keeps_symmetric_elements() const { return elements.extent(1) != kFull; }
+  /// The full matrix of a link; `room` (kFull) takes it where it is not kept.
+  KOKKOS_INLINE_FUNCTION const double* full(int link, double* room) const {
+    if (!is_element(link)) return &runs(link - static_cast<int>(elements.extent(0)), 0);
+    if (!keeps_symmetric_elements()) return &elements(link, 0);
+    expand_symmetric_tangent<N>(&elements(link, 0), room);
+    return room;
+  }
+};
+
+/// Numbers that the elimination of one vertex leaves behind: VertexFactors of chains/elimination.hpp.
+constexpr int vertex_factor_size(int n) { return n * (n + 1) / 2 + 2 * n * n; }
+
+/// Runs of links that are condensed at the same time. kLanes runs make a pack; step s of a pack takes link s of each of
+/// its runs, shorter ones (and lanes without a run) then rest.
+struct ChainLevel {
+  int packs = 0;
+  KernelView<int*> step_start;             ///< (pack + 1): first step of each pack
+  KernelView<int* [kLanes]> link;          ///< (step, lane): 2 * link + 1 where passed from its second end, -1: none
+  KernelView<int* [kLanes]> vertex;        ///< (step, lane): local vertex at the far end of the link
+  KernelView<int* [kLanes]> first_vertex;  ///< (pack, lane): where the run begins
+  KernelView<int* [kLanes]> run;           ///< (pack, lane): number of the run, -1: none
+  KernelView<int* [kLanes]> links;         ///< (pack, lane): of the run
+
+  int eliminations() const { return static_cast<int>(link.extent(0)) - packs; }
+};
+
+/// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
+using ChainFactors = KernelView<double**>;
+/// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
+/// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
+using ChainPivots = KernelView<double* [2]>;
+
+/// Eliminates the vertices inside all runs; writes LinkMatrices::runs, factors and pivots. Only entries of symmetric
+/// matrices are expected: the triangles are not compared.
+template <int N>
+void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
+                   const ChainPivots& pivots);
+
+/// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes D^-1 of what has
+/// arrived there; `arrived` (run, 2 N) is what each run adds to the rows of its end vertices.
+template <int N>
+void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,
+                   const ChainFactors& factors, const KernelView<double * [2 * N]>& arrived,
+                   const KernelView<double*>& x);
+
+/// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
+template <int N>
+void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
+
+}  // namespace mixbeam

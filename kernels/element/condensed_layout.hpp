@@ -1,0 +1,82 @@
+/// How the condensed tangents of elements are kept, and what recovers their interiors. Rows and columns u_a, theta_a,
+/// u_b, theta_b: displacement and spin of the vertex at the start and at the end; three components each in space, two
+/// and one in a plane.
+///
+/// The tangent of an element whose forces all have a potential is symmetric and sees displacements as u_b - u_a alone.
+/// Then it is the lower triangle, row by row, of the matrix over (u_b - u_a, theta_a, theta_b): in space 45 numbers in
+/// place of 144, in a plane 10 in place of 36, and memory is what limits elements of low order.
+#pragma once
+
+#include "kernels/execution/execution_space.hpp"
+
+#include <Kokkos_Core.hpp>
+
+namespace mixbeam {
+
+/// Unknowns of a vertex: displacement and rotation in space, or in a plane.
+constexpr int kSpatialDofs = 6, kPlanarDofs = 3;
+
+/// Position of (i, j), i >= j, in a lower triangle stored row by row.
+constexpr int triangle(int i, int j) { return i * (i + 1) / 2 + j; }
+constexpr int triangle_size(int n) { return n * (n + 1) / 2; }
+
+/// `N` unknowns of each vertex.
+template <int N>
+struct TangentLayout {
+  static constexpr int kMoved = N == kSpatialDofs ? 3 : 2;  ///< components of a displacement
+  static constexpr int kTurned = N - kMoved;                ///< of a spin
+  static constexpr int kReduced = kMoved + 2 * kTurned;     ///< rows over (u_b - u_a, theta_a, theta_b)
+  static constexpr int kFull = 4 * N * N;                   ///< 2 N x 2 N, row-major
+  static constexpr int kSymmetric = triangle_size(kReduced);
+
+  /// Row of the reduced matrix that row i of the full one is, but for the sign: rows of u_a are the negative.
+  KOKKOS_INLINE_FUNCTION static constexpr int reduced(int i) {
+    return i < N ? i : (i < N + kMoved ? i - N : i - kMoved);
+  }
+  /// Where entry (i, j) of the reduced matrix stands.
+  KOKKOS_INLINE_FUNCTION static constexpr int place(int i, int j) { return i > j ? triangle(i, j) : triangle(j, i); }
+  /// Where entry (i, j) of the full matrix stands, and whether it is the negative of what stands there.
+  KOKKOS_INLINE_FUNCTION static constexpr int place_of_full(int i, int j) { return place(reduced(i), reduced(j)); }
+  KOKKOS_INLINE_FUNCTION static constexpr bool is_negative(int i, int j) { return (i < kMoved) != (j < kMoved); }
+};
+
+constexpr int kFullTangent = TangentLayout<kSpatialDofs>::kFull;
+constexpr int kSymmetricTangent = TangentLayout<kSpatialDofs>::kSymmetric;
+constexpr int kPlanarTangent = TangentLayout<kPlanarDofs>::kSymmetric;
+
+/// Entry (i, j) of the full matrix.
+template <int N>
+KOKKOS_INLINE_FUNCTION double symmetric_tangent_entry(const double* numbers, int i, int j) {
+  const double x = numbers[TangentLayout<N>::place_of_full(i, j)];
+  return TangentLayout<N>::is_negative(i, j) ? -x : x;
+}
+
+/// All of the full matrix.
+template <int N>
+KOKKOS_INLINE_FUNCTION void expand_symmetric_tangent(const double* numbers, double* matrix) {
+  for (int i = 0; i < 2 * N; ++i)
+    for (int j = 0; j < 2 * N; ++j) matrix[2 * N * i + j] = symmetric_tangent_entry<N>(numbers, i, j);
+}
+
+/// The increment of every interior unknown is affine in nine numbers: the change of slope_0 and the spins of both
+/// vertices in the element frame (columns 0..8); column 9 is the constant part, from the interior residual.
+constexpr int kResponseColumns = 10;
+
+/// What the tangent of a plain element keeps for the recovery of its interior: rows of kResponseColumns for w, psi_j
+/// and slope_j in the element frame, then right-hand sides and stiffnesses. N and M follow from these and the state.
+/// Their rows would more than double what is kept, and memory is what limits the tangent of low orders. An element with
+/// a general section keeps a row for each of its increments (InteriorLayout).
+struct ResponseLayout {
+  int order = 0, force_points = 0;
+  KOKKOS_INLINE_FUNCTION constexpr int rows() const { return 3 * (2 * order - 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int strain_error(int q) const { return kResponseColumns * rows() + 3 * q; }
+  KOKKOS_INLINE_FUNCTION constexpr int moment_row(int j) const { return strain_error(force_points + j); }
+  KOKKOS_INLINE_FUNCTION constexpr int force_stiffness() const { return moment_row(order + 1); }
+  KOKKOS_INLINE_FUNCTION constexpr int moment_stiffness() const { return force_stiffness() + 3; }
+  KOKKOS_INLINE_FUNCTION constexpr int size() const { return moment_stiffness() + 3; }
+};
+
+/// In place of a number of negative eigenvalues: a pivot is zero.
+constexpr int kUncertainCount = -1;
+
+}  // namespace mixbeam

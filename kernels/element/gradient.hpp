@@ -1,0 +1,164 @@
+/// Residual of the whole mixed system of one element: the first variation of its energy (design: stationary in all
+/// fields)
+///   sum_q w [N.gamma - N.C^-1 N / 2] + sum_q w [M.kappa - M.C^-1 M / 2] + [phi . M]_left^right  -  work of line loads.
+#pragma once
+
+#include "kernels/element/kinematics.hpp"
+
+namespace mixbeam {
+
+/// Gradients in the element frame. Interior N and M rows are strains, the others forces or moments.
+template <int K, class Real = double>
+struct ElementGradient {
+  Vec3<Real>
+      strain_error[ElementTables<K>::kMaximumForcePoints];  ///< gamma - C^-1 N at each force point (not weighted)
+  Vec3<Real> moment_row[K + 1];  ///< int P_j (kappa - C^-1 M) + discrete curvature: a relative rotation
+  Vec3<Real> spin;               ///< conjugate to w
+  Vec3<Real> psi[K];             ///< conjugate to psi_j, j >= 1
+  Vec3<Real> slope[K];           ///< conjugate to the slopes Lambda_lo^T u'_j
+  Vec3<Real> vertex_spin[2];     ///< conjugate to the spins of the end vertices, in the element frame
+  Vec3<Real> vertex_force[2];    ///< from line loads, spatial; the rest of the vertex force is +-slope[0]/h
+  Real largest_end_angle;        ///< |phi| at the two ends; the element is valid below pi
+};
+
+/// d gamma = exp(psi)^T (d slope + p x w) + (gamma + e1) x T(psi)^T d psi at a force point.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> strain_change(const Mat3<Real>& exp, const Mat3<Real>& tangent,
+                                                     const Vec3<Real>& p, const Vec3<Real>& pulled_back,
+                                                     const Vec3<Real>& slope, const Vec3<Real>& spin,
+                                                     const Vec3<Real>& psi) {
+  const Vec3<Real> moved = slope + cross(p, spin);
+  if constexpr (K == 1) return moved;
+  return transpose_times(exp, moved) + cross(pulled_back, transpose_times(tangent, psi));
+}
+
+/// Work of a material force at one point, the stored one or what takes its place.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& point, const Vec3<Real>& force,
+                                                    const double* P, ElementGradient<K, Real>& g) {
+  const Vec3<Real> nu = K > 1 ? point.rotation.exp * force : force;
+  for (int j = 0; j < K; ++j) g.slope[j] += (point.weight * P[j]) * nu;
+  g.spin += point.weight * cross(nu, point.p);
+  if constexpr (K > 1) {
+    const Vec3<Real> turning = point.weight * (point.rotation.tangent * cross(force, point.pulled_back));
+    for (int j = 1; j < K; ++j) g.psi[j] += P[j] * turning;
+  }
+}
+
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>& point, const double* P,
+                                                     const double* slope, const Real& length,
+                                                     ElementGradient<K, Real>& g) {
+  for (int j = 0; j <= K; ++j) g.moment_row[j] += (point.weight * P[j]) * point.strain;
+  if constexpr (K > 1) {
+    const Vec3<Real> along_slope = (point.weight * 2.0 / length) * (point.rotation.tangent * point.moment);
+    const Vec3<Real> along_value =
+        point.weight * rotation_form_gradient(2, point.moment, point.slope, point.rotation.psi, point.rotation.c);
+    for (int j = 1; j < K; ++j) g.psi[j] += slope[j] * along_slope + P[j] * along_value;
+  }
+}
+
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K, Real>& joint,
+                                                  ElementGradient<K, Real>& g) {
+  const Vec3<Real> spun = K > 1 ? joint.rotation.exp * joint.spin_moment : joint.spin_moment;
+  g.vertex_spin[end] = spun;
+  g.spin += -spun;
+  if constexpr (K > 1) {
+    const Vec3<Real> turning = joint.rotation.tangent * joint.spin_moment;
+    for (int j = 1; j < K; ++j) g.psi[j] += (-end_value(end, j)) * turning;
+  }
+  for (int j = 0; j <= K; ++j) g.moment_row[j] += (joint.sign * end_value(end, j)) * joint.phi;
+}
+
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void clear(ElementGradient<K, Real>& g) {
+  const Vec3<Real> zero{{Real(0.0), Real(0.0), Real(0.0)}};
+  for (Vec3<Real>& error : g.strain_error) error = zero;
+  for (int j = 0; j <= K; ++j) g.moment_row[j] = zero;
+  for (int j = 0; j < K; ++j) g.psi[j] = g.slope[j] = zero;
+  g.spin = zero;
+  for (int end = 0; end < 2; ++end) g.vertex_spin[end] = g.vertex_force[end] = zero;
+  g.largest_end_angle = 0.0;
+}
+
+/// Complementary energy of M, constant section: h/(2j + 1) C_kappa^-1 M_j in moment row j.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
+                                                       const ElementKinematics<K, Real>& kinematics,
+                                                       const ElementTables<K>&, const InteriorLayout& layout,
+                                                       const SectionNumbers<Real>& section,
+                                                       ElementGradient<K, Real>& g) {
+  for (int j = 0; j <= K; ++j)
+    for (int i = 0; i < 3; ++i)
+      g.moment_row[j][i] -=
+          kinematics.length / (2 * j + 1) * section.moment_compliance[i] * in.interior[layout.moment(j) + i];
+}
+
+/// The same for a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force
+/// points.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<>& in, const ElementKinematics<K>& kinematics,
+                                                  const ElementTables<K>& tables, const InteriorLayout& layout,
+                                                  const GeneralSection& section, ElementGradient<K>& g) {
+  const double half = 0.5 * kinematics.length;
+  for (int q = 0; q <= K; ++q) {
+    Vec moment{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= K; ++j) moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
+    const Vec strain = (half * tables.moment_weight[q]) * (section.moment_moment(q) * moment);
+    for (int j = 0; j <= K; ++j) g.moment_row[j] += (-tables.moment_legendre[q][j]) * strain;
+  }
+  for (int q = 0; q < tables.force_points; ++q) {
+    const Vec force = load_vector(in.interior + layout.force(q));
+    const Vec strain = (half * tables.force_weight[q]) * transpose_times(section.force_moment(q), force);
+    for (int j = 0; j < K; ++j) g.moment_row[j] += (-tables.force_legendre[q][j]) * strain;
+  }
+}
+
+/// Gradient of the element energy, without line fields (element/line_fields.hpp).
+template <int K, class Real, class AnySection>
+KOKKOS_FORCEINLINE_FUNCTION void element_gradient(const ElementInput<Real>& in,
+                                                  const ElementKinematics<K, Real>& kinematics,
+                                                  const ElementTables<K>& tables, const InteriorLayout& layout,
+                                                  const ReferenceLayout& reference, const AnySection& section,
+                                                  ElementGradient<K, Real>& g) {
+  clear(g);
+  for (int q = 0; q < tables.force_points; ++q) {
+    const ForcePoint<K, Real> point(q, in, kinematics, tables, layout, reference, section);
+    g.strain_error[q] = point.strain_error;
+    add_force_gradient(point, point.force, tables.force_legendre[q], g);
+  }
+  for (int q = 0; q <= K; ++q) {
+    const MomentPoint<K, Real> point(q, in, kinematics, tables, layout, reference);
+    add_moment_gradient(point, tables.moment_legendre[q], tables.moment_slope[q], kinematics.length, g);
+  }
+  add_moment_compliance(in, kinematics, tables, layout, section, g);
+  for (int end = 0; end < 2; ++end) {
+    const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
+    add_end_gradient(end, joint, g);
+    const Real angle = norm(joint.phi);
+    g.largest_end_angle = select(angle > g.largest_end_angle, angle, g.largest_end_angle);
+  }
+}
+
+/// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial
+/// but the material N, M, psi and spin rows.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_residual(const ElementGradient<K, Real>& g,
+                                                const ElementKinematics<K, Real>& kinematics,
+                                                const InteriorLayout& layout, Real* interior_row, Real* vertex_row) {
+  for (int q = 0; q < layout.force_points; ++q) store_vector(g.strain_error[q], interior_row + layout.force(q));
+  for (int j = 0; j <= K; ++j) store_vector(g.moment_row[j], interior_row + layout.moment(j));
+  for (int j = 1; j < K; ++j) {
+    store_vector(g.psi[j], interior_row + layout.relative_rotation(j));
+    store_vector(kinematics.triad * g.slope[j], interior_row + layout.bubble(j));
+  }
+  store_vector(g.spin, interior_row + layout.spin());
+  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * g.slope[0]);
+  store_vector(g.vertex_force[0] - force, vertex_row);
+  store_vector(kinematics.triad * g.vertex_spin[0], vertex_row + 3);
+  store_vector(g.vertex_force[1] + force, vertex_row + 6);
+  store_vector(kinematics.triad * g.vertex_spin[1], vertex_row + 9);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,149 @@
+/// What loads along an element add to its tangent. They have no potential in general, so these blocks are not symmetric
+/// and come after the symmetric part is complete. Eigenstrains and dead forces do not depend on the state: no tangent.
+///
+/// Convention: the matrix is D R - hat(R_w)/2 with D R the derivative of the rows R and R_w the row of the element spin
+/// w (right spin: Lambda_lo exp(hat w)). Without loads this is the symmetric second variation; in equilibrium, where
+/// R_w = 0, it is D R itself. A load with its part L of the rows therefore adds D L - hat(L_w)/2.
+#pragma once
+
+#include "kernels/element/line_fields.hpp"
+#include "kernels/element/tangent.hpp"
+
+namespace mixbeam {
+
+/// Rows of the mean displacement (u_a + u_b)/2 of both vertices, in the element frame. Only follower forces put
+/// anything there: these depend on w and psi, the first K blocks of the reduced system; nothing depends on the mean.
+template <int K>
+struct MeanRows {
+  bool used = false;
+  double row[3][3 * K];
+  double condensed[3][kResponseColumns];  ///< after elimination of the interior: slope_0, spins a and b, constant
+
+  KOKKOS_INLINE_FUNCTION void clear() {
+    used = true;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3 * K; ++c) row[r][c] = 0.0;
+  }
+  KOKKOS_INLINE_FUNCTION void add(int column, double factor, const Mat& m) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) row[i][3 * column + j] += factor * m(i, j);
+  }
+  KOKKOS_INLINE_FUNCTION void condense(const InteriorResponse<K>& response) {
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < kResponseColumns; ++c) {
+        double sum = 0.0;
+        for (int i = 0; i < 3 * K; ++i) sum += row[r][i] * response(i, c);
+        condensed[r][c] = sum;
+      }
+  }
+  /// Adds half of the rows to those of either vertex displacement, in space (layout of expand_tangent).
+  KOKKOS_INLINE_FUNCTION void expand(const ElementKinematics<K>& kinematics, double* tangent, double* residual) const {
+    const Mat& triad = kinematics.triad;
+    for (int J = 0; J < 3; ++J) {
+      Mat block;
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) block(i, j) = 0.5 * condensed[i][3 * J + j];
+      block = triad * block * transpose(triad);
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          for (int end = 0; end < 2; ++end) {
+            double* row_of_end = tangent + 12 * (6 * end + i);
+            if (J == 0) {  // slope_0 = (u_b - u_a)/h
+              row_of_end[j] -= block(i, j) / kinematics.length;
+              row_of_end[6 + j] += block(i, j) / kinematics.length;
+            } else {
+              row_of_end[(J == 1 ? 3 : 9) + j] += block(i, j);
+            }
+          }
+    }
+    const Vec constant = 0.5 * (triad * Vec{{condensed[0][9], condensed[1][9], condensed[2][9]}});
+    for (int end = 0; end < 2; ++end)
+      for (int i = 0; i < 3; ++i) residual[6 * end + i] += constant[i];
+  }
+};
+
+/// Dead couple c, in the element frame Lambda_lo^T c: turns backwards with w, d(Lambda_lo^T c) = hat(Lambda_lo^T c) w.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_dead_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
+                                                    const ElementTables<K>& tables, FullSystem<K>& system) {
+  using Blocks = ReducedBlocks<K>;
+  for (int q = 0; q <= K; ++q) {
+    const double* P = tables.moment_legendre[q];
+    const double w = 0.5 * kinematics.length * tables.moment_weight[q];
+    const Vec couple = transpose_times(kinematics.triad, load_vector(values + 3 * q));
+    system.add(Blocks::spin(), Blocks::spin(), -0.5 * w, hat(couple));
+    if constexpr (K > 1) {
+      const Vec psi = kinematics.relative_rotation(P);
+      const StumpffValues<double> c = stumpff(dot(psi, psi));
+      const Mat by_spin = -1.0 * (transpose(tangent_map(psi, c)) * hat(couple));
+      const Mat by_psi = tangent_map_derivative(-psi, couple, c);
+      for (int i = 1; i < K; ++i) {
+        system.add(Blocks::psi(i), Blocks::spin(), w * P[i], by_spin);
+        for (int j = 1; j < K; ++j) system.add(Blocks::psi(i), Blocks::psi(j), w * P[i] * P[j], by_psi);
+      }
+    }
+  }
+}
+
+/// Follower couple C, in the element frame exp(psi) C: does not depend on w.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_follower_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
+                                                        const ElementTables<K>& tables, FullSystem<K>& system) {
+  using Blocks = ReducedBlocks<K>;
+  for (int q = 0; q <= K; ++q) {
+    const double* P = tables.moment_legendre[q];
+    const double w = 0.5 * kinematics.length * tables.moment_weight[q];
+    const PointRotation<K> rotation(kinematics.relative_rotation(P));
+    const Vec couple = load_vector(values + 3 * q);
+    const Mat turned = hat(rotation.exp * couple);
+    system.add(Blocks::spin(), Blocks::spin(), 0.5 * w, turned);
+    if constexpr (K > 1) {
+      const Mat spin_psi = turned * rotation.tangent;  // d(exp(psi) C) = - hat(exp(psi) C) T dpsi
+      const Mat psi_psi = tangent_map_derivative(rotation.psi, couple, rotation.c);
+      for (int i = 1; i < K; ++i) {
+        system.add(Blocks::spin(), Blocks::psi(i), w * P[i], spin_psi);
+        for (int j = 1; j < K; ++j) system.add(Blocks::psi(i), Blocks::psi(j), -w * P[i] * P[j], psi_psi);
+      }
+    }
+  }
+}
+
+/// Follower force F, spatial Lambda_lo exp(psi) F: turns with w and psi, in the rows of all displacements.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_follower_force_tangent(const double* values, const ElementKinematics<K>& kinematics,
+                                                       const ElementTables<K>& tables, FullSystem<K>& system,
+                                                       MeanRows<K>& mean) {
+  using Blocks = ReducedBlocks<K>;
+  for (int q = 0; q <= K; ++q) {
+    const double* P = tables.moment_legendre[q];
+    const double* bubble = tables.moment_bubble[q];
+    const double w = 0.5 * kinematics.length * tables.moment_weight[q], to_slope = 0.5 * kinematics.length * w;
+    const PointRotation<K> rotation(kinematics.relative_rotation(P));
+    const Mat by_spin = hat(rotation.exp * load_vector(values + 3 * q));
+    mean.add(Blocks::spin(), w, by_spin);
+    for (int j = 0; j < K; ++j) system.add(Blocks::slope(j), Blocks::spin(), to_slope * bubble[j], by_spin);
+    if constexpr (K > 1) {
+      const Mat by_psi = by_spin * rotation.tangent;
+      for (int i = 1; i < K; ++i) {
+        mean.add(Blocks::psi(i), w * P[i], by_psi);
+        for (int j = 0; j < K; ++j) system.add(Blocks::slope(j), Blocks::psi(i), to_slope * bubble[j] * P[i], by_psi);
+      }
+    }
+  }
+}
+
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_field_tangent(const ElementFields& fields, const ElementKinematics<K>& kinematics,
+                                              const ElementTables<K>& tables, FullSystem<K>& system,
+                                              MeanRows<K>& mean) {
+  if (const double* values = fields[LineField::dead_couple])
+    add_dead_couple_tangent(values, kinematics, tables, system);
+  if (const double* values = fields[LineField::follower_couple])
+    add_follower_couple_tangent(values, kinematics, tables, system);
+  if (const double* values = fields[LineField::follower_force]) {
+    mean.clear();
+    add_follower_force_tangent(values, kinematics, tables, system, mean);
+  }
+}
+
+}  // namespace mixbeam

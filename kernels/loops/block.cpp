@@ -1,0 +1,95 @@
+#include "kernels/loops/block.hpp"
+
+#include "kernels/element/kinematics.hpp"
+#include "kernels/element/tangent.hpp"
+#include "kernels/loops/cap_defect.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace mixbeam {
+
+template <int K, bool General>
+void residual_loop(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&);
+template <int K, bool General>
+void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
+                  const ElementEquations&);
+template <int K, bool General>
+void recover_loop(const ElementBlock&, const StateViews&, const ElementEquations&, const KernelView<const double* [6]>&,
+                  const KernelView<double*>&);
+
+namespace {
+
+/// Calls action(std::integral_constant<int, K>) for the block's order: the one place where a run-time order meets
+/// compile-time sizes.
+template <class Action, int K = 1>
+void for_order(int order, Action&& action) {
+  if (order == K) return action(std::integral_constant<int, K>());
+  if constexpr (K < kMaximumOrder)
+    for_order<Action, K + 1>(order, std::forward<Action>(action));
+  else
+    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." +
+                                std::to_string(kMaximumOrder));
+}
+
+/// for_order with the kind of section as well: action(order, std::bool_constant<General>).
+template <class Action>
+void for_kind(const ElementBlock& block, Action&& action) {
+  for_order(block.order, [&](auto order) {
+    if (block.general_section)
+      action(order, std::true_type());
+    else
+      action(order, std::false_type());
+  });
+}
+
+}  // namespace
+
+void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                       const ElementEquations& equations) {
+  for_kind(block, [&](auto order, auto general) {
+    residual_loop<order.value, general.value>(block, structure, state, equations);
+  });
+}
+
+void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations) {
+  condense_right_hand_side(block, structure, state, KernelView<const double*>(), equations);
+}
+
+void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                              const KernelView<const double*>& rhs_interior, const ElementEquations& equations) {
+  for_kind(block, [&](auto order, auto general) {
+    tangent_loop<order.value, general.value>(block, structure, state, rhs_interior, equations);
+  });
+}
+
+void softening_rows(const ElementBlock& block, const StructureViews& structure,
+                    const KernelView<const double*>& increment, const KernelView<double*>& rows) {
+  for_kind(block, [&](auto order, auto general) {
+    const SofteningLoop<order.value, general.value> loop{block, structure, increment, rows};
+    Kokkos::parallel_for("mixbeam::elements::softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+  });
+}
+
+double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
+                             const KernelView<const double*>& increment, const ResidualScales& scales) {
+  double largest = 0.0;
+  for_kind(block, [&](auto order, auto general) {
+    const LargestSofteningLoop<order.value, general.value> loop{{block, structure, increment, KernelView<double*>()},
+                                                                scales};
+    Kokkos::parallel_reduce("mixbeam::elements::largest_softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
+                            loop, Kokkos::Max<double>(largest));
+  });
+  return largest;
+}
+
+void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
+  for_kind(block, [&](auto order, auto general) {
+    recover_loop<order.value, general.value>(block, state, equations, vertex_increment, increment);
+  });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,119 @@
+/// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the
+/// mathematics is in element/gradient.hpp and element/tangent.hpp.
+#pragma once
+
+#include "kernels/element/condensed_layout.hpp"
+#include "kernels/element/layout.hpp"
+#include "kernels/element/row_scales.hpp"
+#include "kernels/execution/execution_space.hpp"
+
+#include <Kokkos_Core.hpp>
+
+namespace mixbeam {
+
+using MemorySpace = ExecutionSpace::memory_space;
+template <class Data>
+using KernelView = Kokkos::View<Data, Kokkos::LayoutRight, MemorySpace>;
+
+/// State of a structure: total, from the reference to the current configuration.
+struct StateViews {
+  KernelView<double* [3]> vertex_displacement;  ///< (vertex, 3) spatial
+  KernelView<double* [4]> vertex_rotation;      ///< (vertex, w x y z): Lambda_V
+  KernelView<double* [4]> element_triad;        ///< (element, w x y z): Lambda_lo
+  KernelView<double*> interior;                 ///< InteriorLayout of each element, block after block
+};
+
+/// What the kernels write and the assembler gathers.
+struct ElementEquations {
+  KernelView<double* [12]> residual;  ///< (element, u_a theta_a u_b theta_b): gradient, spatial
+  /// (element, force in the plane on its end, minus that on its start; moments of start and end): gradient of elements
+  /// that move in a plane, before or after elimination of the interior
+  KernelView<double* [4]> planar_rows;
+  KernelView<double*> interior_residual;        ///< increments layout of each element, block after block
+  ResidualScales interior_scales;               ///< what interior_residual is divided by ...
+  bool scales_interior = false;                 ///< ... if it is
+  KernelView<double* [12]> condensed_residual;  ///< (element, 12): gradient after elimination of the interior
+  KernelView<double**> condensed_tangent;       ///< (element, kFullTangent or kSymmetricTangent), spatial
+  KernelView<double*> response;                 ///< ElementBlock::response_size() of each element, block after block
+  KernelView<double*> largest_end_angle;        ///< (element): relative rotation between element and vertex, radians
+  /// (element): eigenvalues below zero of the interior while the vertices stand still, their parity alone where the
+  /// element has no potential; kUncertainCount where a pivot is zero. Not counted where the view is empty.
+  KernelView<int*> interior_negative;
+};
+
+/// Constant data of the structure that elements of all blocks share.
+struct StructureViews {
+  KernelView<SectionConstants*> member_section;  ///< (member)
+};
+
+struct ElementBlock {
+  int order = 0;
+  ForceIntegration force_integration = ForceIntegration::both_reduced;
+  int first_element = 0;  ///< elements of a block are numbered consecutively
+  int count = 0;
+  size_t interior_offset = 0;   ///< of the first element in StateViews::interior
+  size_t increment_offset = 0;  ///< of the first element in increments and interior residuals
+  size_t response_offset = 0;
+  InteriorLayout interior;
+  ReferenceLayout reference_layout;
+  KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
+  KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
+  KernelView<int*> member;          ///< (element of the block)
+  bool general_section = false;     ///< sections of this block are coupled or vary along the element
+  KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
+  /// (element of the block, LineField): first row of that field in field_value, -1 where there is none; empty when no
+  /// element of the block has any
+  KernelView<int* [kLineFields]> field_row;
+  KernelView<double* [3]> field_value;  ///< at the present load factor
+
+  /// Whether the tangent of an element has a part without potential.
+  bool is_unsymmetric(int e) const {
+    if (field_row.extent(0) == 0) return false;
+    for (LineField field : {LineField::dead_couple, LineField::follower_force, LineField::follower_couple})
+      if (field_row(e, static_cast<int>(field)) >= 0) return true;
+    return false;
+  }
+  /// Numbers that the tangent keeps of each element for recover_interior.
+  int response_size() const {
+    return general_section ? kResponseColumns * interior.increments()
+                           : ResponseLayout{order, interior.force_points}.size();
+  }
+};
+
+/// Mixed residual: vertex and interior rows, largest relative end rotation.
+void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                       const ElementEquations& equations);
+
+/// Condensed tangent, condensed residual and the response of the interior unknowns.
+void evaluate_tangent(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                      const ElementEquations& equations);
+
+/// Condensed residual and constant response column for a given right-hand side in place of the block's own residual:
+/// `rhs_interior` has the layout of increments (N rows are strains, not weighted). Everything else as evaluate_tangent.
+void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                              const KernelView<const double*>& rhs_interior, const ElementEquations& equations);
+
+/// What the capped stiffness of the tangent leaves out of the linearised equations: rows of J d - J_capped d for an
+/// interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all others.
+void softening_rows(const ElementBlock& block, const StructureViews& structure,
+                    const KernelView<const double*>& increment, const KernelView<double*>& rows);
+
+/// The largest of these rows, each divided by its scale; not-a-number counts as infinity.
+double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
+                             const KernelView<const double*>& increment, const ResidualScales& scales);
+
+/// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial). `state`:
+/// that of the tangent.
+void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
+
+/// Of the first `count` vertices: displacement + scale * increment, rotations multiplied from the left by
+/// exp(scale * dtheta).
+void apply_vertex_increment(int count, const StateViews& from, const KernelView<const double* [6]>& increment,
+                            double scale, const StateViews& to);
+
+/// interior + scale * increment, triads multiplied from the right by exp(scale * w).
+void apply_interior_increment(const ElementBlock& block, const StateViews& from,
+                              const KernelView<const double*>& increment, double scale, const StateViews& to);
+
+}  // namespace mixbeam

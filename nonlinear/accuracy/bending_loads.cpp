@@ -1,0 +1,172 @@
+#include "nonlinear/accuracy/bending_loads.hpp"
+
+#include "discretization/text/expression.hpp"
+#include "nonlinear/accuracy/hanging_loads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// A member of length L under a force F at a distance d has errors as if it turned evenly by f sqrt(F d L / EI): where
+/// the force bends it most, its curvature is sqrt(2 F / EI) at most, and higher there than anywhere else. Measured with
+/// the elastica, arcs and frames: f is 1.7 to 2.1, and small loads leave errors as if it turned by 2. [radian]
+constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0;
+/// A force turns a member into its own direction and no further. How thin the layers at the ends of a cable are is left
+/// to the estimate. [radian]
+constexpr double kMostTurningByForce = 8.0;
+/// A hundred coils are few enough to try; more would rather be a moment that others than this member carry. [radian]
+constexpr double kMostTurningByMoment = 600.0;
+/// In a structure of more members in closed loops a load bends those next to it, about as far from it as some of their
+/// lengths.
+constexpr int kMembersOfAFrame = 8;
+constexpr double kLeverOfALattice = 3.0;
+/// Points of a member at which the formula of a load is looked at.
+constexpr int kPointsOfAFormula = 16;
+
+double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
+
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+/// Mean size of a vector that may depend on the place along a member of this length.
+double mean_size(const Vector3& constant, const std::array<std::string, 3>& formula, double length) {
+  if (std::all_of(formula.begin(), formula.end(), [](const std::string& text) { return text.empty(); }))
+    return length_of(constant);
+  double sum = 0.0;
+  for (int point = 0; point < kPointsOfAFormula; ++point) {
+    const double x = (point + 0.5) / kPointsOfAFormula;
+    Vector3 value = constant;
+    for (int i = 0; i < 3; ++i)
+      if (!formula[i].empty()) value[i] = Expression(formula[i], {"s", "x"})({x * length, x});
+    if (std::isfinite(length_of(value))) sum += length_of(value);
+  }
+  return sum / kPointsOfAFormula;
+}
+
+LoadSum load_at(const Vector3& place, double force, double moment) {
+  return {force, moment, {force * place[0], force * place[1], force * place[2]}};
+}
+
+/// The loads of a scene, by their sizes.
+struct BendingLoads {
+  std::vector<LoadSum> single;     ///< each one by itself, line loads in the middle of their members
+  std::vector<LoadSum> at_vertex;  ///< (vertex), line loads at those of their elements
+
+  BendingLoads(const Scene& scene, const Mesh& mesh) : at_vertex(mesh.vertices()) {
+    for (const PointLoad& load : scene.point_loads) {
+      const int vertex = vertex_of(mesh, load.point);
+      single.push_back(load_at(mesh.vertex_position[vertex], length_of(load.force), length_of(load.moment)));
+      at_vertex[vertex].add(single.back());
+    }
+    for (const DistributedLoad& load : scene.distributed_loads)
+      add_line_load(mesh, mesh.members[member_index(scene, load.member)], load);
+  }
+
+ private:
+  void add_line_load(const Mesh& mesh, const MeshMember& member, const DistributedLoad& load) {
+    const double length = member.curve.length, force = length * mean_size(load.force, load.force_formula, length),
+                 couple = length * mean_size(load.couple, load.couple_formula, length);
+    const Vec3<double> middle = member.curve.position(0.5 * length);
+    single.push_back(load_at({middle[0], middle[1], middle[2]}, force, couple));
+    for (int i = 0; i < member.elements; ++i) {
+      const double half = 0.5 * member.element_length(i) / length;
+      for (const int vertex : mesh.elements[member.first_element + i].vertex)
+        at_vertex[vertex].add(load_at(mesh.vertex_position[vertex], half * force, half * couple));
+    }
+  }
+};
+
+/// What bends a member: forces times levers, and moments.
+struct Bending {
+  double by_forces = 0.0, by_moments = 0.0;
+};
+
+/// Lever of a force to the far end of a member.
+double lever_of(const Mesh& mesh, const MeshMember& member, const Vector3& place) {
+  const auto end = [&](int element, int side) {
+    return mesh.vertex_position[mesh.elements[member.first_element + element].vertex[side]];
+  };
+  return std::max(
+      {distance(place, end(0, 0)), distance(place, end(member.elements - 1, 1)), 0.5 * member.curve.length});
+}
+
+Bending bending_by(const Mesh& mesh, const MeshMember& member, const LoadSum& load) {
+  return {load.force > 0.0 ? load.force * lever_of(mesh, member, load.place()) : 0.0, load.moment};
+}
+
+/// Of a member that alone carries what hangs on it; none where one of its elements has others beside it.
+std::optional<Bending> bending_of_carrier(const Mesh& mesh, const MeshMember& member,
+                                          const std::vector<std::optional<LoadSum>>& hanging) {
+  Bending largest;
+  for (int i = 0; i < member.elements; ++i) {
+    const std::optional<LoadSum>& load = hanging[member.first_element + i];
+    if (!load) return std::nullopt;
+    const Bending here = bending_by(mesh, member, *load);
+    largest = {std::max(largest.by_forces, here.by_forces), std::max(largest.by_moments, here.by_moments)};
+  }
+  return largest;
+}
+
+/// By all loads of a frame.
+Bending bending_in_frame(const Mesh& mesh, const MeshMember& member, const std::vector<LoadSum>& loads) {
+  Bending sum;
+  for (const LoadSum& load : loads) {
+    const Bending here = bending_by(mesh, member, load);
+    sum.by_forces += here.by_forces;
+    sum.by_moments += here.by_moments;
+  }
+  return sum;
+}
+
+/// By the largest load of a lattice.
+Bending bending_in_lattice(const MeshMember& member, const LoadSum& largest) {
+  return {largest.force * kLeverOfALattice * member.curve.length, largest.moment};
+}
+
+LoadSum largest_of(const std::vector<LoadSum>& loads) {
+  LoadSum largest;
+  for (const LoadSum& load : loads) {
+    largest.force = std::max(largest.force, load.force);
+    largest.moment = std::max(largest.moment, load.moment);
+  }
+  return largest;
+}
+
+double turning_by(const Bending& bending, double softness) {
+  const double by_forces = std::min(kMostTurningByForce, kTurningByForce * std::sqrt(bending.by_forces * softness));
+  const double by_moments = std::min(kMostTurningByMoment, bending.by_moments * softness);
+  return std::max(kLeastTurningByLoad, std::hypot(by_forces, by_moments));
+}
+
+}  // namespace
+
+double bending_compliance(const Scene& scene, const Member& member) {
+  for (const Section& section : scene.sections)
+    if (section.name == member.section)
+      return 1.0 / std::min({section.bending_stiffness[0], section.bending_stiffness[1], section.torsional_stiffness});
+  return 1.0;
+}
+
+std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh) {
+  const BendingLoads loads(scene, mesh);
+  const auto hanging = hanging_loads(scene, mesh, loads.at_vertex);
+  const LoadSum largest = largest_of(loads.single);
+  const bool is_frame = scene.members.size() <= kMembersOfAFrame;
+  std::vector<double> turning;
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    std::optional<Bending> bending = bending_of_carrier(mesh, member, hanging);
+    if (!bending)
+      bending = is_frame ? bending_in_frame(mesh, member, loads.single) : bending_in_lattice(member, largest);
+    turning.push_back(turning_by(*bending, member.curve.length * bending_compliance(scene, scene.members[m])));
+  }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    const int m = member_index(scene, strain.member);
+    turning[m] += std::min(kMostTurningByMoment, length_of(strain.curvature) * mesh.members[m].curve.length);
+  }
+  return turning;
+}
+
+}  // namespace mixbeam

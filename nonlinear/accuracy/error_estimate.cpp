@@ -1,0 +1,200 @@
+#include "nonlinear/accuracy/error_estimate.hpp"
+
+#include "discretization/state/difference.hpp"
+#include "discretization/state/recovered_rotation.hpp"
+#include "discretization/state/sampling.hpp"
+#include "discretization/state/transfer.hpp"
+#include "discretization/text/errors.hpp"
+#include "nonlinear/accuracy/richer_scene.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/path/corrector.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// There is no estimate, for this reason.
+struct NotEstimated {
+  std::string reason;
+};
+
+/// Newton's method in the richer space.
+class RicherSolve {
+ public:
+  RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
+              double load_factor)
+      : problem_(problem),
+        corrector_(problem, parameters, record_),
+        group_(Teuchos::rcp(new BeamGroup(corrector_.global(), problem, start, load_factor, {}))) {
+    group_->computeF();
+  }
+
+  const State& state() const { return group_->state(); }
+  double residual() const { return group_->getNormF(); }
+  int corrections() const { return corrections_; }
+
+  /// With the tangent here.
+  void correct() {
+    tangent_ = group_;
+    tangent_->computeJacobian();
+    move(tangent_->getNewton(), 1.0);
+  }
+  /// With the tangent of the last correct().
+  void correct_with_old_tangent() {
+    BeamVector rows(BeamVector::of(group_->getF()).clone(true));
+    problem_->assembler.rescale(rows.values(), group_->scales(), tangent_->scales());
+    BeamVector response(problem_->assembler.create_vector());
+    Teuchos::ParameterList none;
+    tangent_->applyJacobianInverse(none, rows, response);
+    move(response, -1.0);
+  }
+
+ private:
+  void move(const NOX::Abstract::Vector& increment, double step) {
+    const auto next = Teuchos::rcp(new BeamGroup(*group_, NOX::ShapeCopy));
+    next->computeX(*group_, increment, step);
+    next->computeF();
+    group_ = next;
+    ++corrections_;
+    if (!problem_->last_failure.empty()) throw NotEstimated{problem_->last_failure};
+    if (!std::isfinite(residual())) throw NotEstimated{"the correction left the range of double precision"};
+  }
+
+  Teuchos::RCP<BeamProblem> problem_;
+  SolveRecord record_;
+  Corrector corrector_;
+  Teuchos::RCP<BeamGroup> group_, tangent_;
+  int corrections_ = 0;
+};
+
+/// Sums over the elements of the richer mesh, halves of an element together.
+void add_differences(const Mesh& mesh, const Mesh& richer, const StateDifference& difference, ErrorEstimate& estimate) {
+  double length = 0.0;
+  for (const MeshMember& member : mesh.members) length += member.curve.length;
+  estimate.element_displacement.assign(mesh.elements.size(), 0.0);
+  estimate.element_moment.assign(mesh.elements.size(), 0.0);
+  for (size_t e = 0; e < richer.elements.size(); ++e) {
+    const MeshElement& element = richer.elements[e];
+    const MeshMember& member = mesh.members[element.member];
+    const int parts = richer.members[element.member].elements / member.elements;
+    const int here = member.first_element + element.index / parts;
+    const ElementDifference& part = difference.elements[e];
+    estimate.element_displacement[here] += part.displacement / length;
+    estimate.element_moment[here] += part.moment / length;
+    estimate.displacement.size += part.displacement_size / length;
+    estimate.moment.size += part.moment_size / length;
+  }
+  const auto close = [](std::vector<double>& elements, EstimatedError& total) {
+    for (double& square : elements) {
+      total.error += square;
+      square = std::sqrt(square);
+    }
+    total.error = std::sqrt(total.error);
+    total.size = std::sqrt(total.size);
+  };
+  close(estimate.element_displacement, estimate.displacement);
+  close(estimate.element_moment, estimate.moment);
+}
+
+/// Vertices of the mesh are vertices of the richer one.
+void add_vertices(const Mesh& mesh, const Mesh& richer, const StateDifference& difference, ErrorEstimate& estimate) {
+  estimate.vertex_displacement.resize(mesh.vertex_position.size());
+  for (const MeshElement& element : mesh.elements) {
+    const MeshMember& member = richer.members[element.member];
+    const int parts = member.elements / mesh.members[element.member].elements;
+    for (int end = 0; end < 2; ++end) {
+      const int there = member.first_element + parts * element.index + (end == 0 ? 0 : parts - 1);
+      const Vector3& error = difference.vertex_displacement[richer.elements[there].vertex[end]];
+      estimate.vertex_displacement[element.vertex[end]] = error;
+      estimate.largest_displacement.error =
+          std::max(estimate.largest_displacement.error, std::hypot(error[0], error[1], error[2]));
+    }
+  }
+  estimate.largest_displacement.size = difference.largest_displacement;
+}
+
+double total(const StrainEnergy& energy) { return energy.force + energy.moment; }
+
+/// `state` beside what it became in the richer space, where `start` is the same fields.
+ErrorEstimate compare(const Assembler& assembler, const State& state, const Assembler& richer, const State& start,
+                      const State& corrected) {
+  ErrorEstimate estimate;
+  const StateDifference moved = difference(richer, start, corrected);
+  add_differences(assembler.mesh(), richer.mesh(), moved, estimate);
+  add_vertices(assembler.mesh(), richer.mesh(), moved, estimate);
+  estimate.energy.size = total(strain_energy(richer, corrected));
+  estimate.energy.error = estimate.energy.size - total(strain_energy(assembler, state));
+  return estimate;
+}
+
+/// Relative errors below this are rounding, and quantities that are exact.
+constexpr double kLeastError = 1e-12;
+
+/// The smallest of the relative errors.
+double smallest(const ErrorEstimate& estimate) {
+  double least = 1.0;
+  for (const EstimatedError* quantity :
+       {&estimate.largest_displacement, &estimate.displacement, &estimate.moment, &estimate.energy}) {
+    const double relative = std::abs(quantity->relative());
+    if (relative > kLeastError) least = std::min(least, relative);
+  }
+  return least;
+}
+
+/// A residual below this share of the smallest relative error is not seen in it: scaled residuals are of the order of
+/// relative errors. Of the energy errors of eight scenes 96 % came out within a factor of five with a share of one, 98
+/// % with 0.1 and 98.5 % with 0.01; the rest are cells where the energy error changes its sign.
+constexpr double kVisible = 0.01;
+/// A correction that leaves more than this of the residual was far off, and its tangent with it.
+constexpr double kFarOff = 0.1;
+/// Only where elements turn by about one radian more than two are of any use.
+constexpr int kMostCorrections = 4;
+
+ErrorEstimate estimate_in(const RicherScene& richer, const Assembler& assembler, const SolverParameters& parameters,
+                          const State& state, double load_factor) {
+  const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, assembler.map()->getComm(), parameters));
+  const State start = transfer(assembler, state, problem->assembler);
+  std::vector<unsigned char> raised = richer.is_halved;
+  for (unsigned char& member : raised) member = !member;
+  RicherSolve solve(problem, parameters, with_recovered_rotations(problem->assembler, start, raised), load_factor);
+  const double first = solve.residual();
+  double before = first;
+  solve.correct();
+  ErrorEstimate estimate = compare(assembler, state, problem->assembler, start, solve.state());
+  while (solve.corrections() < kMostCorrections && solve.residual() > parameters.newton.residual_tolerance &&
+         solve.residual() > kVisible * smallest(estimate)) {
+    const bool was_good = solve.residual() <= kFarOff * before;
+    before = solve.residual();
+    was_good ? solve.correct_with_old_tangent() : solve.correct();
+    estimate = compare(assembler, state, problem->assembler, start, solve.state());
+  }
+  if (solve.residual() > std::max(first, parameters.newton.residual_tolerance))
+    throw NotEstimated{"Newton's method does not settle with one order more; the mesh is too coarse"};
+  estimate.corrections = solve.corrections();
+  return estimate;
+}
+
+}  // namespace
+
+ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters& parameters, const State& state,
+                             double load_factor) {
+  ErrorEstimate none;
+  try {
+    return estimate_in(richer_scene(assembler.scene(), assembler.mesh()), assembler, parameters, state, load_factor);
+  } catch (const NotEstimated& cause) {
+    none.not_estimated = cause.reason;
+  } catch (const std::invalid_argument& error) {  // of the transfer
+    none.not_estimated = error.what();
+  } catch (const LinearSolverError& error) {  // of a tangent that is singular
+    none.not_estimated = error.what();
+  } catch (const InputError& error) {  // of the richer scene
+    none.not_estimated = error.what();
+  }
+  return none;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,48 @@
+/// How far a converged state is from the solution of the continuous equations.
+#pragma once
+
+#include "discretization/assembly/assembler.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// An error and the size of the quantity that it belongs to.
+struct EstimatedError {
+  double error = 0.0;
+  double size = 0.0;
+  double relative() const { return size > 0.0 ? error / size : 0.0; }
+};
+
+/// Estimated errors, the same on every rank. Differences are exact solution less present state.
+struct ErrorEstimate {
+  std::string not_estimated{};                 ///< why there is none; empty where there is one
+  std::vector<Vector3> vertex_displacement{};  ///< (vertex) error of its displacement, spatial [length]
+  /// (mesh element): sqrt(1/L int |error|^2 ds) over the element, L the length of all members, so that the squares of
+  /// all elements add up to that of the whole structure; of the displacement [length] and of M [moment]
+  std::vector<double> element_displacement{}, element_moment{};
+  EstimatedError largest_displacement{};  ///< largest |error of u| of any vertex; largest |u| of any point
+  EstimatedError displacement{};          ///< sqrt(1/L int |.|^2 ds) of u along the centerline, vertices or not
+  EstimatedError moment{};                ///< the same of M, material components
+  EstimatedError energy{};                ///< strain energy, the error with its sign
+  int corrections = 0;                    ///< linear systems solved
+
+  bool exists() const { return not_estimated.empty(); }
+};
+
+/// Estimates by what Newton's method makes of the state in a richer space: one order more, or two elements in place of
+/// one where the order is the highest there is. A first correction starts from the present fields, with relative
+/// rotations recovered from the vertices (recovered_rotation.hpp). Where its residual tells that the squares it leaves
+/// might be seen in the estimate, a second one follows with the same tangent, or with a new one where the first was
+/// far off. The error of the richer space itself stays unseen; it is much smaller wherever more elements or a higher
+/// order pay at all. Costs two Newton iterations for orders 2 to 7, and three to four for order 1, whose iterations are
+/// cheap beside those of order 2, and for order 8. The load factor stays what it is, also where a displacement is
+/// controlled: next to a limit point errors of the path count as errors of the state.
+///
+/// What makes an estimate impossible is told in `not_estimated`, not thrown. Collective.
+ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters& parameters, const State& state,
+                             double load_factor);
+
+}  // namespace mixbeam

@@ -1,0 +1,321 @@
+#include "nonlinear/accuracy/mesh_choice.hpp"
+
+#include "discretization/scene/section_law.hpp"
+#include "kernels/element/layout.hpp"
+#include "nonlinear/accuracy/bending_loads.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// Errors of meshes of 16 scenes: an element of order k that turns by theta has a relative error of (theta / c)^(k+1)
+/// with c from 14 (order 4) to 20 (order 8). [radian]
+constexpr double kTurningScale = 16.0;
+/// A start mesh aims at this share of the wanted error. A digit more costs a tenth more time, another mesh costs half.
+constexpr double kAim = 0.1;
+/// Vertices of an element must not turn by pi against it; beyond this Newton's method finds other solutions, too.
+constexpr double kLargestTurning = 2.5;
+/// Orders that pay for any accuracy, see apps/docs/trade.md.
+constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
+
+/// Microseconds of a Newton iteration for one element of order 1 to 8: 64 elements in space on one thread; with coupled
+/// sections, whose kernels have matrices in place of diagonals.
+constexpr std::array<double, kMaximumOrder + 1> kElementCost = {0.0, 2.0, 3.3, 5.0, 6.5, 9.0, 11.5, 15.0, 20.0};
+constexpr std::array<double, kMaximumOrder + 1> kGeneralCost = {0.0, 6.0, 11.0, 24.0, 42.0, 60.0, 90.0, 130.0, 165.0};
+/// Elements that are computed together, but those with coupled sections: fewer cost as much.
+constexpr int kPack = 4;
+
+/// Elements of a member of a start mesh: a low order that is kept would take any number for a high accuracy.
+constexpr int kMostStartElements = 20'000;
+/// Elements of a member become fewer by at most this from mesh to mesh.
+constexpr int kLargestCoarsening = 2;
+/// Numbers of elements that are looked at grow by this factor.
+constexpr double kElementRatio = 1.15;
+/// Where nothing moves rounding leaves displacements of 1e-14 to 1e-12 of the length of the structure (columns, rings
+/// turned by 4 pi): a relative error has no meaning there. Above a thousandth of the length they are what is asked for.
+constexpr double kRoundedDisplacement = 1e-11, kSmallDisplacement = 1e-3;
+/// An error that has not begun to fall does so with this q h at best.
+constexpr double kUnresolved = 0.7;
+
+int pieces_of(const Member& member) { return static_cast<int>(member.inner_points.size()) + 1; }
+
+using OrderCosts = std::array<double, kMaximumOrder + 1>;  ///< of one element
+
+const OrderCosts& costs_of(const Scene& scene, const Member& member) {
+  return has_general_section(scene, member) ? kGeneralCost : kElementCost;
+}
+
+double angle_between(const double* p, const double* q) {
+  const double w = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3];
+  double difference = 0.0, sum = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    difference += (p[i] - std::copysign(1.0, w) * q[i]) * (p[i] - std::copysign(1.0, w) * q[i]);
+    sum += (p[i] + std::copysign(1.0, w) * q[i]) * (p[i] + std::copysign(1.0, w) * q[i]);
+  }
+  return 4.0 * std::atan2(std::sqrt(difference), std::sqrt(sum));
+}
+
+/// Angle by which the triad of the undeformed member turns from start to end, along its way.
+double reference_turning(const ReferenceCurve& curve) {
+  const auto norm_of = [](const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); };
+  if (curve.has_constant_curvature()) return norm_of(curve.start_curvature) * curve.length;
+  constexpr int kChords = 64;
+  double angle = 0.0;
+  Vec3<double> before = curve.tangent(0.0);
+  for (int i = 1; i <= kChords; ++i) {
+    const Vec3<double> here = curve.tangent(curve.length * i / kChords);
+    const double chord = norm_of(here - before);
+    angle += 2.0 * std::asin(std::min(1.0, 0.5 * chord));
+    before = here;
+  }
+  return std::hypot(angle, curve.twist_rate * curve.length);
+}
+
+/// What an estimate says about one member, relative to the sizes of the quantities.
+struct MemberError {
+  double inside = 0.0;  ///< root mean square over the structure of what the element itself cannot represent
+  double vertex = 0.0;  ///< its share in the largest error of a vertex
+};
+
+double squared(const Vector3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+/// Error of vertices interpolated along an element: integral of its square over the length.
+double carried(const Vector3& a, const Vector3& b) {
+  return (squared(a) + squared(b) + a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3.0;
+}
+
+std::vector<MemberError> errors_of_members(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
+  double length = 0.0, moments = 0.0;
+  for (const MeshMember& member : mesh.members) length += member.curve.length;
+  std::vector<MemberError> errors(mesh.members.size());
+  std::vector<double> compliance;
+  for (const Member& member : scene.members) compliance.push_back(bending_compliance(scene, member));
+  for (size_t e = 0; e < mesh.elements.size(); ++e) {
+    const MeshElement& element = mesh.elements[e];
+    const double whole = estimate.element_displacement[e] * estimate.element_displacement[e];
+    const double of_vertices =
+        carried(estimate.vertex_displacement[element.vertex[0]], estimate.vertex_displacement[element.vertex[1]]) *
+        mesh.element_length(element) / length;
+    const double moment = estimate.element_moment[e] * estimate.element_moment[e] * compliance[element.member];
+    errors[element.member].inside += std::max(0.0, whole - of_vertices);
+    errors[element.member].vertex += moment;
+    moments += moment;
+  }
+  for (MemberError& error : errors) {
+    error.inside = estimate.displacement.size > 0.0 ? std::sqrt(error.inside) / estimate.displacement.size : 0.0;
+    error.vertex = moments > 0.0 ? estimate.largest_displacement.relative() * error.vertex / moments : 0.0;
+  }
+  return errors;
+}
+
+/// q of error = (q h)^power with h = 1 / elements.
+double rate_of(double error, int power, int elements) {
+  return error > 0.0 ? elements * std::min(kUnresolved, std::pow(error, 1.0 / power)) : 0.0;
+}
+
+struct Candidate {
+  MemberMesh mesh;
+  double cost = 0.0, inside = 0.0, vertex = 0.0;
+};
+
+std::vector<int> element_numbers(const Member& member, int present) {
+  if (member.keeps_elements) return {present};
+  std::vector<int> numbers;
+  int n = std::max(pieces_of(member), (present + kLargestCoarsening - 1) / kLargestCoarsening);
+  for (; n <= kLargestRefinement * present; n = std::max(n + 1, static_cast<int>(n * kElementRatio)))
+    numbers.push_back(n);
+  return numbers;
+}
+
+std::vector<Candidate> candidates_of(const Scene& scene, const Member& member, const MemberMesh& present,
+                                     const MemberError& error) {
+  std::vector<Candidate> list;
+  const int first = member.keeps_order ? present.order : kLeastOrder;
+  const int last = member.keeps_order ? present.order : kMaximumOrder;
+  const std::vector<int> numbers = element_numbers(member, present.elements);
+  const OrderCosts& costs = costs_of(scene, member);
+  const double inside = rate_of(error.inside, present.order + 1, present.elements);
+  const double vertex = rate_of(error.vertex, 2 * present.order, present.elements);
+  for (int k = first; k <= last; ++k)
+    for (const int n : numbers)
+      list.push_back({{k, n}, n * costs[k], std::pow(inside / n, k + 1), std::pow(vertex / n, 2 * k)});
+  return list;
+}
+
+/// Least cost plus the price of what is left of the error.
+const Candidate& best_of(const std::vector<Candidate>& list, double price, double aim) {
+  const auto value = [&](const Candidate& c) {
+    return c.cost + price * (c.inside * c.inside / (aim * aim) + c.vertex / aim);
+  };
+  const Candidate* best = &list.front();
+  double least = std::numeric_limits<double>::infinity();
+  for (const Candidate& candidate : list) {
+    const double here = value(candidate);
+    if (here < least) {
+      least = here;
+      best = &candidate;
+    }
+  }
+  return *best;
+}
+
+using Candidates = std::vector<std::vector<Candidate>>;
+
+MeshChoice choose(const Candidates& members, double price, double aim, double& error) {
+  MeshChoice choice;
+  double inside = 0.0, vertex = 0.0;
+  for (const std::vector<Candidate>& list : members) {
+    const Candidate& best = best_of(list, price, aim);
+    choice.push_back(best.mesh);
+    inside += best.inside * best.inside;
+    vertex += best.vertex;
+  }
+  error = std::sqrt(inside + vertex * vertex);
+  return choice;
+}
+
+}  // namespace
+
+Scene on_mesh(const Scene& scene, const MeshChoice& choice) {
+  Scene changed = scene;
+  for (size_t m = 0; m < choice.size(); ++m) {
+    Member& member = changed.members[m];
+    if (!member.keeps_order) member.order = choice[m].order;
+    if (!member.keeps_elements) member.elements = choice[m].elements;
+  }
+  return changed;
+}
+
+double least_displacement(double length, double accuracy) {
+  return length * std::min(kSmallDisplacement, kRoundedDisplacement / accuracy);
+}
+
+ErrorEstimate with_least_displacement(ErrorEstimate estimate, double least) {
+  for (EstimatedError* quantity : {&estimate.largest_displacement, &estimate.displacement})
+    quantity->size = std::max(quantity->size, least);
+  return estimate;
+}
+
+double judged_error(const ErrorEstimate& estimate) {
+  return std::max(estimate.largest_displacement.relative(), estimate.displacement.relative());
+}
+
+double allowed_turning(int order, double accuracy) {
+  return std::min(kLargestTurning, kTurningScale * std::pow(kAim * accuracy, 1.0 / (order + 1)));
+}
+
+MeshChoice start_mesh(const Scene& scene, double accuracy) {
+  const Mesh mesh = build_mesh(scene);
+  const std::vector<double> by_load = turning_by_loads(scene, mesh);
+  const int pack = std::max(1, kPack / static_cast<int>(scene.members.size()));
+  MeshChoice choice;
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const Member& member = scene.members[m];
+    const double turning = reference_turning(mesh.members[m].curve) + by_load[m];
+    const int first = member.keeps_order ? member.order : kLeastStartOrder;
+    const int last = member.keeps_order ? member.order : kMaximumOrder;
+    const OrderCosts& costs = costs_of(scene, member);
+    const int least_elements = std::max(pieces_of(member), has_general_section(scene, member) ? 1 : pack);
+    MemberMesh best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int k = first; k <= last; ++k) {
+      int n = mesh.members[m].elements;
+      if (!member.keeps_elements)
+        n = std::max(least_elements, static_cast<int>(std::min<double>(
+                                         kMostStartElements, std::ceil(turning / allowed_turning(k, accuracy)))));
+      // an order that misses the accuracy on elements that are kept is as dear as those that would do
+      const double needed = std::max<double>(n, turning / allowed_turning(k, accuracy));
+      const double cost = needed * costs[k];
+      if (cost >= least) continue;
+      least = cost;
+      best = {k, n};
+    }
+    choice.push_back(best);
+  }
+  return choice;
+}
+
+std::vector<double> element_turning(const Scene& scene, const Mesh& mesh, const std::vector<double>& vertex_rotation) {
+  std::vector<double> turning;
+  for (size_t m = 0; m < mesh.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    const int power = scene.members[m].order + 1;
+    double sum = 0.0;
+    for (int i = 0; i < member.elements; ++i) {
+      const MeshElement& element = mesh.elements[member.first_element + i];
+      sum += std::pow(angle_between(&vertex_rotation[4 * static_cast<size_t>(element.vertex[0])],
+                                    &vertex_rotation[4 * static_cast<size_t>(element.vertex[1])]),
+                      power);
+    }
+    turning.push_back(std::pow(sum / member.elements, 1.0 / power));
+  }
+  return turning;
+}
+
+MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const std::vector<double>& turning,
+                            double accuracy) {
+  MeshChoice choice = present;
+  for (size_t m = 0; m < choice.size(); ++m) {
+    const double growth = turning[m] / allowed_turning(choice[m].order, accuracy);
+    if (growth > 1.0 && !scene.members[m].keeps_elements)
+      choice[m].elements =
+          static_cast<int>(std::ceil(choice[m].elements * std::min<double>(kLargestRefinement, growth)));
+  }
+  return choice;
+}
+
+MeshChoice doubled(const Scene& scene, const MeshChoice& present) {
+  MeshChoice choice = present;
+  for (size_t m = 0; m < choice.size(); ++m)
+    if (!scene.members[m].keeps_elements) choice[m].elements *= 2;
+  return choice;
+}
+
+MeshChoice richer(const Scene& scene, const MeshChoice& present) {
+  MeshChoice choice = present;
+  for (size_t m = 0; m < choice.size(); ++m)
+    if (!scene.members[m].keeps_order && choice[m].order < kMaximumOrder)
+      ++choice[m].order;
+    else if (!scene.members[m].keeps_elements)
+      choice[m].elements *= 2;
+  return choice;
+}
+
+bool contains(const MeshChoice& larger, const MeshChoice& smaller) {
+  return std::equal(larger.begin(), larger.end(), smaller.begin(), [](const MemberMesh& a, const MemberMesh& b) {
+    return a.order >= b.order && a.elements >= b.elements;
+  });
+}
+
+double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate) {
+  const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+  double inside = 0.0, vertex = 0.0;
+  for (size_t m = 0; m < errors.size(); ++m) {
+    if (!scene.members[m].keeps_order || !scene.members[m].keeps_elements) continue;
+    inside += errors[m].inside * errors[m].inside;
+    vertex += errors[m].vertex;
+  }
+  return std::max(std::sqrt(inside), vertex);
+}
+
+MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
+                     double aim) {
+  const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+  Candidates members;
+  for (size_t m = 0; m < present.size(); ++m)
+    members.push_back(candidates_of(scene, scene.members[m], {present[m].order, mesh.members[m].elements}, errors[m]));
+  // Prices from that of a single coarse element to one that leaves no error; a factor of 4 tells neighbours apart.
+  constexpr double kFirstPrice = 1e-3, kLastPrice = 1e30, kPriceRatio = 4.0;
+  MeshChoice choice;
+  double error = std::numeric_limits<double>::infinity();
+  for (double price = kFirstPrice; error > aim && price < kLastPrice; price *= kPriceRatio)
+    choice = choose(members, price, aim, error);
+  return choice;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,66 @@
+/// Orders and numbers of elements for a wanted accuracy: where to start, and what to take after an error estimate.
+#pragma once
+
+#include "nonlinear/accuracy/error_estimate.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+struct MemberMesh {
+  int order = 1, elements = 1;
+  bool operator==(const MemberMesh& other) const { return order == other.order && elements == other.elements; }
+};
+using MeshChoice = std::vector<MemberMesh>;  ///< (member)
+
+/// Elements of a member grow by at most this from mesh to mesh: further away nothing is known.
+inline constexpr int kLargestRefinement = 4;
+
+/// The scene on this mesh. What a member keeps (Member::keeps_order, keeps_elements) stays as it is.
+Scene on_mesh(const Scene& scene, const MeshChoice& choice);
+
+/// The cheapest mesh that suffices for the accuracy if members turn as they do in the undeformed structure and by a
+/// simple guess from the loads.
+MeshChoice start_mesh(const Scene& scene, double accuracy);
+
+/// Displacements that an accuracy is not measured against, nor by less: an error that belongs to this size of the
+/// largest displacement is rounding, or nothing where the structure as a whole hardly moves. `length`: of the
+/// structure.
+double least_displacement(double length, double accuracy);
+/// The estimate with displacements that are at least as large as this.
+ErrorEstimate with_least_displacement(ErrorEstimate estimate, double least);
+
+/// What decides whether an accuracy is reached: the larger relative error of vertices and centerline.
+double judged_error(const ErrorEstimate& estimate);
+
+/// How far a member turns from element to element: theta such that the mean of theta_e^(k+1) over its elements is
+/// theta^(k+1). `vertex_rotation`: (vertex, 4) unit quaternions w, x, y, z. [radian]
+std::vector<double> element_turning(const Scene& scene, const Mesh& mesh, const std::vector<double>& vertex_rotation);
+/// The largest such turning that goes with an accuracy.
+double allowed_turning(int order, double accuracy);
+/// Enough elements for members that turn too much, or kLargestRefinement times as many where that is less; `turning`:
+/// of present elements.
+MeshChoice mesh_for_turning(const Scene& scene, const MeshChoice& present, const std::vector<double>& turning,
+                            double accuracy);
+
+/// Twice as many elements.
+MeshChoice doubled(const Scene& scene, const MeshChoice& present);
+
+/// One order more, or twice as many elements where the order is kept or is the highest.
+MeshChoice richer(const Scene& scene, const MeshChoice& present);
+/// Whether every member has at least the order and the elements that it had.
+bool contains(const MeshChoice& larger, const MeshChoice& smaller);
+
+/// What of judged_error() is left where all other members are exact: that of members which keep order and elements.
+double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& estimate);
+
+/// The cheapest mesh whose predicted error is at most `aim`; where there is none, that of the least error.
+///
+/// The error inside the elements of a member falls as (q h)^(k+1), the error of vertices as (q h)^(2k) with the share
+/// of the member in it. Each q follows from the estimate with the assumption that an error of one belongs to q h = 1,
+/// which the measured errors of smooth beams obey over eight digits (apps/docs/trade.md). `mesh`: the one that was
+/// estimated; elements grow by kLargestRefinement at most.
+MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
+                     double aim);
+
+}  // namespace mixbeam

@@ -1,0 +1,222 @@
+#include "nonlinear/diagnosis/failure_report.hpp"
+
+#include "nonlinear/linear/condition_estimate.hpp"
+#include "nonlinear/stability/stability.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// Beyond this angle between an element and its vertices one more step may pass pi, where rotations become ambiguous.
+constexpr double kWideAngle = 0.75 * kPi;
+/// Failed attempts wander; only an angle that has all but reached pi says something.
+constexpr double kWideAngleOfAttempt = 0.95 * kPi;
+/// Elements are suggested for a quarter turn at the end of the path: where half of the range is left.
+constexpr double kComfortableAngle = 0.5 * kPi;
+/// The angle grows at most with the load; a path that ended at its very start says little of its end.
+constexpr double kLargestAngleGrowth = 4.0;
+constexpr std::size_t kMostAngles = 5;
+
+/// Before a fold the smallest eigenvalue falls like the root of what is left of the load: the smallest step of 1e-4 of
+/// a stage leaves 1e-2 of it, times a factor of order one.
+constexpr double kNearlySingular = 0.05;
+/// Eigenvalues are measured in EI/L of the stiffest member: six decades softer ones are far above this, and a motion
+/// without strain has 1e-10 from rounding.
+constexpr double kNoStiffness = 1e-8;
+constexpr int kModes = 2;
+constexpr int kVerticesOfMode = 3;
+
+/// Whose residual had fallen this far, and was still at its lowest, would have arrived with more iterations.
+constexpr double kFallen = 1e-2;
+
+/// Load factors are sums of rounded steps.
+constexpr double kFactorRounding = 1e-9;
+
+bool is_wide_in(const std::vector<WideAngle>& angles, const std::string& member) {
+  return std::any_of(angles.begin(), angles.end(), [&](const WideAngle& a) { return a.member == member; });
+}
+
+WideAngle wide_angle(const Assembler& assembler, const Assembler::EndAngle& angle, bool converged, double growth) {
+  WideAngle wide;
+  wide.member = angle.member;
+  wide.element = angle.element;
+  wide.elements = assembler.mesh().members[member_index(assembler.scene(), angle.member)].elements;
+  wide.angle = angle.angle;
+  wide.converged = converged;
+  const double needed = wide.elements * angle.angle * growth / kComfortableAngle;
+  wide.suggested_elements = std::max(wide.elements + 1, static_cast<int>(std::ceil(needed)));
+  return wide;
+}
+
+/// Evaluates the equations at the last equilibrium.
+std::vector<WideAngle> wide_angles(Assembler& assembler, const PathEnd& end, const std::vector<FailedAttempt>& failed) {
+  MixedVector residual = assembler.create_vector();
+  assembler.residual(end.state, end.load_factor, residual);
+  const double whole = assembler.scene().stages;
+  const double growth = end.load_factor > 0.0 ? std::min(kLargestAngleGrowth, whole / end.load_factor) : 1.0;
+  std::vector<WideAngle> wide;
+  for (const Assembler::EndAngle& angle : end_angles_of_members(assembler))
+    if (angle.angle > kWideAngle) wide.push_back(wide_angle(assembler, angle, true, growth));
+  for (const FailedAttempt& attempt : failed)
+    if (attempt.end_angle.angle > kWideAngleOfAttempt && !is_wide_in(wide, attempt.end_angle.member))
+      wide.push_back(wide_angle(assembler, attempt.end_angle, false, 1.0));
+  std::stable_sort(wide.begin(), wide.end(), [](const WideAngle& a, const WideAngle& b) {
+    return a.converged != b.converged ? a.converged : a.angle > b.angle;
+  });
+  if (wide.size() > kMostAngles) wide.erase(wide.begin() + kMostAngles, wide.end());
+  return wide;
+}
+
+/// The vertices of one rank or of all that move most: size, vertex, displacement and rotation of each.
+using Motion = std::array<double, 8>;
+
+/// Largest first; of equal ones the vertex of lower number.
+void keep_largest(std::vector<Motion>& motions) {
+  std::sort(motions.begin(), motions.end(),
+            [](const Motion& a, const Motion& b) { return a[0] != b[0] ? a[0] > b[0] : a[1] < b[1]; });
+  motions.resize(kVerticesOfMode, Motion{0.0, -1.0});
+}
+
+std::vector<Motion> largest_motions(const Assembler& assembler, const MixedVector& mode) {
+  const KernelView<double*> rows = mode.vertex();
+  const double length = assembler.structure().length;
+  std::vector<Motion> mine;
+  for (int v = 0; v < assembler.structure().owned_vertices; ++v) {
+    const double* d = &rows(static_cast<size_t>(kVertexDofs) * v);
+    const double moves = std::hypot(d[0], d[1], d[2]) / length, turns = std::hypot(d[3], d[4], d[5]);
+    mine.push_back({std::max(moves, turns), static_cast<double>(assembler.structure().local_vertex_to_global[v]), d[0],
+                    d[1], d[2], d[3], d[4], d[5]});
+  }
+  keep_largest(mine);
+  const Teuchos::Comm<int>& comm = *assembler.map()->getComm();
+  std::vector<Motion> all(static_cast<std::size_t>(kVerticesOfMode) * comm.getSize());
+  constexpr int kNumbers = kVerticesOfMode * static_cast<int>(std::tuple_size<Motion>::value);
+  Teuchos::gatherAll(comm, kNumbers, mine.front().data(), kNumbers * comm.getSize(), all.front().data());
+  keep_largest(all);
+  return all;
+}
+
+CriticalMode described(const Assembler& assembler, const EigenMode& mode, double undeformed) {
+  CriticalMode result;
+  result.eigenvalue = mode.eigenvalue;
+  result.relative = undeformed != 0.0 ? mode.eigenvalue / std::abs(undeformed) : 0.0;
+  const std::vector<Motion> motions = largest_motions(assembler, mode.mode);
+  for (const Motion& motion : motions) {
+    if (motion[1] < 0.0 || motion[0] == 0.0) continue;
+    MovingVertex vertex;
+    vertex.place = place_of_vertex(assembler, static_cast<int>(motion[1]));
+    const double moves = std::hypot(motion[2], motion[3], motion[4]),
+                 turns = std::hypot(motion[5], motion[6], motion[7]);
+    vertex.turns = turns > moves / assembler.structure().length;
+    const int first = vertex.turns ? 5 : 2;
+    for (int i = 0; i < 3; ++i) vertex.direction[i] = motion[first + i] / (vertex.turns ? turns : moves);
+    vertex.share = motion[0] / motions.front()[0];
+    result.vertices.push_back(vertex);
+  }
+  return result;
+}
+
+TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
+  TangentReport report;
+  try {
+    Stability stability(problem);
+    const Spectrum undeformed = stability.spectrum(problem.assembler.reference_state(), 0.0, 1);
+    const Spectrum present = stability.spectrum(end.state, end.load_factor, kModes);
+    report.negative = present.stability.negative;
+    report.null = present.stability.null;
+    report.symmetric = present.stability.symmetric;
+    const double lowest = undeformed.modes.empty() ? 0.0 : undeformed.modes.front().eigenvalue;
+    report.undeformed_lowest = lowest;
+    report.mechanism = undeformed.stability.null > 0 || std::abs(lowest) < kNoStiffness;
+    for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.assembler, mode, lowest));
+    const bool is_small = !report.modes.empty() && std::abs(report.modes.front().relative) < kNearlySingular;
+    report.nearly_singular = report.null > 0 || is_small;
+    report.known = true;
+  } catch (const std::exception& error) {
+    report.unknown_because = error.what();
+  }
+  return report;
+}
+
+/// Nothing where the tangent cannot be factorised.
+std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverParameters& parameters,
+                                           const PathEnd& end) {
+  Assembler& assembler = problem.assembler;
+  try {
+    MixedVector residual = assembler.create_vector();
+    assembler.residual(end.state, end.load_factor, residual);
+    assembler.tangent(end.state, end.load_factor);
+    return condition_estimate(assembler.matrix(), sparse_solver_of(parameters.linear.method),
+                              assembler.structure().length);
+  } catch (const std::exception&) {
+    return {};
+  }
+}
+
+bool imposes_deformation(const Scene& scene) {
+  const auto moves = [](const Support& support) {
+    return support.prescribed_displacement != Vector3{} || support.prescribed_rotation != Vector3{};
+  };
+  return !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), moves);
+}
+
+/// Whether even the smallest step leaves strains in a member that is rigid, or nearly so, while some are imposed.
+bool is_incompatible(const FailureReport& report, const Assembler& assembler) {
+  const FailedAttempt& last = report.attempts.back();
+  if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;
+  const int member = member_index(assembler.scene(), last.peak->place.member);
+  const double softening =
+      assembler.structure().views.member_section(member).force_softening[last.peak->place.component];
+  return softening > 0.0 && imposes_deformation(assembler.scene());
+}
+
+FailureCause cause_of(const FailureReport& report, const Assembler& assembler) {
+  if (report.attempts.empty() || report.steps_used_up) return FailureCause::steps_used_up;
+  const FailedAttempt& last = report.attempts.back();
+  const bool lost = last.end == AttemptEnd::not_finite;
+  if (lost && last.not_finite->source == NotFinite::Source::load) return FailureCause::load_not_finite;
+  if (report.tangent.known && report.tangent.mechanism) return FailureCause::mechanism;
+  if (!report.wide_angles.empty() && report.wide_angles.front().converged) return FailureCause::end_angle;
+  if (report.tangent.known && report.tangent.nearly_singular) return FailureCause::critical_point;
+  if (lost && last.not_finite->source == NotFinite::Source::load_factor) return FailureCause::linear_solver;
+  if (lost) return FailureCause::overflow;
+  if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
+  if (last.end == AttemptEnd::refused) return FailureCause::path_lost;
+  if (is_incompatible(report, assembler)) return FailureCause::incompatible;
+  const bool falls = last.last_residual == last.smallest_residual && last.last_residual < kFallen * last.first_residual;
+  return falls ? FailureCause::slow : FailureCause::wandering;
+}
+
+}  // namespace
+
+FailureReport report_failure(BeamProblem& problem, const SolverParameters& parameters, const PathEnd& end) {
+  FailureReport report;
+  report.last_step = end.step;
+  report.last_load_factor = end.load_factor;
+  report.stages = problem.assembler.scene().stages;
+  report.minimum_step = end.minimum_step;
+  report.failures = problem.attempts.failures();
+  report.attempts = problem.attempts.attempts();
+  report.steps_used_up = end.steps_used_up;
+  if (!report.attempts.empty()) {
+    const double tried = std::abs(report.attempts.back().load_factor - end.load_factor);
+    report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kFactorRounding) + kFactorRounding;
+  }
+  report.wide_angles = wide_angles(problem.assembler, end, report.attempts);
+  report.tangent = tangent_report(problem, end);
+  report.tangent.condition = condition_of_tangent(problem, parameters, end);
+  report.cause = cause_of(report, problem.assembler);
+  report.next = advice_for(report, problem, parameters);
+  return report;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,226 @@
+#include "nonlinear/diagnosis/force_sharing.hpp"
+
+#include "discretization/text/message_text.hpp"
+#include "nonlinear/newton/cap_correction.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// Of what a member would carry if nothing but its own (capped) stiffness answered the strain. Where equilibrium or
+/// bending determines the force, the answer is smaller by the cap, 1e5 as a rule.
+constexpr double kSelfStress = 1e-2;
+
+/// EA, GA2, GA3: the largest of a member's sections.
+std::array<double, 3> stiffness_of(const Scene& scene, const Member& member) {
+  std::array<double, 3> largest{};
+  for (const Section& section : scene.sections) {
+    if (section.name != member.section && section.name != member.end_section) continue;
+    largest[0] = std::max(largest[0], section.axial_stiffness);
+    for (int i = 0; i < 2; ++i) largest[i + 1] = std::max(largest[i + 1], section.shear_stiffness[i]);
+  }
+  return largest;
+}
+
+/// In [-1, 1], without any pattern that a structure could have, the same on any number of ranks.
+double scattered(int element, int row) {
+  std::uint64_t x = (static_cast<std::uint64_t>(element) << 8) + static_cast<std::uint64_t>(row);
+  x += 0x9e3779b97f4a7c15ULL;  // splitmix64
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
+  return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-52 - 1.0;
+}
+
+/// Vertices that are known to hang together.
+class ConnectedVertices {
+ public:
+  /// False where they hung together before.
+  bool join(int a, int b) {
+    const int first = representative(a), second = representative(b);
+    if (first == second) return false;
+    parent_[second] = first;
+    return true;
+  }
+
+ private:
+  int representative(int vertex) {
+    const auto [entry, is_new] = parent_.emplace(vertex, vertex);
+    if (entry->second != vertex) entry->second = representative(entry->second);
+    return entry->second;
+  }
+  std::map<int, int> parent_;
+};
+
+/// Whether equilibrium alone determines all forces: members, joints and supports close no loop (through the ground).
+bool is_statically_determinate(const Scene& scene, const Mesh& mesh) {
+  constexpr int ground = -1;
+  ConnectedVertices vertices;
+  bool no_loop = true;
+  for (size_t m = 0; m < mesh.members.size(); ++m) {
+    const MeshMember& member = mesh.members[m];
+    const int start = mesh.elements[member.first_element].vertex[0],
+              end = mesh.elements[member.first_element + member.elements - 1].vertex[1];
+    no_loop = vertices.join(start, end) && no_loop;
+    for (const InnerPoint& inner : scene.members[m].inner_points)
+      no_loop = vertices.join(start, mesh.vertex_of_point.at(inner.point)) && no_loop;
+  }
+  for (const MeshJoint& joint : mesh.joints) no_loop = vertices.join(joint.master, joint.slave) && no_loop;
+  for (const Support& support : scene.supports)
+    no_loop = vertices.join(vertex_of(mesh, support.point), ground) && no_loop;
+  return no_loop;
+}
+
+/// Visits every force of every element of this rank: mesh element, row in the element, index in interior vectors.
+template <class Visit>
+void for_each_force(const Structure& structure, const Visit& visit) {
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < block.interior.moment(0); ++i)
+        visit(block, e, i, block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i);
+}
+
+class Perturbation {
+ public:
+  Perturbation(BeamProblem& problem, const State& state, double load_factor)
+      : problem_(problem),
+        assembler_(problem.assembler),
+        state_(state),
+        load_factor_(load_factor),
+        scales_(assembler_.scales_of(state, load_factor)) {}
+
+  std::optional<UncertainForce> most_uncertain();
+
+ private:
+  bool is_worth_a_look() const;
+  void solve(const MixedVector& rhs, MixedVector& increment);
+  MixedVector rounding_errors() const;
+  std::optional<UncertainForce> largest(const MixedVector& increment, bool rigid) const;
+  bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
+
+  BeamProblem& problem_;
+  Assembler& assembler_;
+  const State& state_;
+  double load_factor_;
+  ResidualScales scales_;
+  std::vector<std::array<double, 3>> stiffness_;  ///< (member of the scene)
+};
+
+bool Perturbation::is_worth_a_look() const {
+  if (is_statically_determinate(assembler_.scene(), assembler_.mesh())) return false;
+  for (const std::array<double, 3>& stiffness : stiffness_)
+    if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
+      return scales_.force > 0.0;
+  return false;
+}
+
+/// N rows: what rounding makes of strains.
+MixedVector Perturbation::rounding_errors() const {
+  MixedVector rows = assembler_.create_vector();
+  rows.fill(0.0);
+  const KernelView<double*> interior = rows.writable_interior(true);
+  const Structure& structure = assembler_.structure();
+  for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
+    const double scale = scales_.element_strain(block.reference(e, 0));
+    interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
+  });
+  return rows;
+}
+
+void Perturbation::solve(const MixedVector& rhs, MixedVector& increment) {
+  assembler_.use_scales(scales_);
+  assembler_.condense(state_, load_factor_, rhs);
+  DofVector& condensed = assembler_.condensed_residual();
+  condensed.scale(-1.0);
+  problem_.linear_solver->solve(condensed, increment.vertex_dofs());
+  assembler_.recover(state_, increment);
+}
+
+/// Among components that are rigid, or among the others.
+std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment, bool rigid) const {
+  const Structure& structure = assembler_.structure();
+  const KernelView<const double*> interior = increment.interior();
+  std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
+  for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
+    const int member = block.member(e);
+    if (is_rigid(member, i % 3) != rigid) return;
+    const double change = std::abs(interior(index)),
+                 limit = structure.views.member_section(member).force_stiffness_limit;
+    const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
+    if (share > best[0])
+      best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
+              change / scales_.force};
+  });
+  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));
+  Teuchos::gatherAll(comm, 3, best.data(), static_cast<int>(all.size()), all.data());
+  for (size_t r = 0; r < all.size(); r += 3)
+    if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
+  if (!(best[0] > 1.0)) return std::nullopt;
+  const MeshElement& element = assembler_.mesh().elements[static_cast<size_t>(best[1])];
+  return UncertainForce{assembler_.scene().members[element.member].name, element.index, rigid, best[2]};
+}
+
+std::optional<UncertainForce> Perturbation::most_uncertain() {
+  const Scene& scene = assembler_.scene();
+  for (const Member& member : scene.members) stiffness_.push_back(stiffness_of(scene, member));
+  if (!is_worth_a_look()) return std::nullopt;
+  MixedVector residual = assembler_.create_vector();
+  assembler_.residual(state_, load_factor_, residual);
+  assembler_.newton_tangent(state_, load_factor_, true);
+  problem_.linear_solver->factorize();
+  const MixedVector rows = rounding_errors();
+  MixedVector increment = assembler_.create_vector();
+  solve(rows, increment);
+  if (const auto rigid = largest(increment, true)) return rigid;
+  const double cap_ratio = assembler_.least_cap_ratio();
+  if (cap_ratio > 0.0) {
+    const SofteningOperators operators = {
+        [this](const MixedVector& rhs, MixedVector& solution) { solve(rhs, solution); },
+        [this](const MixedVector& step, MixedVector& left) { assembler_.softening_rows(step, left); }};
+    MixedVector left_out = assembler_.create_vector();
+    assembler_.softening_rows(increment, left_out);
+    remove_softening(operators, left_out, cap_ratio, increment);
+  }
+  return largest(increment, false);
+}
+
+}  // namespace
+
+std::optional<UncertainForce> uncertain_force(BeamProblem& problem, const State& state, double load_factor) {
+  try {
+    return Perturbation(problem, state, load_factor).most_uncertain();
+  } catch (const LinearSolverError&) {
+    return std::nullopt;
+  }
+}
+
+std::string text_of(const UncertainForce& force) {
+  const std::string where = "member \"" + excerpt(force.member) + "\", element " + std::to_string(force.element) + ": ";
+  if (force.rigid)
+    return where +
+           "rigid members share forces here that neither equilibrium nor bending determines, in one way of many "
+           "(finite "
+           "stiffnesses would decide)";
+  std::array<char, 64> share{"as much as the largest force"};
+  if (force.change < 1.0)
+    std::snprintf(share.data(), share.size(), "%.1g %% of the largest force", 100.0 * force.change);
+  return where +
+         "redundant members of this stiffness share forces by strains as small as their rounding errors, which may "
+         "shift " +
+         share.data() + " (more load, or a stiffness nearer to the bending of the others, would decide)";
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,130 @@
+#include "nonlinear/linear/chain_solver.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// Condensation leaves rounding errors where a mechanism has a zero, and no sparse solver can tell any more. A response
+/// this large, in units in which the diagonal is one, is that of rounding errors: the condition of what remains of real
+/// structures is far below (capped force stiffness 1e5 or 1e7, ratios of sections), that of rounding errors 1e11 and
+/// more.
+constexpr double kResponseOfRounding = 1e10;
+
+/// max |x_i| sqrt(|A_ii|) / max |b_i| / sqrt(|A_ii|): never more than the condition of the matrix scaled to a diagonal
+/// of ones. Collective.
+double response(const DofVector& diagonal, const DofVector& b, const DofVector& x) {
+  const KernelView<const double*> a = MixedVector::view_of(diagonal), rhs = MixedVector::view_of(b),
+                                  solution = MixedVector::view_of(x);
+  double most[2] = {0.0, 0.0};
+  for (size_t i = 0; i < a.extent(0); ++i) {
+    const double root = std::sqrt(std::abs(a(i)));
+    most[0] = std::max(most[0], std::abs(solution(i)) * root);
+    if (root > 0.0) most[1] = std::max(most[1], std::abs(rhs(i)) / root);
+  }
+  const Teuchos::Comm<int>& comm = *diagonal.getMap()->getComm();
+  const double largest = maximum_over_ranks(comm, most[0]);
+  return largest == 0.0 ? 0.0 : largest / maximum_over_ranks(comm, most[1]);
+}
+
+/// The matrix over all vertices, gathered anew for every factorisation.
+class WholeSolver : public LinearSolver {
+ public:
+  WholeSolver(const Assembler& assembler, const std::string& method, double tolerance)
+      : assembler_(assembler), solver_(make_direct_solver(assembler.matrix(), method, tolerance, assembler.times())) {}
+  void factorize() override {
+    assembler_.matrix();
+    solver_->factorize();
+  }
+  double solve(const DofVector& b, DofVector& x) override { return solver_->solve(b, x); }
+
+ private:
+  const Assembler& assembler_;
+  std::unique_ptr<LinearSolver> solver_;
+};
+
+}  // namespace
+
+ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance)
+    : assembler_(assembler),
+      method_(method),
+      tolerance_(residual_tolerance),
+      system_(assembler),
+      remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, assembler.times())),
+      diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
+      remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
+      remaining_x_(Teuchos::rcp(new DofVector(system_.matrix()->getDomainMap()))),
+      residual_(Teuchos::rcp(new DofVector(assembler.map()))),
+      correction_(Teuchos::rcp(new DofVector(assembler.map()))) {}
+
+LinearSolver& ChainSolver::whole() {
+  if (whole_ == nullptr) whole_ = std::make_unique<WholeSolver>(assembler_, method_, tolerance_);
+  return *whole_;
+}
+
+void ChainSolver::factorize() {
+  const bool reliable = maximum_over_ranks(*assembler_.map()->getComm(), system_.condense() ? 0.0 : 1.0) == 0.0;
+  uses_whole_ = !reliable;
+  if (reliable) {
+    system_.matrix()->getLocalDiagCopy(*diagonal_);
+    try {
+      remaining_->factorize();
+      return;
+    } catch (const LinearSolverError&) {
+      uses_whole_ = true;
+    }
+  }
+  ++whole_solves_;
+  whole().factorize();
+}
+
+void ChainSolver::solve_once(const DofVector& b, DofVector& x, double& remaining_error) {
+  system_.condense_rows(b, *remaining_b_, x);
+  try {
+    remaining_error = remaining_->solve(*remaining_b_, *remaining_x_);
+  } catch (const LinearSolverError&) {  // the whole matrix may be solvable all the same
+    remaining_error = std::numeric_limits<double>::infinity();
+  }
+  if (!(response(*diagonal_, *remaining_b_, *remaining_x_) <= kResponseOfRounding))
+    remaining_error = std::numeric_limits<double>::infinity();
+  system_.expand(*remaining_x_, x);
+}
+
+/// Backward error after at most one refinement in the chains.
+double ChainSolver::solve_condensed(const DofVector& b, DofVector& x) {
+  double remaining_error = 0.0, ignored = 0.0;
+  solve_once(b, x, remaining_error);
+  double error = system_.chain_error(b, x);
+  if (remaining_error <= tolerance_ && !(error <= tolerance_)) {
+    system_.chain_residual(b, x, *residual_);
+    solve_once(*residual_, *correction_, ignored);
+    x.update(1.0, *correction_, 1.0);
+    system_.condense_rows(b, *remaining_b_, *correction_);  // what arrives at the ends belongs to b again
+    error = system_.chain_error(b, x);
+  }
+  return std::max(error, remaining_error);
+}
+
+double ChainSolver::solve(const DofVector& b, DofVector& x) {
+  if (!uses_whole_) {
+    const double error = solve_condensed(b, x);
+    if (error <= tolerance_) return error;
+    uses_whole_ = true;
+    ++whole_solves_;
+    whole().factorize();
+  }
+  return whole().solve(b, x);
+}
+
+std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
+                                                 double residual_tolerance) {
+  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance);
+  return std::make_unique<WholeSolver>(assembler, method, residual_tolerance);
+}
+
+}  // namespace mixbeam

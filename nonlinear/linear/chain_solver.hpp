@@ -1,0 +1,49 @@
+/// Direct solution in two parts: chains of elements are condensed to their ends inside the kernels, and a sparse
+/// solver sees only what is left.
+#pragma once
+
+#include "discretization/assembly/condensed_system.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+
+namespace mixbeam {
+
+/// A solver for the tangents of `assembler`. Where a chain has a pivot too small to rely on, what remains looks
+/// singular, or a solution does not pass its check, the tangent is solved as a whole instead. `method`: an Amesos2 name
+/// for both.
+class ChainSolver : public LinearSolver {
+ public:
+  ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance);
+
+  void factorize() override;
+  double solve(const DofVector& b, DofVector& x) override;
+
+  /// Tangents that had to be solved as a whole.
+  int whole_solves() const { return whole_solves_; }
+  const CondensedSystem& system() const { return system_; }
+
+ private:
+  double solve_condensed(const DofVector& b, DofVector& x);
+  void solve_once(const DofVector& b, DofVector& x, double& remaining_error);
+  LinearSolver& whole();
+
+  const Assembler& assembler_;
+  std::string method_;
+  double tolerance_;
+  CondensedSystem system_;
+  std::unique_ptr<LinearSolver> remaining_, whole_;
+  bool uses_whole_ = false;
+  int whole_solves_ = 0;
+  Teuchos::RCP<DofVector> diagonal_, remaining_b_, remaining_x_, residual_, correction_;
+};
+
+/// The solver for the tangents of an assembler: "chains", or an Amesos2 name for the whole matrix.
+std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
+                                                 double residual_tolerance);
+
+/// Name of the method that condenses chains, and the Amesos2 solver behind it.
+inline constexpr const char* kChains = "chains";
+inline constexpr const char* kSparseSolver = "KLU2";
+/// The Amesos2 solver that belongs to a method.
+inline std::string sparse_solver_of(const std::string& method) { return method == kChains ? kSparseSolver : method; }
+
+}  // namespace mixbeam

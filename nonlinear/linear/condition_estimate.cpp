@@ -1,0 +1,134 @@
+#include "nonlinear/linear/condition_estimate.hpp"
+
+#include "discretization/mesh/mixed_vector.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_RowMatrixTransposer.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// Higham, ACM TOMS 14: more than five products with the matrix and its transpose hardly ever improve the estimate.
+constexpr int kMostRounds = 5;
+
+/// A solution with a larger backward error says nothing about the size of the inverse.
+constexpr double kUsableSolution = 1e-2;
+
+/// B = R A^-T C^-1 and its transpose, of which ||B||_1 is wanted; R: row sums of |A| C.
+class ScaledInverse {
+ public:
+  ScaledInverse(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length)
+      : matrix_(Teuchos::rcp(new DofMatrix(*matrix, Teuchos::Copy))),
+        transposed_(
+            Tpetra::RowMatrixTransposer<double, LocalOrdinal, GlobalOrdinal, TpetraNode>(matrix_).createTranspose()),
+        inverse_(make_direct_solver(matrix_, method, kUsableSolution, times_)),
+        transposed_inverse_(make_direct_solver(transposed_, method, kUsableSolution, times_)),
+        row_sum_(matrix->getRangeMap()),
+        column_scale_(matrix->getDomainMap()) {
+    inverse_->factorize();
+    transposed_inverse_->factorize();
+    fill_scales(length);
+  }
+
+  DofVector create_vector() const { return DofVector(matrix_->getDomainMap()); }
+
+  void apply(const DofVector& x, DofVector& y) const {
+    DofVector scaled(x, Teuchos::Copy);
+    scaled.elementWiseMultiply(1.0, column_scale_, x, 0.0);
+    DofVector solution = create_vector();
+    transposed_inverse_->solve(scaled, solution);
+    y.elementWiseMultiply(1.0, row_sum_, solution, 0.0);
+  }
+  void apply_transposed(const DofVector& x, DofVector& y) const {
+    DofVector scaled(x, Teuchos::Copy);
+    scaled.elementWiseMultiply(1.0, row_sum_, x, 0.0);
+    DofVector solution = create_vector();
+    inverse_->solve(scaled, solution);
+    y.elementWiseMultiply(1.0, column_scale_, solution, 0.0);
+  }
+
+ private:
+  void fill_scales(double length) {
+    const auto local = matrix_->getLocalMatrixHost();
+    const auto columns = matrix_->getColMap();
+    const auto sum = MixedVector::view_of(row_sum_), inverse_scale = MixedVector::view_of(column_scale_);
+    for (int i = 0; i < local.numRows(); ++i) {
+      inverse_scale(i) = i % kVertexDofs < 3 ? 1.0 / length : 1.0;
+      sum(i) = 0.0;
+      for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k) {
+        const bool is_displacement = columns->getGlobalElement(local.graph.entries(k)) % kVertexDofs < 3;
+        sum(i) += std::abs(local.values(k)) * (is_displacement ? length : 1.0);
+      }
+    }
+  }
+
+  PhaseTimes times_;
+  Teuchos::RCP<DofMatrix> matrix_, transposed_;
+  std::unique_ptr<LinearSolver> inverse_, transposed_inverse_;
+  DofVector row_sum_, column_scale_;
+};
+
+template <class Function>
+void for_each_entry(DofVector& v, const Function& value) {
+  const auto entries = MixedVector::view_of(v);
+  for (size_t i = 0; i < entries.extent(0); ++i)
+    entries(i) = value(v.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)), entries(i));
+}
+
+/// The first of the entries of largest magnitude, by its global number.
+GlobalOrdinal largest_entry(DofVector& v) {
+  const double largest = v.normInf();
+  GlobalOrdinal mine = v.getMap()->getMaxAllGlobalIndex(), first = mine;
+  for_each_entry(v, [&](GlobalOrdinal i, double x) {
+    if (std::abs(x) == largest) mine = std::min(mine, i);
+    return x;
+  });
+  Teuchos::reduceAll(*v.getMap()->getComm(), Teuchos::REDUCE_MIN, 1, &mine, &first);
+  return first;
+}
+
+/// Hager's ascent: the gradient of ||B x||_1 names the unit vector that promises most.
+double hager_estimate(const ScaledInverse& b) {
+  DofVector x = b.create_vector(), y = b.create_vector(), gradient = b.create_vector();
+  x.putScalar(1.0 / static_cast<double>(x.getGlobalLength()));
+  double estimate = 0.0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    b.apply(x, y);
+    const double size = y.norm1();
+    if (!(size > estimate)) return estimate;
+    estimate = size;
+    for_each_entry(y, [](GlobalOrdinal, double value) { return value < 0.0 ? -1.0 : 1.0; });
+    b.apply_transposed(y, gradient);
+    if (gradient.normInf() <= gradient.dot(x)) return estimate;
+    const GlobalOrdinal best = largest_entry(gradient);
+    for_each_entry(x, [best](GlobalOrdinal i, double) { return i == best ? 1.0 : 0.0; });
+  }
+  return estimate;
+}
+
+/// Higham's vector of alternating signs: catches most matrices that mislead the ascent.
+double alternating_estimate(const ScaledInverse& b) {
+  DofVector x = b.create_vector(), y = b.create_vector();
+  const auto n = static_cast<double>(x.getGlobalLength());
+  for_each_entry(x, [n](GlobalOrdinal i, double) { return (i % 2 == 0 ? 1.0 : -1.0) * (1.0 + i / (n - 1.0)); });
+  b.apply(x, y);
+  return 2.0 * y.norm1() / (3.0 * n);
+}
+
+}  // namespace
+
+double condition_estimate(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length) {
+  try {
+    const ScaledInverse inverse(matrix, method, length);
+    return std::max(hager_estimate(inverse), alternating_estimate(inverse));
+  } catch (const LinearSolverError&) {
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,152 @@
+#include "nonlinear/linear/linear_solver.hpp"
+
+#include "discretization/mesh/mixed_vector.hpp"
+#include "discretization/text/number_text.hpp"
+#include "nonlinear/linear/root_copy.hpp"
+
+#include <Amesos2.hpp>
+#include <Teuchos_CommHelpers.hpp>
+
+#include <mpi.h>
+
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+using DofMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
+using Amesos2Solver = Amesos2::Solver<DofMatrix, DofMultiVector>;
+
+class DirectSolver : public LinearSolver {
+ public:
+  DirectSolver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, double tolerance, PhaseTimes& times)
+      : matrix_(matrix),
+        method_(method),
+        tolerance_(tolerance),
+        times_(times),
+        correction_(Teuchos::rcp(new DofVector(matrix->getDomainMap()))),
+        residual_(Teuchos::rcp(new DofVector(matrix->getRangeMap()))) {
+    if (!Amesos2::query(method)) throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
+    if (matrix->getRowMap()->getComm()->getSize() > 1) root_ = std::make_unique<RootCopy>(matrix);
+  }
+
+  void factorize() override {
+    if (root_ != nullptr) {
+      PhaseTimer timer(times_, "gather matrix");
+      root_->gather_values();
+    }
+    std::string problem;
+    if (root_ == nullptr || root_->is_root()) problem = factorize_here();
+    int failed = problem.empty() ? 0 : 1;
+    if (root_ != nullptr) MPI_Bcast(&failed, 1, MPI_INT, 0, root_->communicator());
+    if (failed) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
+  }
+
+  double solve(const DofVector& b, DofVector& x) override {
+    solve_once(b, x);
+    double error = backward_error(*matrix_, x, b);
+    if (!(error <= tolerance_)) {
+      refine(b, x);
+      error = backward_error(*matrix_, x, b);
+    }
+    if (!(error <= tolerance_))
+      throw LinearSolverError("the linear solver returned a vector that does not solve the equations: backward error " +
+                              shortest(error) + ", allowed " + shortest(tolerance_));
+    return error;
+  }
+
+ private:
+  const Teuchos::RCP<DofMatrix>& factored_matrix() const { return root_ == nullptr ? matrix_ : root_->matrix(); }
+
+  std::string factorize_here() {
+    try {
+      if (solver_.is_null()) {
+        PhaseTimer timer(times_, "symbolic factorisation");
+        const auto map = factored_matrix()->getRowMap();
+        x_ = Teuchos::rcp(new DofVector(map));
+        b_ = Teuchos::rcp(new DofVector(map));
+        solver_ = Amesos2::create<DofMatrix, DofMultiVector>(method_, factored_matrix(), x_, b_);
+        solver_->symbolicFactorization();
+      }
+      PhaseTimer timer(times_, "numeric factorisation");
+      solver_->numericFactorization();
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  void solve_once(const DofVector& b, DofVector& x) {
+    PhaseTimer timer(times_, "solve");
+    if (root_ == nullptr) {
+      solver_->solve(&x, &b);
+      return;
+    }
+    double* rhs = root_->is_root() ? b_->getLocalViewHost(Tpetra::Access::OverwriteAll).data() : nullptr;
+    root_->gather(b, rhs);
+    const double* solution = nullptr;
+    if (root_->is_root()) {
+      solver_->solve(x_.get(), b_.get());
+      solution = x_->getLocalViewHost(Tpetra::Access::ReadOnly).data();
+    }
+    root_->scatter(solution, x);
+  }
+
+  void refine(const DofVector& b, DofVector& x) {
+    matrix_->apply(x, *residual_);
+    residual_->update(1.0, b, -1.0);
+    solve_once(*residual_, *correction_);
+    x.update(1.0, *correction_, 1.0);
+  }
+
+  Teuchos::RCP<DofMatrix> matrix_;
+  std::string method_;
+  double tolerance_;
+  PhaseTimes& times_;
+  std::unique_ptr<RootCopy> root_;  ///< several ranks only
+  Teuchos::RCP<Amesos2Solver> solver_;
+  Teuchos::RCP<DofVector> x_, b_, correction_, residual_;
+};
+
+}  // namespace
+
+double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b) {
+  const auto importer = matrix.getGraph()->getImporter();
+  DofVector ghosted(matrix.getColMap());
+  const DofVector* columns = &x;
+  if (!importer.is_null()) {
+    ghosted.doImport(x, *importer, Tpetra::REPLACE);
+    columns = &ghosted;
+  }
+  const auto xv = columns->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto bv = b.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto local = matrix.getLocalMatrixHost();
+  const KernelView<const double*> xs(xv.data(), xv.extent(0)), bs(bv.data(), bv.extent(0));
+  const Teuchos::Comm<int>& comm = *matrix.getRowMap()->getComm();
+  const LargestParts sizes = largest_parts(comm, xs);
+  double largest = 0.0;
+  Kokkos::parallel_reduce(
+      "mixbeam::backward_error", Kokkos::RangePolicy<ExecutionSpace>(0, local.numRows()),
+      KOKKOS_LAMBDA(int i, double& m) {
+        double residual = bs(i), size = bs(i) < 0.0 ? -bs(i) : bs(i);
+        for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k) {
+          const int j = local.graph.entries(k);
+          const double a = local.values(k);
+          residual -= a * xs(j);
+          size += (a < 0.0 ? -a : a) * (j % kVertexDofs < 3 ? sizes.moved : sizes.turned);
+        }
+        if (residual < 0.0) residual = -residual;
+        const double error = residual == 0.0 ? 0.0 : residual / size;
+        if (!(error <= m)) m = error == error ? error : HUGE_VAL;
+      },
+      Kokkos::Max<double>(largest));
+  return maximum_over_ranks(comm, largest);
+}
+
+std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
+                                                 double residual_tolerance, PhaseTimes& times) {
+  return std::make_unique<DirectSolver>(matrix, method, residual_tolerance, times);
+}
+
+}  // namespace mixbeam

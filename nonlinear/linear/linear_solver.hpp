@@ -1,0 +1,42 @@
+/// Linear solvers behind one small interface.
+#pragma once
+
+#include "discretization/assembly/phase_timer.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace mixbeam {
+
+/// The matrix could not be factorised, or the solution does not solve the equations.
+class LinearSolverError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+
+  /// Factorises the present values of the matrix. Throws LinearSolverError.
+  virtual void factorize() = 0;
+
+  /// Solves A x = b and checks the result: its backward error must not exceed the tolerance, else one step of iterative
+  /// refinement is tried, then LinearSolverError is thrown. Returns that error.
+  virtual double solve(const DofVector& b, DofVector& x) = 0;
+};
+
+/// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2").
+/// On several ranks the matrix is gathered to rank 0 and factorised there: Amesos2's own gathering hands KLU2 a
+/// compressed column matrix, and that path returns wrong solutions without a message in Trilinos 13.2 built with
+/// GCC 12.
+std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
+                                                 double residual_tolerance, PhaseTimes& times);
+
+/// max over rows of |b - A x|_i / (|A| X + |b|)_i, X the largest displacement or rotation in x: dimensionless, and
+/// blind to the units of rows and columns. Collective.
+double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b);
+
+}  // namespace mixbeam

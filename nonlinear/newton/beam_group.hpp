@@ -1,0 +1,113 @@
+/// The nonlinear system that NOX and LOCA see. It owns "x + a d": displacements and interior unknowns are added,
+/// rotations are composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
+#pragma once
+
+#include "nonlinear/newton/beam_problem.hpp"
+#include "nonlinear/newton/beam_vector.hpp"
+#include "nonlinear/newton/cap_correction.hpp"
+
+#include <LOCA.H>
+#include <LOCA_Abstract_Group.H>
+
+#include <functional>
+
+namespace mixbeam {
+
+/// Name of the continuation parameter.
+inline constexpr const char* kLoadFactor = "load factor";
+
+class BeamGroup : public LOCA::Abstract::Group {
+ public:
+  /// Called once for every converged step.
+  using StepObserver = std::function<void(const BeamGroup& group, double load_factor)>;
+
+  BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
+            const State& initial, double load_factor, StepObserver observer);
+  BeamGroup(const BeamGroup& other, NOX::CopyType type);
+  BeamGroup& operator=(const BeamGroup& source);
+
+  const State& state() const { return state_; }
+  BeamProblem& problem() const { return *problem_; }
+  double load_factor() const { return parameters_.getValue(kLoadFactor); }
+  /// What the rows of F are divided by.
+  const ResidualScales& scales() const { return scales_; }
+  /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
+  double equilibrium_norm() const;
+  /// Largest strain or relative rotation that the cap of the last tangent left out of the Newton step from `before` to
+  /// here, over how far the structure has moved; zero where the increment was corrected (newton/cap_correction.hpp).
+  double left_out_since(const BeamGroup& before) const;
+  /// The beam group inside any group that NOX or LOCA hands over.
+  static const BeamGroup& of(const NOX::Abstract::Group& group);
+
+  // NOX::Abstract::Group
+  NOX::Abstract::Group& operator=(const NOX::Abstract::Group& source) override;
+  /// Moves the state by the difference to the present coordinate; setX(getX()) changes nothing at all.
+  void setX(const NOX::Abstract::Vector& y) override;
+  void computeX(const NOX::Abstract::Group& from, const NOX::Abstract::Vector& direction, double step) override;
+  ReturnType computeF() override;
+  ReturnType computeJacobian() override;
+  ReturnType computeGradient() override { return NotDefined; }
+  ReturnType computeNewton(Teuchos::ParameterList& params) override;
+  /// Known for the Newton direction only (where it is -F): the mixed tangent is never formed.
+  ReturnType applyJacobian(const NOX::Abstract::Vector& input, NOX::Abstract::Vector& result) const override;
+  ReturnType applyJacobianInverse(Teuchos::ParameterList& params, const NOX::Abstract::Vector& input,
+                                  NOX::Abstract::Vector& result) const override;
+  bool isF() const override { return valid_f_; }
+  bool isJacobian() const override { return tangent_ != 0 && problem_->assembler.tangent_number() == tangent_; }
+  bool isGradient() const override { return false; }
+  bool isNewton() const override { return valid_newton_; }
+  const NOX::Abstract::Vector& getX() const override { return *x_; }
+  const NOX::Abstract::Vector& getF() const override { return *f_; }
+  double getNormF() const override { return f_->norm(NOX::Abstract::Vector::MaxNorm); }
+  const NOX::Abstract::Vector& getGradient() const override;
+  const NOX::Abstract::Vector& getNewton() const override { return *newton_; }
+  Teuchos::RCP<const NOX::Abstract::Vector> getXPtr() const override { return x_; }
+  Teuchos::RCP<const NOX::Abstract::Vector> getFPtr() const override { return f_; }
+  Teuchos::RCP<const NOX::Abstract::Vector> getGradientPtr() const override { return Teuchos::null; }
+  Teuchos::RCP<const NOX::Abstract::Vector> getNewtonPtr() const override { return newton_; }
+  Teuchos::RCP<NOX::Abstract::Group> clone(NOX::CopyType type) const override;
+
+  // LOCA
+  void copy(const NOX::Abstract::Group& source) override;
+  void setParamsMulti(const std::vector<int>& ids, const NOX::Abstract::MultiVector::DenseMatrix& values) override;
+  void setParams(const LOCA::ParameterVector& parameters) override;
+  void setParam(int id, double value) override;
+  void setParam(std::string id, double value) override;
+  const LOCA::ParameterVector& getParams() const override { return parameters_; }
+  double getParam(int id) const override { return parameters_.getValue(id); }
+  double getParam(std::string id) const override { return parameters_.getValue(id); }
+  ReturnType computeDfDpMulti(const std::vector<int>& ids, NOX::Abstract::MultiVector& dfdp, bool is_valid_f) override;
+  void printSolution(double load_factor) const override;
+  void printSolution(const NOX::Abstract::Vector&, double) const override {}
+  double computeScaledDotProduct(const NOX::Abstract::Vector& a, const NOX::Abstract::Vector& b) const override;
+  void scaleVector(NOX::Abstract::Vector& x) const override;
+
+ private:
+  void reset() {
+    valid_f_ = valid_newton_ = false;
+    tangent_ = 0;
+  }
+  ReturnType solve_newton();
+  /// Takes the tangent here and factorises it; the residual must be valid. Throws LinearSolverError.
+  void take_tangent(bool in_space) const;
+  /// Condenses a right-hand side, scaled as F, with the tangent here.
+  void condense(const MixedVector& rhs) const;
+  /// Solves for the vertex part of `increment` from the condensed residual and recovers the interior part.
+  void solve_condensed(MixedVector& increment) const;
+  /// Takes the cap of the tangent out of the Newton increment where it would slow down the iteration.
+  void correct_newton();
+  SofteningOperators softening_operators() const;
+
+  Teuchos::RCP<LOCA::GlobalData> global_;
+  Teuchos::RCP<BeamProblem> problem_;
+  LOCA::ParameterVector parameters_;
+  State state_;
+  Teuchos::RCP<BeamVector> x_, f_, newton_;
+  ResidualScales scales_;
+  StepObserver observer_;
+  bool valid_f_ = false, valid_newton_ = false;
+  mutable long tangent_ = 0;  ///< Assembler::tangent_number() of the tangent taken here; zero: none
+  bool softened_ = true;      ///< the Newton increment is that of the capped tangent
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,128 @@
+#include "nonlinear/newton/newton_setup.hpp"
+
+#include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/cap_status_test.hpp"
+#include "nonlinear/newton/line_search.hpp"
+
+#include <NOX_StatusTest_Combo.H>
+#include <NOX_StatusTest_Factory.H>
+#include <NOX_StatusTest_FiniteValue.H>
+#include <NOX_StatusTest_MaxIters.H>
+#include <NOX_StatusTest_NormF.H>
+#include <NOX_Observer.hpp>
+#include <Teuchos_oblackholestream.hpp>
+
+namespace mixbeam {
+
+namespace {
+
+/// Counts Newton iterations, also those of failed attempts, and keeps the norm of each.
+class IterationRecorder : public NOX::Observer {
+ public:
+  IterationRecorder(BeamProblem& problem, SolveRecord& record, NewtonPurpose purpose)
+      : problem_(problem), record_(record), is_check_(purpose == NewtonPurpose::check) {}
+  void runPreSolve(const NOX::Solver::Generic&) override {
+    ++record_.attempt;
+    record_.iterations = 0;
+    problem_.last_failure.clear();
+    problem_.objection.clear();
+    if (!is_check_) problem_.attempts.start_attempt();
+  }
+  void runPreIterate(const NOX::Solver::Generic&) override {
+    if (problem_.leave_if_asked) problem_.leave_if_asked();
+  }
+  void runPreLineSearch(const NOX::Solver::Generic&) override {
+    ++(is_check_ ? problem_.work.check_iterations : problem_.work.newton_iterations);
+  }
+  void runPostIterate(const NOX::Solver::Generic& solver) override {
+    if (is_check_) return;
+    record_.iterations = solver.getNumIterations();
+    if (record_.iterations == 1) add(0, solver.getPreviousSolutionGroup());
+    add(record_.iterations, solver.getSolutionGroup());
+    const BeamGroup* previous = record_.iterations > 0 ? &BeamGroup::of(solver.getPreviousSolutionGroup()) : nullptr;
+    problem_.attempts.iterated(BeamGroup::of(solver.getSolutionGroup()), previous, record_.iterations);
+  }
+  void runPostSolve(const NOX::Solver::Generic& solver) override {
+    if (is_check_ || solver.getStatus() != NOX::StatusTest::Failed) return;
+    problem_.attempts.failed(BeamGroup::of(solver.getSolutionGroup()), solver.getNumIterations());
+  }
+
+ private:
+  void add(int iteration, const NOX::Abstract::Group& group) {
+    const BeamGroup& beam = BeamGroup::of(group);
+    if (beam.isF()) record_.history.push_back({record_.attempt, iteration, beam.getNormF()});
+  }
+
+  BeamProblem& problem_;
+  SolveRecord& record_;
+  bool is_check_;
+};
+
+/// By the norm that the other tests ask for too; not-a-number counts as infinity there.
+Teuchos::RCP<NOX::StatusTest::Generic> finite_residual() {
+  using NOX::StatusTest::FiniteValue;
+  return Teuchos::rcp(new FiniteValue(FiniteValue::FVector, NOX::Abstract::Vector::MaxNorm));
+}
+
+Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParameters& newton) {
+  namespace Test = NOX::StatusTest;
+  const auto converged = Teuchos::rcp(new Test::Combo(Test::Combo::AND));
+  converged->addStatusTest(
+      Teuchos::rcp(new Test::NormF(newton.residual_tolerance, NOX::Abstract::Vector::MaxNorm, Test::NormF::Unscaled)));
+  converged->addStatusTest(Teuchos::rcp(new SofteningStatusTest()));
+  const auto tests = Teuchos::rcp(new Test::Combo(Test::Combo::OR, converged));
+  tests->addStatusTest(finite_residual());
+  tests->addStatusTest(Teuchos::rcp(new Test::MaxIters(newton.maximum_iterations)));
+  return tests;
+}
+
+Teuchos::ParameterList default_nox(const NewtonParameters&) {
+  Teuchos::ParameterList nox("NOX");
+  nox.set("Nonlinear Solver", "Line Search Based");
+  nox.sublist("Direction").set("Method", "Newton");
+  nox.sublist("Line Search").set("Method", kRotationLimited);
+  // Nothing but what the program itself reports: LOCA prints some messages whatever "Output Information" says.
+  const Teuchos::RCP<std::ostream> nowhere = Teuchos::rcp(new Teuchos::oblackholestream);
+  nox.sublist("Printing").set("Output Stream", nowhere).set("Error Stream", nowhere);
+  return nox;
+}
+
+/// A user's status tests need not end an iteration that wanders or leaves the numbers; these always do.
+Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
+  constexpr int kIterationsWithoutEnd = 1000;
+  const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));
+  guarded->addStatusTest(tests);
+  guarded->addStatusTest(finite_residual());
+  guarded->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(kIterationsWithoutEnd)));
+  return guarded;
+}
+
+}  // namespace
+
+Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                SolveRecord& record, NewtonPurpose purpose) {
+  Teuchos::ParameterList nox = default_nox(parameters.newton);
+  if (!parameters.nox.is_null()) {
+    if (parameters.nox->isSublist("Printing")) nox.remove("Printing");
+    nox.setParameters(*parameters.nox);
+  }
+  Teuchos::ParameterList& search = nox.sublist("Line Search");
+  if (search.get<std::string>("Method", kRotationLimited) == kRotationLimited) {
+    const Teuchos::RCP<NOX::LineSearch::UserDefinedFactory> factory =
+        Teuchos::rcp(new RotationLimitedFactory(parameters.newton.maximum_rotation));
+    search.set("Method", "User Defined");
+    search.set("User Defined Line Search Factory", factory);
+  }
+  const Teuchos::RCP<NOX::Observer> observer = Teuchos::rcp(new IterationRecorder(*problem, record, purpose));
+  nox.sublist("Solver Options").set("Observer", observer);
+  return nox;
+}
+
+Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
+                                                            const NOX::Utils& utils) {
+  if (parameters.status_tests.is_null()) return with_guards(default_status_tests(parameters.newton));
+  Teuchos::ParameterList tests = *parameters.status_tests;
+  return with_guards(NOX::StatusTest::buildStatusTests(tests, utils));
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,37 @@
+/// Newton's method as NOX runs it, the same for every kind of path: parameter list, status tests, record of the work.
+#pragma once
+
+#include "discretization/state/resume_point.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
+
+#include <NOX_StatusTest_Generic.H>
+#include <NOX_Utils.H>
+#include <Teuchos_ParameterList.hpp>
+
+#include <vector>
+
+namespace mixbeam {
+
+/// What Newton's method did since the last converged step.
+struct SolveRecord {
+  std::vector<NewtonIteration> history;
+  int attempt = 0;     ///< number of the present one, from 1
+  int iterations = 0;  ///< of the present one
+
+  void clear() { *this = SolveRecord{}; }
+};
+
+/// What Newton's method is used for: a step of the path, or a look at one.
+enum class NewtonPurpose { step, check };
+
+/// The user's list, or the default, with our own objects put where their names stand; what Newton's method does goes to
+/// `record`, which must outlive the list.
+Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
+
+/// The user's tests, or the default ones, and two that always end an iteration that wanders or leaves the numbers.
+/// Throws what NOX throws for lists that it refuses.
+Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
+                                                            const NOX::Utils& utils);
+
+}  // namespace mixbeam

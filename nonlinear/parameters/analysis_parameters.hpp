@@ -1,0 +1,67 @@
+/// What is asked about the path of a structure, whatever way it is computed.
+#pragma once
+
+#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/spec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <optional>
+#include <string>
+
+namespace mixbeam {
+
+struct Scene;
+
+/// Which of the paths that meet at the first bifurcation is followed.
+enum class Branch { primary, positive, negative };
+
+/// A displacement that is driven to a target, while the load factor is whatever equilibrium needs.
+struct MonitoredComponent {
+  std::string point;
+  int component = 0;    ///< 0, 1, 2: x, y, z
+  double target = 0.0;  ///< displacement at the end of the path
+};
+
+/// Whether the discretization error of the state at the end of the path is estimated.
+enum class ErrorEstimation { automatic, on, off };
+
+struct AnalysisParameters {
+  /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
+  /// largest meshes (kVerticesForStability).
+  std::optional<bool> stability{};
+  bool trace = false;  ///< follow the path by its length from the start, never with a load step of any size
+  Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
+  /// Whose displacement is positive on the positive branch; `target` is not used. Not said: by rule (branch_direction).
+  std::optional<MonitoredComponent> branch_point{};
+  int buckling_modes = 0;  ///< of the linear buckling analysis of the unloaded structure
+  std::optional<MonitoredComponent> control{};
+  ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate
+};
+
+/// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
+inline constexpr int kVerticesForStability = 100'000;
+
+/// Above this number of elements only those who ask for it get an error estimate with a run: what it costs, about two
+/// Newton iterations and a second set of equations in memory, is of a size there that one wants to be asked.
+inline constexpr int kElementsForEstimate = 100'000;
+
+/// Whether the error of the state at the end of a path is estimated in a mesh of this many elements.
+inline bool estimates_error(const AnalysisParameters& parameters, size_t elements) {
+  if (parameters.error_estimate == ErrorEstimation::automatic) return elements <= kElementsForEstimate;
+  return parameters.error_estimate == ErrorEstimation::on;
+}
+
+/// Whether stability is looked at in a mesh of this many vertices.
+inline bool looks_at_stability(const AnalysisParameters& parameters, int vertices) {
+  return parameters.stability.value_or(vertices <= kVerticesForStability);
+}
+
+/// Declaration of the list "Analysis".
+ListSpec analysis_spec();
+
+/// Validates and reads the list. `path`: where it stands below the root of `source`. Throws InputError.
+AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const Scene& scene,
+                                            const ParameterSource& source, const ParameterPath& path = {"Analysis"});
+
+}  // namespace mixbeam

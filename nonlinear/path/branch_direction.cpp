@@ -1,0 +1,117 @@
+#include "nonlinear/path/branch_direction.hpp"
+
+#include "discretization/state/sampling.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// A displacement over the length of the structure that a mode of motion one has at least where it counts; rounding
+/// leaves 1e-10, and what symmetry does not forbid is of the order of one.
+constexpr double kMoves = 1e-3;
+/// Components are nearly equal from here on: symmetric structures must not choose by their rounding errors.
+constexpr double kNearlyLargest = 0.9;
+
+/// Vertices with weights: a displacement that is asked for.
+using VertexWeights = std::vector<std::pair<int, double>>;
+
+/// Sums of the weighted displacements over the length of the structure: (component, mode).
+std::array<std::vector<double>, 3> displacements(const Assembler& assembler, const VertexWeights& weights,
+                                                 const std::vector<MixedVector>& modes) {
+  const VertexPartition& partition = assembler.structure().partition;
+  std::array<std::vector<double>, 3> sums;
+  for (int c = 0; c < 3; ++c) {
+    std::vector<double> mine(modes.size(), 0.0);
+    for (size_t m = 0; m < modes.size(); ++m) {
+      const KernelView<double*> rows = modes[m].vertex();
+      for (const auto& [vertex, weight] : weights)
+        if (partition.owns(vertex))
+          mine[m] += weight * rows(static_cast<size_t>(kVertexDofs) * (vertex - partition.owned_first()) + c);
+    }
+    sums[c].resize(modes.size());
+    Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(modes.size()), mine.data(),
+                       sums[c].data());
+    for (double& sum : sums[c]) sum /= assembler.structure().length;
+  }
+  return sums;
+}
+
+/// Mean over the elements first .. last - 1 of the mesh.
+VertexWeights mean_of(const Mesh& mesh, int first, int last) {
+  double length = 0.0;
+  for (int e = first; e < last; ++e) length += mesh.element_length(mesh.elements[e]);
+  VertexWeights weights;
+  for (int e = first; e < last; ++e)
+    for (int vertex : mesh.elements[e].vertex)
+      weights.emplace_back(vertex, 0.5 * mesh.element_length(mesh.elements[e]) / length);
+  return weights;
+}
+
+double norm(const std::vector<double>& v) {
+  double sum = 0.0;
+  for (double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+/// The first component that is nearly the largest, -1 where none moves.
+int leading(const std::array<std::vector<double>, 3>& sums) {
+  const double largest = std::max({norm(sums[0]), norm(sums[1]), norm(sums[2])});
+  for (int c = 0; c < 3 && largest > kMoves; ++c)
+    if (norm(sums[c]) >= kNearlyLargest * largest) return c;
+  return -1;
+}
+
+/// Shares of the modes in the direction; empty: the rule finds none.
+std::vector<double> shares_by_rule(const Assembler& assembler, const std::vector<MixedVector>& modes) {
+  const Mesh& mesh = assembler.mesh();
+  const auto of_all = displacements(assembler, mean_of(mesh, 0, static_cast<int>(mesh.elements.size())), modes);
+  if (leading(of_all) >= 0) return of_all[leading(of_all)];
+  for (const MeshMember& member : mesh.members) {
+    const int half = std::max(1, member.elements / 2);
+    const auto sums = displacements(assembler, mean_of(mesh, member.first_element, member.first_element + half), modes);
+    if (leading(sums) >= 0) return sums[leading(sums)];
+  }
+  return {};
+}
+
+}  // namespace
+
+std::optional<MixedVector> branch_direction(const BeamProblem& problem, const AnalysisParameters& analysis,
+                                            const PathMeasure& measure, const std::vector<MixedVector>& eigenspace) {
+  const Assembler& assembler = problem.assembler;
+  std::vector<MixedVector> modes;  // orthonormal
+  for (const MixedVector& given : eigenspace) {
+    MixedVector v = given.clone(true);
+    for (const MixedVector& other : modes) v.update(-measure.motion(v, other), other, 1.0);
+    const double size = measure.motion(v);
+    if (!(size > 0.0)) continue;
+    v.scale(1.0 / size);
+    modes.push_back(std::move(v));
+  }
+  if (modes.empty()) return std::nullopt;
+  std::vector<double> shares;
+  if (analysis.branch_point) {
+    const int vertex = vertex_of(assembler.mesh(), analysis.branch_point->point);
+    shares = displacements(assembler, {{vertex, 1.0}}, modes)[analysis.branch_point->component];
+    if (!(norm(shares) > kMoves)) return std::nullopt;
+  } else {
+    shares = shares_by_rule(assembler, modes);
+    if (shares.empty()) {
+      shares.assign(modes.size(), 0.0);
+      shares.front() = 1.0;
+    }
+  }
+  MixedVector direction = assembler.create_vector();
+  direction.fill(0.0);
+  const double sign = analysis.branch == Branch::negative ? -1.0 : 1.0;
+  for (size_t m = 0; m < modes.size(); ++m) direction.update(sign * shares[m] / norm(shares), modes[m], 1.0);
+  return direction;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,135 @@
+#include "nonlinear/path/corrector.hpp"
+
+#include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/line_search.hpp"
+#include "nonlinear/path/path_measure.hpp"
+
+#include <LOCA_MultiContinuation_ConstrainedGroup.H>
+#include <LOCA_Parameter_SublistParser.H>
+#include <NOX_Solver_Factory.H>
+#include <NOX_StatusTest_Combo.H>
+#include <NOX_StatusTest_MaxIters.H>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace mixbeam {
+
+Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, SolveRecord& record,
+                     NewtonPurpose purpose)
+    : problem_(problem), parameters_(parameters), record_(record), purpose_(purpose) {
+  lists_ = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
+  lists_->sublist("NOX") = nox_list(problem, parameters, record, purpose);
+  lists_->sublist("LOCA").sublist("Stepper");
+  lists_->sublist("LOCA").sublist("Constraints").set("Bordered Solver Method", "Bordering");
+  global_ = LOCA::createGlobalData(lists_);
+}
+
+Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
+
+namespace {
+
+Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
+                                 const Guess& guess) {
+  return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}));
+}
+
+}  // namespace
+
+Correction Corrector::at_load(const Guess& guess, int most_iterations) {
+  const auto group = group_at(global_, problem_, guess);
+  if (guess.moved != nullptr) group->setX(BeamVector(*guess.moved));
+  return solve(group, most_iterations);
+}
+
+Correction Corrector::at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations) {
+  const auto start = group_at(global_, problem_, guess);
+  // Where forces are shared by stiffnesses that the cap cuts off, a prediction shares them less well than iterations
+  // do.
+  if (prediction == nullptr || problem_->assembler.least_cap_ratio() > 0.0) return solve(start, most_iterations);
+  start->computeF();
+  const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
+  step_within_rotation(*group, *start, BeamVector(*prediction), parameters_.newton.maximum_rotation);
+  // Where the rate at the start says nothing of the whole way (loads by formula), Newton's method starts without it.
+  const bool helps = group->getNormF() < start->getNormF() || group->equilibrium_norm() < start->equilibrium_norm();
+  return helps ? solve(group, most_iterations, true) : solve(start, most_iterations);
+}
+
+Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most_iterations) {
+  const auto group = group_at(global_, problem_, guess);
+  const auto parser = Teuchos::rcp(new LOCA::Parameter::SublistParser(global_));
+  parser->parseSublists(lists_);
+  const auto control = Teuchos::rcp(new LinearControl(row, guess.load_factor));
+  const std::vector<int> free = {group->getParams().getIndex(kLoadFactor)};
+  const auto constrained = Teuchos::rcp(new LOCA::MultiContinuation::ConstrainedGroup(
+      global_, parser, parser->getSublist("Constraints"), group, control, free));
+  if (guess.moved != nullptr) {
+    const auto x = constrained->getX().clone(NOX::DeepCopy);
+    auto& extended = dynamic_cast<LOCA::MultiContinuation::ExtendedVector&>(*x);
+    *extended.getXVec() = BeamVector(*guess.moved);
+    constrained->setX(*x);
+  }
+  const Assembler& assembler = problem_->assembler;
+  const bool in_plane = guess.state.in_plane && assembler.is_in_plane(row.weights) &&
+                        (guess.moved == nullptr || assembler.is_in_plane(*guess.moved));
+  const NearCritical near(*problem_, !in_plane);
+  return solve(constrained, most_iterations);
+}
+
+namespace {
+
+/// A prediction is that of a capped tangent: only an iteration of its own tells what the cap has left out.
+class AfterOneIteration : public NOX::StatusTest::Generic {
+ public:
+  explicit AfterOneIteration(const Teuchos::RCP<NOX::StatusTest::Generic>& later) : later_(later) {}
+  NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver,
+                                          NOX::StatusTest::CheckType type) override {
+    status_ = later_->checkStatus(solver, type);
+    if (solver.getNumIterations() == 0 && status_ == NOX::StatusTest::Converged) status_ = NOX::StatusTest::Unconverged;
+    return status_;
+  }
+  NOX::StatusTest::StatusType getStatus() const override { return status_; }
+  std::ostream& print(std::ostream& stream, int indent = 0) const override { return later_->print(stream, indent); }
+
+ private:
+  Teuchos::RCP<NOX::StatusTest::Generic> later_;
+  NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
+};
+
+}  // namespace
+
+Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int most_iterations,
+                            bool from_prediction) {
+  using NOX::StatusTest::Combo;
+  Teuchos::RCP<NOX::StatusTest::Generic> given = guarded_status_tests(parameters_, *global_->locaUtils);
+  if (from_prediction) given = Teuchos::rcp(new AfterOneIteration(given));
+  const auto tests = Teuchos::rcp(new Combo(Combo::OR, given));
+  tests->addStatusTest(Teuchos::rcp(new NOX::StatusTest::MaxIters(most_iterations)));
+  const auto list = Teuchos::rcp(new Teuchos::ParameterList(lists_->sublist("NOX")));
+  problem_->last_failure.clear();
+  const auto solver = NOX::Solver::buildSolver(group, tests, list);
+  bool converged = false;
+  try {
+    converged = solver->solve() == NOX::StatusTest::Converged;
+  } catch (const std::logic_error&) {  // LOCA's bordering does not go on with numbers that are none
+    if (purpose_ == NewtonPurpose::step) problem_->attempts.failed(BeamGroup::of(*group), solver->getNumIterations());
+  }
+  const BeamGroup& last = BeamGroup::of(solver->getSolutionGroup());
+  Correction result{converged,
+                    last.state(),
+                    last.load_factor(),
+                    BeamVector::of(last.getX()).clone(true),
+                    solver->getNumIterations(),
+                    last.isF() ? last.getNormF() : 0.0,
+                    {}};
+  if (converged) return result;
+  if (!problem_->last_failure.empty())
+    result.cause = problem_->last_failure;
+  else if (!std::isfinite(result.residual))
+    result.cause = "numbers left the range of double precision";
+  else
+    result.cause = "no convergence in " + std::to_string(result.iterations) + " iterations";
+  return result;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,103 @@
+/// Finds the points within a step at which eigenvalues of the tangent pass zero.
+#pragma once
+
+#include "nonlinear/path/step_judge.hpp"
+#include "nonlinear/stability/critical_point.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+
+namespace mixbeam {
+
+/// The change of the count within a step is not explained by critical points of one path.
+class NotLocated : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A point of a step, with what passes zero at its critical point.
+struct PassingSample {
+  double at, passing, load_factor;
+};
+
+class CriticalPointFinder {
+ public:
+  CriticalPointFinder(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, Stability& stability,
+                      const PathMeasure& measure, const StepJudge& judge)
+      : problem_(problem), corrector_(corrector), stability_(stability), measure_(measure), judge_(judge) {}
+
+  /// In the order of the path. Points of a step with more than a few are not located one by one but the first, see
+  /// CriticalPoint::located. Throws NotLocated. Collective.
+  std::vector<CriticalPoint> find(const PathPiece& piece);
+
+ private:
+  using Space = std::shared_ptr<const CriticalSpace>;
+  /// A point of the path within the step.
+  struct Sample {
+    double at = 0.0;  ///< share of the chord
+    Station station;
+    Space space{};       ///< the last one asked for
+    SpaceValues seen{};  ///< with it
+    int negative() const { return station.stability->negative; }
+  };
+  /// What is asked of a sample beside its state.
+  enum class Asked { state, tangent, count };
+  /// Two samples between which eigenvalues pass zero.
+  struct Bracket {
+    Sample low, high;
+    Space space{};  ///< sees all that passes zero; none: not known
+    int changes() const { return std::abs(high.negative() - low.negative()); }
+    double width() const { return high.at - low.at; }
+    /// Of the values that the space sees at both ends.
+    int first_crossing() const { return std::min(low.seen.negative(), high.seen.negative()); }
+  };
+  /// A state of the path, as increments since the start of the step.
+  struct Known {
+    double at;
+    PathDirection moved;
+  };
+
+  /// There is more than one critical point in a bracket: it is to be divided at this sample.
+  struct MorePoints {
+    Sample sample;
+  };
+
+  std::vector<CriticalPoint> find_all(const PathPiece& piece);
+  bool is_one_point(const PathPiece& piece);
+  Sample sample(const PathPiece& piece, double at, Asked asked);
+  PathDirection predicted(const PathPiece& piece, double at) const;
+  void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
+  bool turns(const Bracket& bracket) const;
+  const SpaceValues& values_of(Sample& sample, const Space& space);
+  const std::vector<EigenMode>& modes_of(Sample& sample, const Space& space);
+  bool sees_changes(Bracket& bracket, const Space& space);
+  void choose_space(Bracket& bracket);
+  bool needs_counting(const Bracket& bracket);
+  std::vector<Sample> between(const PathPiece& piece, const Bracket& bracket);
+  void isolate(const PathPiece& piece, Bracket bracket, std::vector<Bracket>& found);
+  void require_order(const PathPiece& piece, const Bracket& bracket, const Sample& here);
+  PassingSample passing(const Bracket& bracket, Sample& sample);
+  double distance_at(const Bracket& bracket, double at) const;
+  double coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples);
+  double find_modes(CriticalPoint& point);
+  std::vector<PassingSample> samples_beside(const PathPiece& piece, const Bracket& bracket, double near,
+                                            double distance, Sample& beside);
+  CriticalPoint locate_by_count(const PathPiece& piece, const Bracket& bracket);
+  CriticalPoint locate(const PathPiece& piece, Bracket& bracket);
+  std::vector<MixedVector> critical_modes(const Bracket& bracket, Sample& sample);
+  State state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
+                             const std::vector<MixedVector>& critical);
+
+  Teuchos::RCP<BeamProblem> problem_;
+  Corrector& corrector_;
+  Stability& stability_;
+  const PathMeasure& measure_;
+  const StepJudge& judge_;
+  // Of the present step:
+  std::vector<Known> known_;
+  int samples_ = 0;        ///< taken
+  bool separates_ = true;  ///< its critical points are few enough to be located one by one
+};
+
+}  // namespace mixbeam

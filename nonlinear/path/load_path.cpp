@@ -1,0 +1,132 @@
+#include "nonlinear/path/load_path.hpp"
+
+#include "discretization/text/message_text.hpp"
+#include "nonlinear/path/automatic_path.hpp"
+#include "nonlinear/path/corrector.hpp"
+#include "nonlinear/path/loca_stage.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+constexpr double kHalfTurn = 3.14159265358979323846;
+
+/// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
+/// which element turns by as much at the end of a stage, if any.
+std::string problem_of_end_angles(BeamProblem& problem, const State& state, double load_factor) {
+  constexpr double kMargin = 1e-9;
+  MixedVector residual = problem.assembler.create_vector();
+  problem.assembler.residual(state, load_factor, residual);
+  const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
+  if (angle.angle < kHalfTurn * (1.0 - kMargin)) return "";
+  return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
+         "\" turns by pi against its vertices, where rotations are no longer unique";
+}
+
+/// What is left of a stage for a path that stands at the end of `result`.
+StageRange range_of_stage(int stage, int stages, const SolverParameters& parameters, const PathControl& control,
+                          const LoadPathResult& result) {
+  StageRange range;
+  range.stage = stage;
+  range.from = stage - 1;
+  range.to = stage;
+  range.attempts = parameters.load_path.most_steps(stages) - result.steps;
+  const bool inside = control.resume && result.steps == control.resume->step && result.load_factor != range.from;
+  if (!inside) return range;
+  range.from = control.resume->load_factor;
+  range.attempts = control.resume->attempts_left;
+  range.before = control.resume;
+  return range;
+}
+
+/// Stages that are behind a path when it is resumed.
+int finished_stages(const PathControl& control) {
+  if (!control.resume) return 0;
+  const int stage = control.resume->stage;
+  return control.resume->step > 0 && is_end_of_stage(control.resume->load_factor, stage) ? stage : stage - 1;
+}
+
+bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
+                  const StageRange& range, PathRecorder& recorder) {
+  if (range.attempts <= 0) return false;
+  const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
+  const bool arrived = automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
+                                 : follow_stage_with_loca(problem, parameters, start, range, recorder);
+  recorder.leave_stage();
+  return arrived;
+}
+
+void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+             LoadPathResult& result) {
+  const double minimum = step_size_rule(problem->assembler.scene(), parameters).minimum;
+  const int most = parameters.load_path.most_steps(problem->assembler.scene().stages);
+  const bool used_up = result.steps + result.failed_steps >= most;
+  result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
+  result.failure = text_of(*result.report);
+}
+
+/// Whether the end of a stage may be believed. A resumed path may stand at one whose check was not reached.
+bool is_trustworthy(const Teuchos::RCP<BeamProblem>& problem, const State& state, PathRecorder& recorder) {
+  const std::string cause = problem_of_end_angles(*problem, state, recorder.load_factor());
+  if (!cause.empty()) recorder.rejected(cause, 0);
+  recorder.leave_stage();
+  return cause.empty();
+}
+
+/// From a state that is nearly right, Newton's method needs three or four.
+constexpr int kMostIterationsToSettle = 12;
+
+}  // namespace
+
+LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+                             const PathObserver& observer) {
+  const int end = problem->assembler.scene().stages, before = problem->work.newton_iterations;
+  LoadPathResult result;
+  PathControl control;
+  control.resume.emplace();  // the step that is reported is the first one, not the start of a path
+  PathRecorder recorder(problem, parameters, state, observer, control, result);
+  problem->attempts.start_path(0, {});
+  recorder.enter_stage(end, 1);
+  Corrector corrector(problem, parameters, recorder.record());
+  const Correction found = corrector.at_load({state, static_cast<double>(end)}, kMostIterationsToSettle);
+  result.newton_iterations = problem->work.newton_iterations - before;
+  if (!found.converged || !problem_of_end_angles(*problem, found.state, end).empty()) {
+    result.failure = found.converged ? "an element turns too far" : found.cause;
+    return result;
+  }
+  recorder.converged({found.state, found.load_factor, found.residual});
+  result.finished = true;
+  return result;
+}
+
+LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                State& state, const PathObserver& observer, const PathControl& control) {
+  LoadPathResult result;
+  PathRecorder recorder(problem, parameters, state, observer, control, result);
+  problem->attempts.start_path(result.steps, control.step_failed);
+  const struct Interruption {
+    BeamProblem& problem;
+    ~Interruption() { problem.leave_if_asked = {}; }
+  } interruption{*problem};
+  problem->leave_if_asked = [&control] {
+    if (control.stop && control.stop()) throw PathInterrupted();
+  };
+  const int stages = problem->assembler.scene().stages, finished = finished_stages(control);
+  bool goes_on = finished == 0 || is_trustworthy(problem, state, recorder);
+  for (int stage = finished + 1; goes_on && stage <= stages; ++stage) {
+    const int before = problem->work.newton_iterations;
+    const StageRange range = range_of_stage(stage, stages, parameters, control, result);
+    const bool arrived = follow_stage(problem, parameters, state, range, recorder);
+    result.iterations_of_stage.push_back(problem->work.newton_iterations - before);
+    result.newton_iterations += result.iterations_of_stage.back();
+    if (result.interrupted) return result;
+    goes_on = arrived && is_trustworthy(problem, state, recorder);
+  }
+  result.finished = goes_on;
+  if (!goes_on) give_up(problem, parameters, state, result);
+  return result;
+}
+
+}  // namespace mixbeam

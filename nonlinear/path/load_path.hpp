@@ -1,0 +1,66 @@
+/// Load continuation: from the present state along the load factor, by LOCA's stepper, stage after stage.
+#pragma once
+
+#include "discretization/state/resume_point.hpp"
+#include "nonlinear/diagnosis/failure_report.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
+#include "nonlinear/stability/critical_point.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// One completed load step.
+struct StepReport {
+  int step = 0;  ///< number of the step, 0: the state at the start of the path
+  double load_factor = 0.0;
+  int newton_iterations = 0;  ///< since the last converged step, failed attempts included
+  double residual = 0.0;      ///< scaled maximum norm
+  bool converged = true;
+  PathPoint point{};
+  std::optional<StabilityResult> stability{};  ///< of the state under its loads; none: not asked for
+  /// Under a controlled displacement: of the state with that displacement held in place of the load. None: not known.
+  std::optional<StabilityResult> held_stability{};
+  std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
+  std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
+};
+
+/// How a path is begun and stopped from outside.
+struct PathControl {
+  std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
+  std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
+  std::function<void(const StepFailure&)> step_failed{};  ///< told of each failed attempt, on every rank
+};
+
+struct LoadPathResult {
+  bool finished = false;
+  bool interrupted = false;  ///< stopped from outside before the end
+  double load_factor = 0.0;  ///< last converged
+  int steps = 0, failed_steps = 0, newton_iterations = 0;
+  std::vector<int> iterations_of_stage;
+  std::optional<FailureReport> report{};  ///< why the path ended early, and what to try
+  std::string failure;                    ///< the same as a page of text; empty if it did not
+};
+
+/// Called for the starting state and for each converged step; the state is that of the step.
+using PathObserver = std::function<void(const StepReport& report, const State& state)>;
+
+/// Follows the load factor from 0, or from the point at which a path is resumed, to the number of stages of the scene,
+/// starting at `state`, which ends as the last converged state. A resumed path takes the very steps, to the last bit,
+/// that it would have taken without the stop. Throws InputError for NOX or LOCA parameters that these libraries refuse.
+LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                State& state, const PathObserver& observer, const PathControl& control = {});
+
+/// Newton's method at the end of the path, in place of the path: `state` is nearly the equilibrium there and becomes
+/// it. The result is that of a path of one step; not finished where Newton's method fails, and then `state` stays.
+LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+                             const PathObserver& observer);
+
+/// Why a path with these parameters cannot be resumed exactly, empty if it can: some of the methods that a user may
+/// choose in the lists "LOCA" and "Status Tests" remember more than the last step.
+std::string obstacle_to_resuming(const SolverParameters& parameters);
+
+}  // namespace mixbeam

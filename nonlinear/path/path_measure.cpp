@@ -1,0 +1,110 @@
+#include "nonlinear/path/path_measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace mixbeam {
+
+namespace {
+
+/// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size is
+/// measured by its load, all others by their motion.
+constexpr double kLoadWeight = 1e-6;
+/// With the usual cap Newton's method comes to a stop at 1e-8 next to a critical point; the condition of the tangent,
+/// which limits the first increments only, is of less importance there.
+constexpr double kCapRaise = 100.0;
+
+/// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
+std::vector<int> connected_parts(const Mesh& mesh) {
+  std::vector<int> parent(mesh.vertices());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&parent](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  const auto connect = [&](int a, int b) {
+    a = root_of(a);
+    b = root_of(b);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
+  for (const MeshElement& element : mesh.elements) connect(element.vertex[0], element.vertex[1]);
+  for (const MeshJoint& joint : mesh.joints) connect(joint.master, joint.slave);
+  std::vector<int> part(mesh.vertices());
+  int parts = 0;
+  for (int v = 0; v < mesh.vertices(); ++v) part[v] = parent[v] == v ? parts++ : part[root_of(v)];
+  return part;
+}
+
+}  // namespace
+
+PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create_vector()) {
+  weights_.fill(0.0);
+  const double length = assembler.structure().length;
+  const double vertices = static_cast<double>(assembler.map()->getGlobalNumElements()) / kVertexDofs;
+  const double displacement = 1.0 / (length * length * vertices), rotation = 1.0 / vertices;
+  const KernelView<double*> w = weights_.vertex();
+  Kokkos::parallel_for(
+      "mixbeam::path_measure", Kokkos::RangePolicy<ExecutionSpace>(0, w.extent(0)),
+      KOKKOS_LAMBDA(size_t i) { w(i) = i % kVertexDofs < 3 ? displacement : rotation; });
+  const std::vector<int> parts = connected_parts(assembler.mesh());
+  parts_ = 1 + *std::max_element(parts.begin(), parts.end());
+  if (parts_ == 1) return;
+  const int first = assembler.structure().partition.owned_first();
+  part_of_vertex_.assign(parts.begin() + first, parts.begin() + first + w.extent(0) / kVertexDofs);
+}
+
+double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const { return a.vertex_product(weights_, b); }
+
+double PathMeasure::motion(const MixedVector& a) const { return std::sqrt(motion(a, a)); }
+
+std::vector<double> PathMeasure::motion_of_parts(const MixedVector& a, const MixedVector& b) const {
+  if (parts_ == 1) return {motion(a, b)};
+  std::vector<double> sums(parts_, 0.0);
+  const KernelView<double*> w = weights_.vertex(), x = a.vertex(), y = b.vertex();
+  for (size_t v = 0; v < part_of_vertex_.size(); ++v)
+    for (size_t i = kVertexDofs * v; i < kVertexDofs * (v + 1); ++i) sums[part_of_vertex_[v]] += w(i) * x(i) * y(i);
+  std::vector<double> all(parts_);
+  Teuchos::reduceAll(*a.vertex_dofs().getMap()->getComm(), Teuchos::REDUCE_SUM, parts_, sums.data(), all.data());
+  return all;
+}
+
+double PathMeasure::cosine(const MixedVector& a, const MixedVector& b) const {
+  const double lengths = motion(a) * motion(b);
+  return lengths > 0.0 ? motion(a, b) / lengths : 0.0;
+}
+
+double PathMeasure::inner(const PathDirection& a, const PathDirection& b) const {
+  return motion(a.x, b.x) + kLoadWeight * kLoadWeight * a.load * b.load;
+}
+
+double PathMeasure::length(const PathDirection& a) const { return std::sqrt(inner(a, a)); }
+
+ControlRow PathMeasure::row(const PathDirection& direction, double load_start, double length) const {
+  MixedVector weights = direction.x.clone(true);
+  weights.multiply_by(weights_);
+  return {weights, kLoadWeight * kLoadWeight * direction.load, load_start, length};
+}
+
+PathDirection scaled(const PathDirection& a, double factor) {
+  PathDirection result{a.x.clone(true), factor * a.load};
+  result.x.scale(factor);
+  return result;
+}
+
+NearCritical::NearCritical(BeamProblem& problem, bool leaves_plane) : problem_(problem) {
+  problem_.leaves_plane = leaves_plane;
+  problem_.keeps_cap = true;
+  problem_.assembler.raise_cap(kCapRaise);
+}
+
+NearCritical::~NearCritical() {
+  problem_.assembler.raise_cap(1.0);
+  problem_.keeps_cap = problem_.leaves_plane = false;
+}
+
+double within_stage(double load_factor, double stage_end) {
+  return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,78 @@
+/// How far two points of a path are apart, the direction in which it runs, and what is known at a point of it.
+#pragma once
+
+#include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/newton/linear_control.hpp"
+#include "nonlinear/stability/stability.hpp"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace mixbeam {
+
+/// Increments (spatial, Assembler::apply) and change of the load factor.
+struct PathDirection {
+  MixedVector x;
+  double load = 0.0;
+};
+
+/// `a` times factor.
+PathDirection scaled(const PathDirection& a, double factor);
+
+/// The motion of the structure: root mean square over the vertices of displacement / scene length and rotation. Paths
+/// are measured by motion alone; the load factor joins with a weight so small that it counts only where nothing moves.
+/// All functions are collective.
+class PathMeasure {
+ public:
+  explicit PathMeasure(const Assembler& assembler);
+  /// Of the motions alone.
+  double motion(const MixedVector& a, const MixedVector& b) const;
+  double motion(const MixedVector& a) const;
+  /// The same of each part of the structure that touches no other one: parts follow paths of their own.
+  std::vector<double> motion_of_parts(const MixedVector& a, const MixedVector& b) const;
+  /// Cosine of the angle between two motions; zero where one of them is none.
+  double cosine(const MixedVector& a, const MixedVector& b) const;
+  double inner(const PathDirection& a, const PathDirection& b) const;
+  double length(const PathDirection& a) const;
+  /// The row "way along the unit vector `direction` since load_start = length".
+  ControlRow row(const PathDirection& direction, double load_start, double length) const;
+
+ private:
+  MixedVector weights_;
+  int parts_ = 1;
+  std::vector<int> part_of_vertex_;  ///< (owned vertex); empty: there is one part
+};
+
+/// A motion smaller than this is rounding: the displacements of a structure are known to about 1e-13 of its length.
+inline constexpr double kNoMotion = 1e-12;
+
+/// A converged point of a path and what tells where the path goes from there.
+struct Station {
+  State state;
+  double load_factor = 0.0;
+  PathDirection tangent;                       ///< of length one; not finite where the tangent matrix is singular
+  std::optional<StabilityResult> stability{};  ///< none: not affordable
+
+  bool has_tangent() const { return std::isfinite(tangent.load); }
+};
+
+/// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
+double within_stage(double load_factor, double stage_end);
+
+/// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
+/// only if it is one and the same; and there the cap of the tangent is felt more than its condition. As long as this
+/// lives all increments are those of a tangent with a raised cap, in space if the path may leave the plane of the
+/// scene.
+class NearCritical {
+ public:
+  NearCritical(BeamProblem& problem, bool leaves_plane);
+  ~NearCritical();
+  NearCritical(const NearCritical&) = delete;
+  NearCritical& operator=(const NearCritical&) = delete;
+
+ private:
+  BeamProblem& problem_;
+};
+
+}  // namespace mixbeam

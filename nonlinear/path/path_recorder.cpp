@@ -1,0 +1,92 @@
+#include "nonlinear/path/path_recorder.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+bool is_end_of_stage(double load_factor, double end) { return std::abs(load_factor - end) <= 1e-12 * end; }
+
+PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
+                           const PathObserver& observer, const PathControl& control, LoadPathResult& result)
+    : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
+  is_controlled_ = parameters.analysis.control.has_value();
+  const int vertices = problem->assembler.mesh().vertices();
+  reports_stability_ = looks_at_stability(parameters.analysis, vertices);
+  if (reports_stability_ || vertices <= kVerticesForStability) stability_ = std::make_unique<Stability>(*problem);
+  if (!control.resume) return;
+  started_ = true;
+  result.steps = control.resume->step;
+  result.load_factor = control.resume->load_factor;
+  branched_ = control.resume->branched;
+  result.failed_steps = control.resume->failed_steps;
+  result.newton_iterations = control.resume->newton_iterations;
+  critical_points_ = control.resume->critical_points;
+}
+
+void PathRecorder::enter_stage(int stage, int attempts) {
+  stage_ = stage;
+  attempts_ = attempts;
+  attempts_made_ = successes_ = failed_in_stage_ = 0;
+}
+
+void PathRecorder::leave_stage() {
+  result_.failed_steps += failed_in_stage_;
+  failed_in_stage_ = 0;
+}
+
+void PathRecorder::converged(const ConvergedStep& step) {
+  if (started_ && step.load_factor == result_.load_factor && step.critical_points.empty() && successes_ == 0) {
+    record_.clear();  // the start of a later stage is the end of the one before
+    return;
+  }
+  state_ = step.state;
+  if (started_) ++successes_;
+  StepReport report;
+  report.step = started_ ? ++result_.steps : 0;
+  report.load_factor = result_.load_factor = step.load_factor;
+  report.newton_iterations = problem_->work.newton_iterations - counted_;
+  report.residual = step.residual;
+  if (reports_stability_) {
+    report.stability = step.stability;
+    report.held_stability = step.held_stability;
+    report.critical_points = step.critical_points;
+    critical_points_ += static_cast<int>(step.critical_points.size());
+  }
+  report.point = point(step, report.stability);
+  report.history = record_.history;
+  counted_ = problem_->work.newton_iterations;
+  started_ = true;
+  branched_ = step.branched;
+  record_.clear();
+  problem_->attempts.step_completed(result_.steps);
+  if (observer_) observer_(report, state_);
+  const bool at_end = !is_controlled_ && step.load_factor >= problem_->assembler.scene().stages;
+  if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
+}
+
+void PathRecorder::rejected(const std::string& cause, int iterations) {
+  ++failed_in_stage_;
+  problem_->attempts.refused(result_.load_factor, cause);
+  if (control_.step_failed) control_.step_failed({result_.steps + 1, result_.load_factor, iterations, cause});
+}
+
+PathPoint PathRecorder::point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const {
+  const int iterations_before = control_.resume ? control_.resume->newton_iterations : 0;
+  PathPoint point;
+  point.step = result_.steps;
+  point.stage = stage_;
+  point.load_factor = result_.load_factor;
+  point.step_size = step.step_size;
+  point.iterations = record_.iterations;
+  point.attempts_left = attempts_ - attempts_made_;
+  point.failed_steps = result_.failed_steps + failed_in_stage_;
+  point.newton_iterations = iterations_before + problem_->work.newton_iterations;
+  point.path_length = step.path_length;
+  point.direction = step.direction;
+  point.negative = stability ? stability->negative : -1;
+  point.branched = step.branched;
+  point.critical_points = critical_points_;
+  return point;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,85 @@
+/// Whether two equilibria lie on one path, one step apart.
+///
+/// Newton's method from a far start may converge to an equilibrium of another path, and the counts of negative
+/// eigenvalues at both ends may agree all the same. Independent signs are asked, all in motion: the tangents at both
+/// ends point along the chord; the counts agree; where the path bends, a look inside: the cubic through both ends with
+/// their tangents is nearly an equilibrium half-way, with the same count and the same direction of the load factor.
+/// Where the cubic is too far from the path, the equilibrium half-way is computed, and each half judged by itself.
+/// Parts of a structure that touch no other one are judged one by one: a single one among many may have jumped.
+#pragma once
+
+#include "nonlinear/path/corrector.hpp"
+#include "nonlinear/path/load_history.hpp"
+#include "nonlinear/path/path_measure.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A step: `moved` leads from the first station to the second.
+struct PathPiece {
+  const Station& start;
+  const PathDirection& moved;
+  const Station& end;
+};
+
+struct StepTest {
+  double smallest_cosine = 0.5;  ///< of the angles between the chord and the tangents at its ends
+  /// A step whose end misses that, but not this, is judged by its halves: long steps of stiffening structures bend far.
+  double least_cosine_at_end = 0.5;
+  bool counts_may_change = false;  ///< critical points inside are looked for
+  bool always_looks = false;
+  /// The direction at the end is of no importance where the structure has stiffened: steps along the path can be
+  /// shorter.
+  bool may_stiffen = false;
+};
+
+class StepJudge {
+ public:
+  /// `stability` may be null; then counts are not compared. All must outlive this object. `stage_end`: load factor.
+  StepJudge(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, const PathMeasure& measure,
+            Stability* stability, double stage_end)
+      : problem_(problem),
+        corrector_(corrector),
+        measure_(measure),
+        stability_(stability),
+        stage_end_(stage_end),
+        loads_(problem->assembler.scene()) {}
+
+  /// Empty when the end lies on the path of the start; else what disagrees. Collective.
+  std::string objection(const PathPiece& piece, const StepTest& test) const;
+
+  /// The station at a converged state. The tangent runs in the direction of `along`, or of a growing load factor where
+  /// that is null. Collective.
+  Station station(const State& state, double load_factor, const PathDirection* along, bool counts = true) const;
+
+  const LoadHistory& loads() const { return loads_; }
+
+  /// Point of the cubic through both ends with their tangents at share `at` of the way, as increments from its start.
+  PathDirection cubic(const PathPiece& piece, double at) const;
+
+ private:
+  struct Look;
+  struct Part;
+  std::string objection(const PathPiece& piece, const StepTest& test, int depth) const;
+  std::string objection_where_loads_turn(const PathPiece& piece) const;
+  PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
+  PathDirection secant_tangent(const Station& at, double from, double to) const;
+  std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;
+  std::string objection_to_count(const PathPiece& piece, int negative) const;
+  std::optional<StabilityResult> count(const State& state, double load_factor) const;
+  std::vector<Part> parts_of(const PathPiece& piece) const;
+  Look look(const PathPiece& piece, PathDirection guess) const;
+  Part whole(const PathPiece& piece) const;
+  bool ends_stiff(const PathPiece& piece) const;
+
+  Teuchos::RCP<BeamProblem> problem_;
+  Corrector& corrector_;
+  const PathMeasure& measure_;
+  Stability* stability_;
+  double stage_end_;
+  LoadHistory loads_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,234 @@
+#include "nonlinear/run/simulation.hpp"
+
+#include "kernels/execution/execution_space.hpp"
+#include "nonlinear/linear/condition_estimate.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/stability/linear_buckling.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Of a mode whose largest entry is one, for a central difference: its error is about 1e-10, from the third derivative
+/// as from rounding.
+constexpr double kModeAmplitude = 1e-5;
+
+/// Load factors are sums of rounded steps.
+constexpr double kSameLoadFactor = 1e-9;
+
+RecordedStability recorded(const StepReport& report) {
+  RecordedStability stability;
+  if (report.stability) {
+    stability.stable = text_of(report.stability->verdict());
+    stability.negative = report.stability->negative;
+    stability.has_potential = report.stability->symmetric;
+  }
+  if (report.held_stability) stability.held = text_of(report.held_stability->verdict());
+  return stability;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
+    : parameters_(parameters) {
+  if (parameters.threads > 0) set_number_of_threads(parameters.threads);
+  problem_ = Teuchos::rcp(new BeamProblem(scene, comm, parameters));
+  state_ = problem_->assembler.reference_state();
+}
+
+const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {
+  const PathObserver remember = [&](const StepReport& report, const State& state) {
+    load_factor_ = report.load_factor;
+    stability_ = recorded(report);
+    if (observer) observer(report, state);
+  };
+  result_ = follow_load_path(problem_, parameters_, state_, remember, control);
+  return result_;
+}
+
+const LoadPathResult& Simulation::settle(const State& start, const PathObserver& observer) {
+  state_ = start;
+  load_factor_ = scene().stages;
+  const PathObserver remember = [&](const StepReport& report, const State& settled) {
+    stability_ = recorded(report);
+    if (observer) observer(report, settled);
+  };
+  result_ = settle_at_end(problem_, parameters_, state_, remember);
+  return result_;
+}
+
+double Simulation::share_done() const {
+  if (!parameters_.analysis.control) return load_factor_ / scene().stages;
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  return displacement(control.point)[control.component] / control.target;
+}
+
+bool Simulation::is_end_of_path(double load_factor) const {
+  if (!parameters_.analysis.control) return std::abs(scene().stages - load_factor) <= kSameLoadFactor;
+  const MonitoredComponent& control = *parameters_.analysis.control;
+  const double rest = control.target - displacement(control.point)[control.component];
+  return std::abs(rest) <= kSameLoadFactor * assembler().structure().length;
+}
+
+void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known) {
+  state_ = mixbeam::restore(assembler(), snapshot);
+  load_factor_ = load_factor;
+  stability_ = known;
+}
+
+Simulation Simulation::at(const State& state, double load_factor) const {
+  Simulation other = *this;
+  other.state_ = state;
+  other.load_factor_ = load_factor;
+  other.stability_ = {};
+  return other;
+}
+
+double Simulation::condition_estimate() {
+  Assembler& equations = problem_->assembler;
+  MixedVector residual = equations.create_vector();
+  equations.residual(state_, load_factor_, residual);
+  equations.tangent(state_, load_factor_);
+  return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method),
+                                     equations.structure().length);
+}
+
+std::array<double, 6> Simulation::motion(const std::string& point) const {
+  return vertex_motion(assembler(), state_, vertex_of(assembler().mesh(), point));
+}
+
+Vector3 Simulation::displacement(const std::string& point) const {
+  const auto m = motion(point);
+  return {m[0], m[1], m[2]};
+}
+
+Vector3 Simulation::position(const std::string& point) const {
+  const auto m = motion(point);
+  const Vector3& reference = assembler().mesh().vertex_position[vertex_of(assembler().mesh(), point)];
+  return {reference[0] + m[0], reference[1] + m[1], reference[2] + m[2]};
+}
+
+Vector3 Simulation::rotation(const std::string& point) const {
+  const auto m = motion(point);
+  return {m[3], m[4], m[5]};
+}
+
+std::vector<MemberSamples> Simulation::samples(int points_per_element) const {
+  return sample_members(scene(), assembler(), state_, points_per_element);
+}
+
+StepRecord Simulation::record(const StepReport& report, int points_per_element,
+                              const std::vector<std::string>& monitored_points) const {
+  StepRecord record;
+  record.step = report.step;
+  record.load_factor = report.load_factor;
+  record.newton_iterations = report.newton_iterations;
+  record.residual = report.residual;
+  const StrainEnergy energy = strain_energy();
+  record.strain_energy = energy.force + energy.moment;
+  record.force_energy = energy.force;
+  record.moment_energy = energy.moment;
+  record.history = report.history;
+  record.state = share_of(assembler(), state_);
+  record.point = report.point;
+  record.members = sample_own_elements(scene(), assembler(), state_, points_per_element);
+  record.reactions = recorded_reactions();
+  const Balance sums = balance();
+  record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
+                    sums.reaction_moment, sums.force_error,    sums.moment_error};
+  record.monitored = motions(monitored_points);
+  record.stability = stability_;
+  for (const CriticalPoint& point : report.critical_points)
+    record.critical_points.push_back(
+        at(point.state, point.load_factor).record(point, points_per_element, monitored_points));
+  return record;
+}
+
+RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_per_element,
+                                         const std::vector<std::string>& monitored_points) const {
+  RecordedCriticalPoint record;
+  record.kind = name_of(point.kind);
+  record.load_factor = point.load_factor;
+  record.load_factor_error = point.error;
+  record.negative_before = point.negative_before;
+  record.negative_after = point.negative_after;
+  record.modes = point.modes;
+  for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state_, points_per_element)) {
+    record.position.insert(record.position.end(), member.position.begin(), member.position.end());
+    record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
+  }
+  record.mode = displacement_of_mode(point.mode, points_per_element);
+  record.monitored = motions(monitored_points);
+  record.reactions = recorded_reactions();
+  record.state = share_of(assembler(), state_);
+  return record;
+}
+
+RecordedErrorEstimate Simulation::record_error(const ErrorEstimate& estimate,
+                                               const std::vector<std::string>& points) const {
+  RecordedErrorEstimate record;
+  record.not_estimated = estimate.not_estimated;
+  if (!estimate.exists()) return record;
+  const auto recorded = [](const EstimatedError& error) { return RecordedError{error.error, error.size}; };
+  record.vertex_displacement = estimate.vertex_displacement;
+  record.element_displacement = estimate.element_displacement;
+  record.element_moment = estimate.element_moment;
+  record.largest_displacement = recorded(estimate.largest_displacement);
+  record.displacement = recorded(estimate.displacement);
+  record.moment = recorded(estimate.moment);
+  record.energy = recorded(estimate.energy);
+  for (const std::string& point : points) {
+    const Vector3& error = estimate.vertex_displacement[vertex_of(assembler().mesh(), point)];
+    record.points.push_back({point, {error[0], error[1], error[2]}});
+  }
+  return record;
+}
+
+std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int points_per_element) const {
+  const Simulation undeformed = at(assembler().reference_state(), 0.0);
+  std::vector<RecordedBucklingMode> recorded;
+  try {
+    for (const EigenMode& mode : linear_buckling(*problem_, count))
+      recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element), mode.error,
+                          mode.converged});
+  } catch (const LinearSolverError&) {
+    return {};
+  }
+  return recorded;
+}
+
+/// Derivative of the positions along the mode, by a central difference.
+std::vector<Vector3> Simulation::displacement_of_mode(const MixedVector& mode, int points_per_element) const {
+  const auto moved = [&](double amplitude) {
+    std::vector<Vector3> positions;
+    const State state = problem_->assembler.apply(state_, mode, amplitude);
+    for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state, points_per_element))
+      positions.insert(positions.end(), member.position.begin(), member.position.end());
+    return positions;
+  };
+  std::vector<Vector3> difference = moved(kModeAmplitude);
+  const std::vector<Vector3> back = moved(-kModeAmplitude);
+  for (size_t i = 0; i < difference.size(); ++i)
+    for (size_t j = 0; j < 3; ++j) difference[i][j] = (difference[i][j] - back[i][j]) / (2.0 * kModeAmplitude);
+  return difference;
+}
+
+std::vector<MonitoredQuantity> Simulation::motions(const std::vector<std::string>& points) const {
+  std::vector<MonitoredQuantity> quantities;
+  for (const std::string& point : points) {
+    const Vector3 u = displacement(point), theta = rotation(point);
+    quantities.push_back({point + ".displacement", {u[0], u[1], u[2]}});
+    quantities.push_back({point + ".rotation", {theta[0], theta[1], theta[2]}});
+  }
+  return quantities;
+}
+
+std::vector<RecordedReaction> Simulation::recorded_reactions() const {
+  std::vector<RecordedReaction> recorded;
+  for (const Reaction& reaction : reactions()) recorded.push_back({reaction.point, reaction.force, reaction.moment});
+  return recorded;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,115 @@
+/// One scene, solved: the facade that applications and tests use.
+#pragma once
+
+#include "discretization/state/reactions.hpp"
+#include "discretization/state/sampling.hpp"
+#include "discretization/state/snapshot.hpp"
+#include "discretization/state/structure_parts.hpp"
+#include "nonlinear/accuracy/error_estimate.hpp"
+#include "nonlinear/diagnosis/force_sharing.hpp"
+#include "nonlinear/path/automatic_path.hpp"
+#include "nonlinear/path/load_path.hpp"
+
+namespace mixbeam {
+
+class Simulation {
+ public:
+  /// Builds mesh, equations and the undeformed state. Throws InputError.
+  Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+
+  /// Follows the load path to its end, or as far as it goes; then state() is the last converged state and
+  /// result().finished tells which. May be called once.
+  const LoadPathResult& run(const PathObserver& observer = {}, const PathControl& control = {});
+
+  /// In place of run(), from a state that is nearly that of the end of the path, see settle_at_end().
+  const LoadPathResult& settle(const State& start, const PathObserver& observer = {});
+
+  /// Whether a path arrives with state() at this load factor.
+  bool is_end_of_path(double load_factor) const;
+
+  /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. `known`: the
+  /// stability of that state as it was recorded. Throws std::invalid_argument when the snapshot is not one of this
+  /// mesh. Collective.
+  void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {});
+
+  /// The same structure in another state, with the same result().
+  Simulation at(const State& state, double load_factor) const;
+
+  const LoadPathResult& result() const { return result_; }
+  const State& state() const { return state_; }
+  /// Load factor of state(), also inside an observer.
+  double load_factor() const { return load_factor_; }
+  /// Whether state() is stable, as far as the path or a stored run has told; the words of files.
+  const RecordedStability& stability() const { return stability_; }
+  /// Share of the path that is behind state(): of its load factor, or of the way of the controlled displacement.
+  double share_done() const;
+  const Scene& scene() const { return problem_->assembler.scene(); }
+  const Assembler& assembler() const { return problem_->assembler; }
+  const PhaseTimes& times() const { return problem_->assembler.times(); }
+  const WorkCount& work() const { return problem_->work; }
+
+  /// Of the linear system that Newton's method would solve next: condition_estimate() of the tangent at state(). Costs
+  /// about two iterations; infinity where that system is singular. Collective.
+  double condition_estimate();
+
+  /// See load_moves_control() in automatic_path.hpp. Collective.
+  bool load_moves_control() const { return mixbeam::load_moves_control(problem_, parameters_); }
+
+  /// The force at state() that rounding errors make least certain, see force_sharing.hpp. Collective.
+  std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }
+
+  /// How far state() is from the solution of the continuous equations, see error_estimate.hpp. Collective.
+  ErrorEstimate estimate_error() const {
+    return mixbeam::estimate_error(assembler(), parameters_, state_, load_factor_);
+  }
+  /// The same for a result file, with the errors of some points.
+  RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
+
+  // All of the following are collective and give the same on every rank (samples: complete on rank 0).
+  Vector3 displacement(const std::string& point) const;
+  Vector3 position(const std::string& point) const;
+  /// Rotation vector of Lambda_V, norm at most pi.
+  Vector3 rotation(const std::string& point) const;
+  /// Forces and moments of the supports on the structure, in the order of the scene.
+  std::vector<Reaction> reactions() const { return mixbeam::reactions(problem_->assembler, state_, load_factor_); }
+  /// Sums of loads and reactions: errors below 1e-10 in every converged state.
+  /// Residual and balance of every part of a structure of several, each measured by itself. One rank only.
+  std::vector<PartCheck> check_parts(const StructureParts& parts) const {
+    return mixbeam::check_parts(problem_->assembler, state_, load_factor_, parts);
+  }
+  Balance balance() const { return mixbeam::balance(problem_->assembler, state_, load_factor_); }
+  std::vector<MemberSamples> samples(int points_per_element) const;
+  /// All fields at relative arc length `position` in [0, 1] of a member, see sample_member.
+  PointSample sample(const std::string& member, double position) const {
+    return sample_member(assembler(), state_, member_index(scene(), member), position);
+  }
+  StrainEnergy strain_energy() const { return mixbeam::strain_energy(assembler(), state_); }
+  /// See l2_norm in sampling.hpp.
+  double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {
+    return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
+  }
+  /// Record of the present state for a result file, with all that resuming needs: the share of this rank.
+  StepRecord record(const StepReport& report, int points_per_element,
+                    const std::vector<std::string>& monitored_points) const;
+
+  /// The first `count` modes of linear_buckling(), and none when the undeformed structure is not stable; of this rank's
+  /// samples.
+  std::vector<RecordedBucklingMode> buckling_modes(int count, int points_per_element) const;
+
+ private:
+  std::array<double, 6> motion(const std::string& point) const;
+  RecordedCriticalPoint record(const CriticalPoint& point, int points_per_element,
+                               const std::vector<std::string>& monitored_points) const;
+  std::vector<MonitoredQuantity> motions(const std::vector<std::string>& points) const;
+  std::vector<RecordedReaction> recorded_reactions() const;
+  std::vector<Vector3> displacement_of_mode(const MixedVector& mode, int points_per_element) const;
+
+  SolverParameters parameters_;
+  Teuchos::RCP<BeamProblem> problem_;
+  State state_;
+  double load_factor_ = 0.0;
+  RecordedStability stability_{};
+  LoadPathResult result_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,32 @@
+/// Points of a path at which the tangent is singular.
+#pragma once
+
+#include "nonlinear/stability/stability.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+enum class CriticalKind {
+  limit_point,  ///< the load factor is stationary along the path
+  bifurcation   ///< another path crosses this one
+};
+
+/// "limit point", "bifurcation".
+const char* name_of(CriticalKind kind);
+
+struct CriticalPoint {
+  CriticalKind kind = CriticalKind::limit_point;
+  double load_factor = 0.0;
+  int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
+  State state{};                                ///< there
+  MixedVector mode;                             ///< as EigenMode::mode
+  int modes = 1;                                ///< eigenvalues that vanish here together; `mode` is one of theirs
+  /// Of the load factor. Where only the first of many points of a step is located the others are one entry: somewhere
+  /// within load_factor +- error `modes` eigenvalues change their sign, and state and mode are those of its far end.
+  double error = 0.0;
+  bool located = true;
+  std::vector<MixedVector> eigenspace{};  ///< all `modes` of them
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,69 @@
+#include "nonlinear/stability/eigen_mode.hpp"
+
+#include "nonlinear/linear/linear_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace mixbeam {
+
+namespace {
+
+/// The first of several components of equal size gives the sign; rounding must not choose another one.
+constexpr double kAlmostLargest = 1.0 - 1e-6;
+
+}  // namespace
+
+MixedVector complete_motion(Assembler& assembler, const IndependentUnknowns& unknowns, const State& state,
+                            const std::vector<double>& y) {
+  MixedVector by_residual = assembler.create_vector(), motion = assembler.create_vector();
+  assembler.recover(state, by_residual);
+  unknowns.expand(y.data(), motion.vertex_dofs());
+  assembler.recover(state, motion);
+  motion.update(-1.0, by_residual, 1.0);
+  return motion;
+}
+
+MixedVector combination(const std::vector<MixedVector>& vectors, const double* weights) {
+  MixedVector sum = vectors.front().clone(false);
+  sum.fill(0.0);
+  for (size_t i = 0; i < vectors.size(); ++i) sum.update(weights[i], vectors[i], 1.0);
+  return sum;
+}
+
+void normalize_mode(const Assembler& assembler, MixedVector& mode) {
+  const KernelView<double*> rows = mode.vertex();
+  const double length = assembler.structure().length;
+  const auto size = [&](size_t i) { return rows(i) / (i % kVertexDofs < 3 ? length : 1.0); };
+  double largest = 0.0;
+  for (size_t i = 0; i < rows.extent(0); ++i) largest = std::max(largest, std::abs(size(i)));
+  const Teuchos::Comm<int>& comm = *assembler.map()->getComm();
+  largest = maximum_over_ranks(comm, largest);
+  // rank and sign of the first of the largest components as one number, of which the lowest rank has the largest
+  double first = -2.0 * comm.getSize();
+  for (size_t i = 0; i < rows.extent(0); ++i)
+    if (std::abs(size(i)) >= kAlmostLargest * largest) {
+      first = -2.0 * comm.getRank() - (size(i) < 0.0 ? 1.0 : 0.0);
+      break;
+    }
+  first = maximum_over_ranks(comm, first);
+  const bool turned = std::fmod(-first, 2.0) == 1.0;
+  if (largest > 0.0) mode.scale((turned ? -1.0 : 1.0) / largest);
+}
+
+void on_root(const RootCopy& root, const std::function<void()>& action) {
+  std::string problem;
+  if (root.is_root()) {
+    try {
+      action();
+    } catch (const std::exception& error) {
+      problem = error.what();
+    }
+  }
+  int failed = problem.empty() ? 0 : 1;
+  MPI_Bcast(&failed, 1, MPI_INT, 0, root.communicator());
+  if (failed != 0) throw LinearSolverError("stability: " + (problem.empty() ? "see rank 0" : problem));
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,197 @@
+#include "nonlinear/stability/independent_unknowns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace mixbeam {
+
+IndependentUnknowns::IndependentUnknowns(const Assembler& assembler)
+    : root_(assembler.matrix()), map_(assembler.map()), rows_(assembler.map()) {
+  own_.resize(assembler.structure().owned_vertices);
+  std::iota(own_.begin(), own_.end(), 0);
+  set_up(assembler);
+}
+
+IndependentUnknowns::IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining)
+    : root_(remaining.matrix()), map_(assembler.map()), rows_(remaining.matrix()->getRowMap()), remaining_(&remaining) {
+  const KernelView<int*> vertices = remaining.vertices();
+  own_.assign(vertices.data(), vertices.data() + vertices.extent(0));
+  set_up(assembler);
+}
+
+void IndependentUnknowns::set_up(const Assembler& assembler) {
+  vertices_ = static_cast<int>(rows_->getGlobalNumElements()) / kVertexDofs;
+  number(assembler);
+  if (is_root()) {
+    measure(assembler);
+    build_structure();
+  }
+}
+
+/// Rows of the vertices that are numbered here, on rank 0.
+std::vector<double> IndependentUnknowns::gather_rows(const DofVector& all) const {
+  DofVector chosen(rows_);
+  const KernelView<double*> to = MixedVector::view_of(chosen);
+  const KernelView<const double*> from = MixedVector::view_of(all);
+  for (size_t i = 0; i < own_.size(); ++i)
+    for (int c = 0; c < kVertexDofs; ++c) to(kVertexDofs * i + c) = from(vertex_row(own_[i], c));
+  std::vector<double> result(is_root() ? static_cast<size_t>(kVertexDofs) * vertices_ : 0);
+  root_.gather(chosen, result.data());
+  return result;
+}
+
+/// Free rows are the unknowns, in the order of the vertices.
+void IndependentUnknowns::number(const Assembler& assembler) {
+  const Structure& structure = assembler.structure();
+  DofVector numbers(map_), fixed(map_);
+  const KernelView<double*> names = MixedVector::view_of(numbers), held = MixedVector::view_of(fixed);
+  for (size_t i = 0; i < held.extent(0); ++i) {
+    held(i) = assembler.fixed_rows()(i);
+    names(i) = structure.local_vertex_to_global[i / kVertexDofs];
+  }
+  const std::vector<double> name = gather_rows(numbers), is_fixed = gather_rows(fixed);
+  std::vector<int> place(is_root() ? assembler.mesh().vertices() : 0, -1);
+  for (int v = 0; is_root() && v < vertices_; ++v) {
+    vertex_of_mesh_.push_back(static_cast<int>(name[static_cast<size_t>(kVertexDofs) * v]));
+    place[vertex_of_mesh_.back()] = v;
+  }
+  master_.assign(is_root() ? vertices_ : 0, -1);
+  colour_.assign(assembler.mesh().vertices(), 0);
+  std::vector<int> slaves(assembler.mesh().vertices(), 0);
+  for (const MeshJoint& joint : assembler.mesh().joints) {
+    if (is_root()) master_[place[joint.slave]] = place[joint.master];
+    colour_[joint.slave] = ++slaves[joint.master];
+    colours_ = std::max(colours_, 1 + colour_[joint.slave]);
+  }
+  unknown_.assign(is_fixed.size(), -1);
+  for (size_t i = 0; i < is_fixed.size(); ++i)
+    if (is_fixed[i] == 0.0) unknown_[i] = count_++;
+  MPI_Bcast(&count_, 1, MPI_INT, 0, root_.communicator());
+}
+
+void IndependentUnknowns::measure(const Assembler& assembler) {
+  const Structure& structure = assembler.structure();
+  const Mesh& mesh = assembler.mesh();
+  std::vector<double> length(mesh.vertices(), 0.0);
+  for (const MeshElement& element : mesh.elements)
+    for (int vertex : element.vertex) length[vertex] += 0.5 * mesh.element_length(element);
+  const double L = structure.length, bending = structure.bending_reference / L;
+  measure_.resize(unknown_.size());
+  for (size_t i = 0; i < measure_.size(); ++i)
+    measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[vertex_of_mesh_[i / kVertexDofs]] / L);
+}
+
+/// Columns of slaves become those of their own free motion and of their master.
+void IndependentUnknowns::build_structure() {
+  const auto graph = root_.matrix()->getLocalMatrixHost().graph;
+  neighbours_.resize(vertices_);
+  reduced_.row_start = {0};
+  for (int v = 0; v < vertices_; ++v) {
+    std::set<int> columns;
+    const size_t row = static_cast<size_t>(kVertexDofs) * v;
+    for (size_t k = graph.row_map(row); k < graph.row_map(row + 1); k += kVertexDofs) {
+      const int w = graph.entries(k) / kVertexDofs;
+      columns.insert(w);
+      if (master_[w] >= 0) columns.insert(master_[w]);
+    }
+    neighbours_[v].assign(columns.begin(), columns.end());
+    for (int r = 0; r < kVertexDofs; ++r) {
+      if (unknown(v, r) < 0) continue;
+      for (int w : neighbours_[v])
+        for (int c = 0; c < kVertexDofs; ++c)
+          if (unknown(w, c) >= 0) reduced_.column.push_back(unknown(w, c));
+      reduced_.row_start.push_back(static_cast<int>(reduced_.column.size()));
+    }
+  }
+  reduced_.value.resize(reduced_.column.size());
+}
+
+/// Unit forces on all vertices of one colour at once: a row takes from its own vertex and from slaves of it, which all
+/// have other colours.
+void IndependentUnknowns::probe(const Assembler& assembler, const State& state) {
+  const Structure& structure = assembler.structure();
+  unit_force_.resize(static_cast<size_t>(kVertexDofs) * colours_);
+  DofVector rows(map_);
+  for (int k = 0; k < kVertexDofs * colours_; ++k) {
+    const KernelView<double*> mine = MixedVector::view_of(rows);
+    for (int v = 0; v < structure.owned_vertices; ++v)
+      for (int c = 0; c < kVertexDofs; ++c)
+        mine(kVertexDofs * v + c) = kVertexDofs * colour_[structure.local_vertex_to_global[v]] + c == k ? 1.0 : 0.0;
+    assembler.turn_rows(state, mine);
+    unit_force_[k] = gather_rows(rows);
+  }
+}
+
+/// Displacement or rotation `component` of a vertex per unit of a free component of itself or of its master.
+double IndependentUnknowns::motion_of(int vertex, int component, int by_vertex, int by_component) const {
+  return unit_force_[kVertexDofs * colour_[vertex_of_mesh_[vertex]] + component]
+                    [kVertexDofs * by_vertex + by_component];
+}
+
+/// Row of A times Z, both sides measured.
+void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row,
+                                     const std::vector<int>& slot, double* out) const {
+  for (size_t k = full.graph.row_map(row); k < full.graph.row_map(row + 1); ++k) {
+    const int w = full.graph.entries(k) / kVertexDofs, c = full.graph.entries(k) % kVertexDofs;
+    const double a = full.values(k) * measure_[row];
+    for (int by : {w, master_[w]})
+      for (int i = 0; by >= 0 && i < kVertexDofs; ++i)
+        if (unknown(by, i) >= 0)
+          out[slot[unknown(by, i)]] += a * motion_of(w, c, by, i) * measure_[static_cast<size_t>(kVertexDofs) * by + i];
+  }
+}
+
+const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, const State& state) {
+  probe(assembler, state);
+  if (remaining_ == nullptr) assembler.matrix();  // gathers the present tangent
+  root_.gather_values();
+  if (!is_root()) return reduced_;
+  const auto local = root_.matrix()->getLocalMatrixHost();
+  std::fill(reduced_.value.begin(), reduced_.value.end(), 0.0);
+  std::vector<int> slot(unknown_.size(), -1);  // where an unknown stands in the rows of the present vertex
+  for (int v = 0; v < vertices_; ++v) {
+    int width = 0;
+    for (int w : neighbours_[v])
+      for (int c = 0; c < kVertexDofs; ++c)
+        if (unknown(w, c) >= 0) slot[unknown(w, c)] = width++;
+    for (int r = 0; r < kVertexDofs; ++r)
+      if (unknown(v, r) >= 0)
+        reduce_row(local, kVertexDofs * v + r, slot, &reduced_.value[reduced_.row_start[unknown(v, r)]]);
+  }
+  return reduced_;
+}
+
+std::vector<double> IndependentUnknowns::reduced_rows(const DofVector& turned) const {
+  return measured(gather_rows(turned));
+}
+
+std::vector<double> IndependentUnknowns::reduced_remaining_rows(const DofVector& rows) const {
+  std::vector<double> gathered(is_root() ? static_cast<size_t>(kVertexDofs) * vertices_ : 0);
+  root_.gather(rows, gathered.data());
+  return measured(gathered);
+}
+
+/// Of free rows, in the order of the unknowns.
+std::vector<double> IndependentUnknowns::measured(const std::vector<double>& rows) const {
+  std::vector<double> reduced(is_root() ? count_ : 0);
+  for (size_t i = 0; is_root() && i < unknown_.size(); ++i)
+    if (unknown_[i] >= 0) reduced[unknown_[i]] = rows[i] * measure_[i];
+  return reduced;
+}
+
+void IndependentUnknowns::expand(const double* y, DofVector& motion) const {
+  std::vector<double> all(unknown_.size(), 0.0);
+  for (int v = 0; is_root() && v < vertices_; ++v)
+    for (int by : {v, master_[v]})
+      for (int i = 0; by >= 0 && i < kVertexDofs; ++i) {
+        if (unknown(by, i) < 0) continue;
+        const double amount = y[unknown(by, i)] * measure_[static_cast<size_t>(kVertexDofs) * by + i];
+        for (int c = 0; c < kVertexDofs; ++c)
+          all[static_cast<size_t>(kVertexDofs) * v + c] += motion_of(v, c, by, i) * amount;
+      }
+  root_.scatter(all.data(), motion);
+}
+
+}  // namespace mixbeam

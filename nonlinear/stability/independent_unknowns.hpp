@@ -1,0 +1,79 @@
+/// The tangent in the motions that supports and joints permit.
+///
+/// With Z the motions of all vertices that belong to the independent unknowns y, dx = Z y, the free rows of the
+/// equations are Z^T times forces and moments; their derivative A therefore gives A_free Z, which is the second
+/// derivative of the energy along the constraints: symmetric in equilibrium when the loads are conservative, and with
+/// its true inertia. Z is not derived once more: its transpose is how the equations turn forces, Assembler::turn_rows,
+/// applied to unit forces.
+#pragma once
+
+#include "discretization/assembly/assembler.hpp"
+#include "discretization/linear_system/vertex_matrix.hpp"
+#include "nonlinear/linear/inertia_solver.hpp"
+#include "nonlinear/linear/root_copy.hpp"
+
+namespace mixbeam {
+
+/// Unknowns, matrix and exchange of vectors of one structure; made once. The reduced matrix lives on rank 0.
+///
+/// Unknowns are measured so that numbers have no unit: a displacement of vertex v in L / sqrt(EI/L l_v/L), a rotation
+/// in 1 / sqrt(EI/L l_v/L), with the length L and the bending stiffness EI of the structure and l_v the length of
+/// member that belongs to the vertex. Eigenvalues are then in units of EI/L and do not depend on units or, once modes
+/// are resolved, on the number of elements.
+class IndependentUnknowns {
+ public:
+  explicit IndependentUnknowns(const Assembler& assembler);
+  /// Those of the vertices that are left when chains are condensed to their ends: by Sylvester's law of inertia the
+  /// reduced matrix has as many negative eigenvalues less as pivots of the chains are negative. `remaining` must
+  /// outlive this and hold the tangent that is to be reduced.
+  IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining);
+
+  const RootCopy& root() const { return root_; }
+  bool is_root() const { return root_.is_root(); }
+  int count() const { return count_; }  ///< on every rank
+
+  /// Takes Z of a state and reduces the tangent that the assembler holds of this state. Collective; rank 0 has the
+  /// result, other ranks an empty matrix.
+  const SparseMatrix& reduce(const Assembler& assembler, const State& state);
+  const SparseMatrix& matrix() const { return reduced_; }
+  /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce();
+  /// not for the vertices that chains leave.
+  void expand(const double* y, DofVector& motion) const;
+  /// Z^T times forces and moments on all vertices that Assembler::turn_rows() has turned, at the state of reduce();
+  /// rank 0 has the result. Collective.
+  std::vector<double> reduced_rows(const DofVector& turned) const;
+  /// The same for rows of the remaining matrix.
+  std::vector<double> reduced_remaining_rows(const DofVector& rows) const;
+
+ private:
+  void set_up(const Assembler& assembler);
+  std::vector<double> gather_rows(const DofVector& all) const;
+  std::vector<double> measured(const std::vector<double>& rows) const;
+  void number(const Assembler& assembler);
+  void measure(const Assembler& assembler);
+  void build_structure();
+  void probe(const Assembler& assembler, const State& state);
+  void reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row, const std::vector<int>& slot,
+                  double* out) const;
+  int unknown(int vertex, int component) const {
+    return unknown_[static_cast<size_t>(kVertexDofs) * vertex + component];
+  }
+  double motion_of(int vertex, int component, int by_vertex, int by_component) const;
+
+  RootCopy root_;
+  Teuchos::RCP<const DofMap> map_, rows_;    ///< of all vertices, and of those that are numbered here
+  std::vector<int> own_;                     ///< local vertices of this rank among those, in the order of the rows
+  const VertexMatrix* remaining_ = nullptr;  ///< null: all vertices
+  int vertices_ = 0, count_ = 0;             ///< vertices below are places among those that are numbered here
+  std::vector<int> vertex_of_mesh_;          ///< (vertex); rank 0
+  std::vector<int> master_;                  ///< (vertex): -1 where it is no slave; rank 0
+  std::vector<int> colour_;  ///< (vertex of the mesh): slaves of one master differ; 0 where it is no slave
+  int colours_ = 1;
+  std::vector<int> unknown_;                     ///< (6 * vertex + component): -1 where fixed; rank 0
+  std::vector<double> measure_;                  ///< (6 * vertex + component): size of one unit of y; rank 0
+  std::vector<std::vector<double>> unit_force_;  ///< (6 * colour + component): free rows of unit forces; rank 0
+  std::vector<std::vector<int>> neighbours_;     ///< (vertex): vertices in its reduced rows; rank 0
+  SparseMatrix reduced_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,444 @@
+#include "nonlinear/stability/linear_buckling.hpp"
+
+#include "discretization/assembly/added_compliance.hpp"
+#include "nonlinear/stability/block_krylov.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+namespace mixbeam {
+
+namespace {
+
+/// Of N L^2/EI and M L/EI in the states that tell a first estimate: far below buckling, which begins near ten.
+constexpr double kFirstStress = 0.02;
+/// Of the load factor nearest to zero, in the final differences: their error is its fourth power (times a small
+/// number), and rounding grows with its inverse.
+constexpr double kStep = 0.02;
+/// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
+constexpr int kRefinements = 3;
+/// Of the cap of the tangent, as in Stability: the correction to the true stiffness is of second order in it.
+constexpr double kBucklingCap = 100.0;
+/// A factor is improved in rounds of a Rayleigh quotient and one inverse iteration until the residual of its mode is
+/// small, whose square is the error of the factor: the pencil of condensed tangents, where they begin, is right to the
+/// fourth power of the element length, and each round squares the error of the mode at least.
+constexpr int kMostRounds = 6;
+constexpr double kSmallResidual = 1e-6;
+constexpr double kAside = 1e-5;
+/// Of a factor: its Rayleigh quotient moves no more. The secant method needs at most kMostSecants.
+constexpr double kSettled = 1e-11;
+constexpr int kMostSecants = 6;
+/// Factors this close, as a share, are one cluster, and the inertia is counted as far beside it; the residual of what
+/// is confirmed is at most as large.
+constexpr double kBeside = 1e-4;
+/// See Stability.
+constexpr double kNearlySymmetric = 1e-9, kNearlyReal = 1e-8;
+
+/// Factors are listed by their size; of a pair of both signs the positive one comes first: rounding must not choose.
+double rank(double factor) {
+  constexpr double kSameSize = 1e-6;
+  return std::abs(factor) * (factor < 0.0 ? 1.0 + kSameSize : 1.0);
+}
+
+class LinearBuckling {
+ public:
+  explicit LinearBuckling(BeamProblem& problem)
+      : problem_(problem),
+        assembler_(problem.assembler),
+        unknowns_(assembler_),
+        reference_(assembler_.reference_state()),
+        scales_(assembler_.scales_of(reference_, 0.0)),
+        response_(assembler_.create_vector()),
+        work_(assembler_.create_vector()) {
+    find_response();
+    keep_stresses();
+    assembler_.raise_cap(kBucklingCap);
+    stiffness_ = tangent_at(reference_, 0.0);
+    factorize();
+  }
+  ~LinearBuckling() { assembler_.raise_cap(1.0); }
+  LinearBuckling(const LinearBuckling&) = delete;
+  LinearBuckling& operator=(const LinearBuckling&) = delete;
+
+  std::vector<EigenMode> modes(int count) {
+    const double stress = largest_stress();
+    if (stress == 0.0) return {};
+    std::vector<EigenMode> found = modes(1, kFirstStress / stress);
+    if (found.empty()) return found;
+    return modes(count, kStep * std::abs(found.front().eigenvalue), true);
+  }
+
+ private:
+  /// All tangents have the cap of the reference state: else their differences would be those of their caps.
+  std::vector<double> tangent_at(const State& state, double load_factor) {
+    assembler_.residual(state, load_factor, work_);
+    assembler_.use_scales(scales_);
+    assembler_.tangent(state, load_factor);
+    return unknowns_.reduce(assembler_, state).value;
+  }
+  /// The undeformed structure with the stresses of a load factor.
+  State state_at(double load_factor) { return assembler_.apply(reference_, response_, load_factor); }
+
+  void factorize() {
+    on_root(unknowns_.root(), [&] {
+      symmetric_ = asymmetry(unknowns_.matrix()) <= kNearlySymmetric;
+      matrix_ = unknowns_.matrix();
+      const auto kind = symmetric_ ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
+      solver_ = std::make_unique<InertiaSolver>(kind, matrix_);
+      const InertiaSolver::Signs signs = solver_->factorize(matrix_);
+      if (signs.null > 0 || signs.negative > 0)
+        throw LinearSolverError("linear buckling needs a structure that is stable without loads");
+    });
+  }
+
+  /// Of the response its N and M alone: the linear theory of buckling lets stresses act on the undeformed structure.
+  /// With displacements as well the pencil would be that of a stiffness C turned by a linearised rotation, C + lambda
+  /// (theta C
+  /// - C theta), which is singular at lambda theta ~ sqrt(ratio of stiffnesses): factors without meaning, of both
+  /// signs, that change with the mesh.
+  void keep_stresses() {
+    const KernelView<double*> vertex = response_.vertex(), interior = response_.writable_interior(true);
+    for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = 0.0;
+    for (const ElementBlock& block : assembler_.structure().blocks)
+      for (int e = 0; e < block.count; ++e) {
+        const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
+        for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i)
+          interior(first + i) = 0.0;
+      }
+  }
+
+  /// dx / d(load factor) at the reference state. Solved with the capped tangent and refined to the true one: where
+  /// forces are shared according to stiffness the cap would shift them.
+  void find_response() {
+    tangent_at(reference_, 0.0);
+    problem_.linear_solver->factorize();
+    MixedVector rhs = assembler_.create_vector();
+    assembler_.load_derivative(reference_, 0.0, rhs);
+    solve(rhs, response_);
+    MixedVector correction = response_.clone(true);
+    for (int i = 0; i < kRefinements; ++i) {
+      added_strains(assembler_, correction, rhs);
+      solve(rhs, correction);
+      response_.update(1.0, correction, 1.0);
+    }
+  }
+  void solve(const MixedVector& rhs, MixedVector& solution) {
+    assembler_.use_scales(scales_);
+    assembler_.condense(reference_, 0.0, rhs);
+    DofVector& condensed = assembler_.condensed_residual();
+    condensed.scale(-1.0);
+    problem_.linear_solver->solve(condensed, solution.vertex_dofs());
+    assembler_.recover(reference_, solution);
+  }
+
+  /// Largest of N L^2/EI and M L/EI per load factor.
+  double largest_stress() const {
+    const Structure& structure = assembler_.structure();
+    const double L = structure.length, EI = structure.bending_reference;
+    double largest = 0.0;
+    for (const ElementBlock& block : structure.blocks)
+      for (int e = 0; e < block.count; ++e) {
+        const double* row =
+            response_.interior().data() + block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
+        for (int i = 0; i < block.interior.relative_rotation(1); ++i)
+          largest = std::max(largest, std::abs(row[i]) * (i < block.interior.moment(0) ? L * L : L) / EI);
+      }
+    return maximum_over_ranks(*assembler_.map()->getComm(), largest);
+  }
+
+  /// K_g = (4 D(t) - D(2t))/3 with central differences D of the internal part; loads are evaluated at factor zero there
+  /// because a ramp has no negative side, and their own part, linear in the factor, comes from the reference state.
+  std::vector<double> geometric_stiffness(double t) {
+    std::vector<double> result(stiffness_.size(), 0.0);
+    const auto add = [&](double factor, const std::vector<double>& k) {
+      for (size_t i = 0; i < result.size(); ++i) result[i] += factor * k[i];
+    };
+    for (double sign : {1.0, -1.0}) {
+      add(sign * 4.0 / (6.0 * t), tangent_at(state_at(sign * t), 0.0));
+      add(-sign / (12.0 * t), tangent_at(state_at(sign * 2.0 * t), 0.0));
+    }
+    const double load_factor = std::min(t, 1.0);
+    by_loads_ = tangent_at(reference_, load_factor);
+    for (size_t i = 0; i < by_loads_.size(); ++i) {
+      by_loads_[i] = (by_loads_[i] - stiffness_[i]) / load_factor;
+      result[i] += by_loads_[i];
+    }
+    return result;
+  }
+
+  std::vector<EigenMode> modes(int count, double t, bool refined = false) {
+    const std::vector<double> geometric = geometric_stiffness(t);
+    std::vector<double> inverse_factor;
+    std::vector<std::vector<double>> y;
+    int symmetric = 1;
+    double residual = 0.0;  // the largest
+    on_root(unknowns_.root(), [&] {
+      SparseMatrix prestress = matrix_;
+      prestress.value = geometric;
+      symmetric = symmetric_ && asymmetry_of(prestress, t) <= kNearlySymmetric ? 1 : 0;
+      KrylovProblem eigen;
+      eigen.unknowns = unknowns_.count();
+      eigen.symmetric = symmetric != 0;
+      eigen.apply = [&](double* block, int columns) { apply(prestress, block, columns); };
+      if (eigen.symmetric) eigen.inner = [&](const double* x, double* kx) { matrix_.multiply(x, kx); };
+      for (RitzPair& pair : largest_eigenpairs(eigen, count)) {
+        if (pair.value == 0.0 || std::abs(pair.imaginary) > kNearlyReal * std::abs(pair.value)) continue;
+        inverse_factor.push_back(pair.value);
+        residual = std::max(residual, pair.residual);
+        y.push_back(std::move(pair.vector));
+      }
+    });
+    int found = static_cast<int>(y.size());
+    MPI_Bcast(&found, 1, MPI_INT, 0, unknowns_.root().communicator());
+    MPI_Bcast(&symmetric, 1, MPI_INT, 0, unknowns_.root().communicator());
+    inverse_factor.resize(found);
+    y.resize(found);
+    MPI_Bcast(inverse_factor.data(), found, MPI_DOUBLE, 0, unknowns_.root().communicator());
+    if (found == 0) return {};
+    if (symmetric == 0) {
+      std::vector<EigenMode> result = uncorrected(inverse_factor, y);
+      MPI_Bcast(&residual, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+      for (EigenMode& mode : result) {
+        mode.error = residual;
+        mode.converged = false;
+      }
+      return result;
+    }
+    return refined ? improved(inverse_factor, y) : corrected(inverse_factor, y, t);
+  }
+
+  /// K at the stresses of a load factor, interiors condensed exactly; loads without a potential apart.
+  void tangent_under_stress(double load_factor) {
+    under_stress_.row_start = matrix_.row_start;
+    under_stress_.column = matrix_.column;
+    under_stress_.value = tangent_at(state_at(load_factor), 0.0);
+    for (size_t i = 0; i < by_loads_.size(); ++i) under_stress_.value[i] += load_factor * by_loads_[i];
+  }
+
+  InertiaSolver::Signs factorize_under_stress() {
+    if (moving_solver_ == nullptr)
+      moving_solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, under_stress_);
+    return moving_solver_->factorize(under_stress_);
+  }
+
+  /// y . K y at the stresses of a load factor with the true compliance: zero where y is a mode.
+  double energy_at(double load_factor, const std::vector<double>& y) {
+    tangent_under_stress(load_factor);
+    double energy = 0.0;
+    if (unknowns_.is_root()) {
+      std::vector<double> force(y.size());
+      under_stress_.multiply(y.data(), force.data());
+      energy = std::inner_product(y.begin(), y.end(), force.begin(), 0.0);
+    }
+    MPI_Bcast(&energy, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+    const MixedVector motion = complete_motion(assembler_, unknowns_, state_at(load_factor), y);
+    return energy + added_compliance(assembler_, motion, motion);
+  }
+
+  /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1.
+  double rayleigh_factor(double first, const std::vector<double>& y) {
+    double a = 0.0, b = first, at_a = 1.0;
+    for (int i = 0; i < kMostSecants; ++i) {
+      const double at_b = energy_at(b, y);
+      if (at_b == at_a) break;
+      const double next = b - at_b * (b - a) / (at_b - at_a);
+      a = b;
+      at_a = at_b;
+      b = next;
+      if (!(std::abs(b - a) > kSettled * std::abs(b))) break;
+    }
+    return b;
+  }
+
+  /// |K(lambda) y| in units of K_0^-1: the share of the factor by which it may be wrong.
+  double residual_of(double load_factor, const std::vector<double>& y) {
+    tangent_under_stress(load_factor);
+    double residual = 0.0;
+    on_root(unknowns_.root(), [&] {
+      std::vector<double> force(y.size());
+      under_stress_.multiply(y.data(), force.data());
+      std::vector<double> moved = force;
+      solver_->solve(moved.data(), 1);
+      residual = std::sqrt(std::abs(std::inner_product(force.begin(), force.end(), moved.begin(), 0.0)));
+    });
+    MPI_Bcast(&residual, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+    return residual;
+  }
+
+  /// One step of inverse iteration, y = K^-1 K_0 y, and y . K_0 y = 1; so far beside the factor that modes of a
+  /// multiple one grow alike.
+  void improve(double load_factor, std::vector<double>& y) {
+    tangent_under_stress((1.0 - kAside) * load_factor);
+    on_root(unknowns_.root(), [&] {
+      std::vector<double> moved(y.size()), force(y.size());
+      matrix_.multiply(y.data(), moved.data());
+      if (factorize_under_stress().null > 0) return;
+      moving_solver_->solve(moved.data(), 1);
+      matrix_.multiply(moved.data(), force.data());
+      const double square = std::inner_product(moved.begin(), moved.end(), force.begin(), 0.0);
+      if (!(square > 0.0) || !std::isfinite(square)) return;
+      for (size_t i = 0; i < y.size(); ++i) y[i] = moved[i] / std::sqrt(square);
+    });
+  }
+
+  /// Eigenvalues of K below zero at the stresses of a load factor, interiors included.
+  long negative_at(double load_factor) {
+    tangent_under_stress(load_factor);
+    const Assembler::InteriorCount interior = assembler_.interior_count();
+    long negative = 0;
+    on_root(unknowns_.root(), [&] { negative = factorize_under_stress().negative; });
+    MPI_Bcast(&negative, 1, MPI_LONG, 0, unknowns_.root().communicator());
+    return interior.uncertain ? -1 : negative + interior.negative;
+  }
+
+  struct Factor {
+    double value = 0.0, residual = 0.0;
+    std::vector<double> y;
+    bool confirmed = false;
+  };
+
+  std::vector<EigenMode> improved(const std::vector<double>& inverse_factor,
+                                  const std::vector<std::vector<double>>& y) {
+    std::vector<Factor> factors;
+    for (size_t k = 0; k < y.size(); ++k) {
+      Factor factor{1.0 / inverse_factor[k], 0.0, y[k]};
+      for (int round = 0;; ++round) {
+        factor.value = rayleigh_factor(factor.value, factor.y);
+        factor.residual = residual_of(factor.value, factor.y);
+        if (round == kMostRounds || factor.residual <= kSmallResidual) break;
+        improve(factor.value, factor.y);
+      }
+      factors.push_back(std::move(factor));
+    }
+    std::stable_sort(factors.begin(), factors.end(),
+                     [](const Factor& a, const Factor& b) { return rank(a.value) < rank(b.value); });
+    confirm(factors, 1.0);
+    confirm(factors, -1.0);
+    return modes_of(factors);
+  }
+
+  /// Sylvester: beside each cluster of one sign the tangent has as many negative eigenvalues as there are factors
+  /// between it and zero.
+  void confirm(std::vector<Factor>& factors, double sign) {
+    std::vector<Factor*> side;
+    for (Factor& factor : factors)
+      if (factor.value * sign > 0.0) side.push_back(&factor);
+    for (size_t first = 0, last; first < side.size(); first = last) {
+      last = first + 1;
+      while (last < side.size() &&
+             std::abs(side[last]->value) < (1.0 + 4.0 * kBeside) * std::abs(side[last - 1]->value))
+        ++last;
+      const bool agrees = negative_at((1.0 - kBeside) * side[first]->value) == static_cast<long>(first) &&
+                          negative_at((1.0 + kBeside) * side[last - 1]->value) >= static_cast<long>(last);
+      for (size_t k = first; k < last; ++k) side[k]->confirmed = agrees && side[k]->residual <= kBeside;
+    }
+  }
+
+  /// -K^-1 K_g
+  void apply(const SparseMatrix& prestress, double* block, int columns) {
+    const size_t n = unknowns_.count();
+    std::vector<double> image(n * columns);
+    for (int j = 0; j < columns; ++j) prestress.multiply(block + j * n, image.data() + j * n);
+    std::transform(image.begin(), image.end(), block, [](double x) { return -x; });
+    solver_->solve(block, columns);
+  }
+
+  /// That of K + t K_g: K_g alone has no scale.
+  double asymmetry_of(const SparseMatrix& prestress, double t) {
+    SparseMatrix together = matrix_;
+    for (size_t i = 0; i < together.value.size(); ++i) together.value[i] += t * prestress.value[i];
+    return asymmetry(together);
+  }
+
+  /// Weights of the compliance that the cap adds, between all modes, at one state: lower triangle, column-major.
+  std::vector<double> added_at(const State& state, const std::vector<std::vector<double>>& y) {
+    tangent_at(state, 0.0);
+    const int m = static_cast<int>(y.size());
+    std::vector<MixedVector> motion;
+    for (const std::vector<double>& one : y) motion.push_back(complete_motion(assembler_, unknowns_, state, one));
+    std::vector<double> weights(static_cast<size_t>(m) * m, 0.0);
+    for (int j = 0; j < m; ++j)
+      for (int i = j; i < m; ++i)
+        weights[i + static_cast<size_t>(j) * m] = added_compliance(assembler_, motion[i], motion[j]);
+    return weights;
+  }
+
+  /// Rayleigh-Ritz in the modes found (K-orthonormal), with the true compliance in K and in K_g.
+  std::vector<EigenMode> corrected(const std::vector<double>& inverse_factor, const std::vector<std::vector<double>>& y,
+                                   double t) {
+    const int m = static_cast<int>(y.size());
+    const std::vector<double> plus = added_at(state_at(t), y), minus = added_at(state_at(-t), y);
+    std::vector<double> stiffness = added_at(reference_, y), prestress(stiffness.size());
+    for (size_t i = 0; i < prestress.size(); ++i) prestress[i] = -(plus[i] - minus[i]) / (2.0 * t);
+    for (int i = 0; i < m; ++i) {
+      stiffness[i * (m + 1)] += 1.0;
+      prestress[i * (m + 1)] += inverse_factor[i];
+    }
+    std::vector<double> values(m), work(4 * m + 1);
+    int info = 0;
+    Teuchos::LAPACK<int, double>().SYGV(1, 'V', 'L', m, prestress.data(), m, stiffness.data(), m, values.data(),
+                                        work.data(), 4 * m + 1, &info);
+    if (info != 0) throw LinearSolverError("the small eigenvalue problem failed: dsygv " + std::to_string(info));
+    return sorted_modes(values, prestress, y);
+  }
+
+  /// At the reference state.
+  std::vector<EigenMode> modes_of(const std::vector<Factor>& factors) {
+    tangent_at(reference_, 0.0);
+    std::vector<EigenMode> result;
+    for (const Factor& factor : factors) {
+      MixedVector mode = complete_motion(assembler_, unknowns_, reference_, factor.y);
+      normalize_mode(assembler_, mode);
+      result.push_back({factor.value, std::move(mode), factor.residual, factor.confirmed});
+    }
+    return result;
+  }
+
+  /// Not symmetric: the factors stay low by what the cap does, about 1e-5 of them.
+  std::vector<EigenMode> uncorrected(const std::vector<double>& inverse_factor,
+                                     const std::vector<std::vector<double>>& y) {
+    const int m = static_cast<int>(y.size());
+    std::vector<double> identity(static_cast<size_t>(m) * m, 0.0);
+    for (int i = 0; i < m; ++i) identity[i * (m + 1)] = 1.0;
+    tangent_at(reference_, 0.0);
+    return sorted_modes(inverse_factor, identity, y);
+  }
+
+  /// At the reference state.
+  std::vector<EigenMode> sorted_modes(const std::vector<double>& inverse_factor, const std::vector<double>& weights,
+                                      const std::vector<std::vector<double>>& y) {
+    const int m = static_cast<int>(y.size());
+    std::vector<MixedVector> motion;
+    for (const std::vector<double>& one : y) motion.push_back(complete_motion(assembler_, unknowns_, reference_, one));
+    std::vector<EigenMode> result;
+    for (int k = 0; k < m; ++k) {
+      MixedVector mode = combination(motion, &weights[static_cast<size_t>(k) * m]);
+      normalize_mode(assembler_, mode);
+      result.push_back({1.0 / inverse_factor[k], std::move(mode)});
+    }
+    std::stable_sort(result.begin(), result.end(),
+                     [](const EigenMode& a, const EigenMode& b) { return rank(a.eigenvalue) < rank(b.eigenvalue); });
+    return result;
+  }
+
+  BeamProblem& problem_;
+  Assembler& assembler_;
+  IndependentUnknowns unknowns_;
+  State reference_;
+  ResidualScales scales_;
+  MixedVector response_, work_;
+  bool symmetric_ = true;  ///< rank 0
+  std::vector<double> stiffness_, by_loads_;
+  SparseMatrix matrix_, under_stress_;
+  std::unique_ptr<InertiaSolver> solver_, moving_solver_;
+};
+
+}  // namespace
+
+std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count) { return LinearBuckling(problem).modes(count); }
+
+}  // namespace mixbeam

@@ -1,0 +1,152 @@
+/// Whether an equilibrium is stable: the signs of the eigenvalues of the tangent in the motions that supports and
+/// joints permit, and the modes whose eigenvalues are nearest to zero.
+///
+/// K phi = mu S phi with the reduced tangent K and S as IndependentUnknowns measures motions: EI/L times l_v/L for
+/// rotations, that over L^2 for displacements. Eigenvalues have no unit.
+///
+/// Under loads with a potential K is symmetric and an equilibrium is stable when no eigenvalue is negative. The count
+/// is complete: interiors of elements are condensed, and by Wittrick and Williams J = J0 (eigenvalues below zero of the
+/// interiors while vertices stand still) + those of the condensed matrix. An eigenvalue that is zero within its error
+/// is counted apart: such a state is neutral.
+///
+/// Under follower loads and spatial moments K is not symmetric: real eigenvalues below zero mean divergence, and their
+/// parity is the sign of the determinant; flutter is a matter of dynamics and not seen here, so that a state that has
+/// not diverged is unknown, also where the symmetric part of K is positive (which excludes divergence alone).
+///
+/// The tangent caps the stiffness of forces (Assembler), which lowers critical loads by about 1e-5 of them, 1e-7 where
+/// eigenvalues are only counted. Modes are corrected to the true stiffness, to second order in the cap, and next to
+/// zero the corrected eigenvalues are counted.
+///
+/// Where stiff members stand beside soft ones, the condensed tangent keeps of its small eigenvalues only what the
+/// rounding of the stiff entries leaves, but its modes to rounding. There eigenvalues are taken from the second
+/// variation of the mixed potential in these modes, which holds compliances and no stiffness.
+#pragma once
+
+#include "discretization/assembly/condensed_system.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
+#include "nonlinear/stability/block_krylov.hpp"
+#include "nonlinear/stability/eigen_mode.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace mixbeam {
+
+/// What is known of an equilibrium. Neutral: no eigenvalue is negative, but one is zero.
+enum class Verdict { stable, unstable, neutral, unknown };
+
+/// "true", "false", "neutral" or "unknown": the value of `stable` in files and messages.
+const char* text_of(Verdict verdict);
+
+struct StabilityResult {
+  int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones that are known, at least the parity
+  int null = 0;            ///< eigenvalues that are zero within their errors; not among `negative`
+  bool symmetric = true;   ///< the tangent was treated as symmetric
+  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj)
+  int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
+
+  /// Without symmetry an equilibrium that has not diverged is unknown: it may flutter.
+  Verdict verdict() const;
+};
+
+struct Spectrum {
+  StabilityResult stability;     ///< `negative` agrees with the corrected eigenvalues
+  std::vector<EigenMode> modes;  ///< nearest to zero first; unsymmetric: real ones alone
+};
+
+/// A few vectors B of the unknowns, close to the modes whose eigenvalues pass zero on a piece of a path.
+struct CriticalSpace {
+  int size = 0;
+  std::vector<std::vector<double>> vectors{};  ///< rank 0
+};
+
+/// What a space sees of a tangent K: the eigenvalues that Rayleigh and Ritz find in K^-p B, with a small p. They vanish
+/// where those of K do and as many of them, and those of a few modes need no eigenvalue solver. By Haynsworth the
+/// number of negative eigenvalues of K exceeds theirs by one that changes only where K^(2p-1), bordered by B, is
+/// singular: as long as it stays the same the space sees all that passes zero.
+struct SpaceValues {
+  std::vector<EigenMode> modes;  ///< in the order of their eigenvalues; none: K has no symmetry
+  int unseen = 0;                ///< negative eigenvalues of K less those of the space
+
+  int negative() const;  ///< of the space
+};
+
+/// Works on the tangent of the assembler and leaves another state there: Newton's method assembles its own again.
+/// All functions are collective, give the same on every rank and throw LinearSolverError.
+class Stability {
+ public:
+  explicit Stability(BeamProblem& problem);
+
+  /// Inertia of the tangent: one factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero
+  /// the nearest ones are looked at, by spectrum(). Unsymmetric: the sign of the determinant alone.
+  StabilityResult count(const State& state, double load_factor);
+
+  /// The same while a motion is held, that of a controlled displacement: <motion, dx> = 0. `motion`: rows of vertices,
+  /// as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the whole tangent.
+  StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
+
+  /// The `count` eigenvalues nearest to zero (or all there are), with modes and errors, and the number of negative
+  /// ones. The work is bounded: modes that did not converge say so.
+  Spectrum spectrum(const State& state, double load_factor, int count);
+  std::vector<EigenMode> modes_near_zero(const State& state, double load_factor, int count) {
+    return spectrum(state, load_factor, count).modes;
+  }
+
+  /// The space of the eigenvalues number first .. first + count - 1, from one, in the order of their size: roughly the
+  /// modes. Empty where they are not among those nearest to zero, or the tangent has no symmetry.
+  CriticalSpace space_of(const State& state, double load_factor, int first, int count);
+  /// One factorisation, and `size` solutions with it.
+  SpaceValues in_space(const State& state, double load_factor, const CriticalSpace& space);
+
+ private:
+  /// Eigenvectors of the reduced matrix on rank 0, the rest everywhere.
+  struct Reduced {
+    std::vector<double> eigenvalue, error;
+    std::vector<int> converged;
+    std::vector<std::vector<double>> vector, left;  ///< left: unsymmetric only
+  };
+  /// Of rank 0; the structure of the matrix is analysed once.
+  struct Solvers {
+    std::unique_ptr<InertiaSolver> symmetric, general;
+  };
+  struct RootResult {
+    StabilityResult result;
+    double nearest = 0.0;  ///< size of the eigenvalue nearest to zero, not below it; rank 0
+    bool is_near_zero = false;
+    bool is_reliable = true;
+  };
+
+  void evaluate_tangent(const State& state, double load_factor, double raise);
+  void assemble(const State& state, double load_factor);
+  double softness();
+  RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
+  void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, RootResult& root) const;
+  RootResult completed(RootResult root, MPI_Comm communicator, long of_chains) const;
+  RootResult factorized_beside_chains(const State& state);
+  double nearest_with_chains(const State& state);
+  std::optional<StabilityResult> inertia_with_chains(const State& state);
+  StabilityResult inertia();
+  InertiaSolver& solver(const StabilityResult& result);
+  Reduced ritz_values(const StabilityResult& stability, const CriticalSpace& space);
+  Reduced nearest(const StabilityResult& stability, int count, double tolerance);
+  void recount(const Reduced& reduced, Spectrum& spectrum) const;
+  static void recount_unsymmetric(Spectrum& spectrum);
+  MixedVector derivative_along(const State& state, double load_factor, const MixedVector& motion);
+  std::vector<double> second_variations(const State& state, double load_factor, const std::vector<MixedVector>& motions,
+                                        const Reduced& reduced);
+  std::vector<EigenMode> corrected_modes(const State& state, double load_factor, const StabilityResult& stability,
+                                         const Reduced& reduced);
+
+  BeamProblem& problem_;
+  Assembler::InteriorCount interior_;  ///< of the last tangent
+  double zero_ = 0.0;                  ///< eigenvalues up to this size are zero at the last state
+  std::optional<double> softness_;
+  // When first needed:
+  std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;
+  Solvers all_, beside_chains_;
+  std::unique_ptr<CondensedSystem> chains_;
+};
+
+}  // namespace mixbeam
