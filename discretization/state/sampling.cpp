@@ -330,7 +330,7 @@ namespace {
 /// Half the work of N on its strain and of M on its strain, where a general section couples them.
 StrainEnergy general_element_energy(const ElementBlock& block, int e, const double* interior) {
   const int k = block.order, n = block.interior.force_points;
-  const GeneralSection section{&block.compliance(e, 0), {k, n}, 0.0, 0.0};
+  const GeneralSection<> section{&block.compliance(e, 0), {k, n}, 0.0, 0.0};
   StrainEnergy energy;
   double points[kMaximumPoints], weights[kMaximumPoints];
   const auto moment_at = [&](double xi) {

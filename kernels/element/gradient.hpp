@@ -97,20 +97,21 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>&
 
 /// The same for a general section: sum of w P_j S_MM M over the moment points and of w P_j S_MN N over the force
 /// points.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<>& in, const ElementKinematics<K>& kinematics,
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
+                                                  const ElementKinematics<K, Real>& kinematics,
                                                   const ElementTables<K>& tables, const InteriorLayout& layout,
-                                                  const GeneralSection& section, ElementGradient<K>& g) {
-  const double half = 0.5 * kinematics.length;
+                                                  const GeneralSection<Real>& section, ElementGradient<K, Real>& g) {
+  const Real half = 0.5 * kinematics.length;
   for (int q = 0; q <= K; ++q) {
-    Vec moment{{0.0, 0.0, 0.0}};
+    Vec3<Real> moment{{Real(0.0), Real(0.0), Real(0.0)}};
     for (int j = 0; j <= K; ++j) moment += tables.moment_legendre[q][j] * load_vector(in.interior + layout.moment(j));
-    const Vec strain = (half * tables.moment_weight[q]) * (section.moment_moment(q) * moment);
+    const Vec3<Real> strain = (half * tables.moment_weight[q]) * (section.moment_moment(q) * moment);
     for (int j = 0; j <= K; ++j) g.moment_row[j] += (-tables.moment_legendre[q][j]) * strain;
   }
   for (int q = 0; q < tables.force_points; ++q) {
-    const Vec force = load_vector(in.interior + layout.force(q));
-    const Vec strain = (half * tables.force_weight[q]) * transpose_times(section.force_moment(q), force);
+    const Vec3<Real> force = load_vector(in.interior + layout.force(q));
+    const Vec3<Real> strain = (half * tables.force_weight[q]) * transpose_times(section.force_moment(q), force);
     for (int j = 0; j < K; ++j) g.moment_row[j] += (-tables.force_legendre[q][j]) * strain;
   }
 }

@@ -51,6 +51,7 @@ struct ElementKinematics {
   Vec3<Real> slope[K];  ///< Lambda_lo^T u' = sum_j slope_j P_j
   Vec3<Real> psi[K];    ///< psi_ho = sum_{j >= 1} psi_j P_j (psi_0 unused)
 
+  ElementKinematics() = default;
   KOKKOS_FORCEINLINE_FUNCTION ElementKinematics(const ElementInput<Real>& in, const InteriorLayout& layout)
       : length(in.reference[0]), triad(rotation_matrix(in.triad)) {
     slope[0] = Real(1.0 / length) * transpose_times(triad, in.displacement[1] - in.displacement[0]);
@@ -66,6 +67,17 @@ struct ElementKinematics {
     Vec3<Real> p = transpose_times(triad, reference_tangent);
     for (int j = 0; j < K; ++j) p += P[j] * slope[j];
     return p;
+  }
+  /// One lane of several elements.
+  KOKKOS_INLINE_FUNCTION ElementKinematics<K> in_lane(int lane) const {
+    ElementKinematics<K> one;
+    one.length = length[lane];
+    one.triad = mixbeam::in_lane(triad, lane);
+    for (int j = 0; j < K; ++j) {
+      one.slope[j] = mixbeam::in_lane(slope[j], lane);
+      one.psi[j] = mixbeam::in_lane(psi[j], lane);
+    }
+    return one;
   }
   KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> relative_rotation(const double* P) const {
     Vec3<Real> sum{{Real(0.0), Real(0.0), Real(0.0)}};
@@ -95,10 +107,11 @@ struct PointRotation {
 
 /// Force strain that the resultants of the element make in a general section: S_NN N + S_NM M at a force point. The
 /// degree k of M has no part in it: P_k is zero at the k Gauss points.
-template <int K>
-KOKKOS_INLINE_FUNCTION Vec coupled_force_strain(const GeneralSection& section, int q, const ElementInput<>& in,
-                                                const ElementTables<K>& tables, const InteriorLayout& layout) {
-  Vec moment{{0.0, 0.0, 0.0}};
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION Vec3<Real> coupled_force_strain(const GeneralSection<Real>& section, int q,
+                                                       const ElementInput<Real>& in, const ElementTables<K>& tables,
+                                                       const InteriorLayout& layout) {
+  Vec3<Real> moment{{Real(0.0), Real(0.0), Real(0.0)}};
   for (int j = 0; j < K; ++j) moment += tables.force_legendre[q][j] * load_vector(in.interior + layout.moment(j));
   return section.force_force(q) * load_vector(in.interior + layout.force(q)) + section.force_moment(q) * moment;
 }

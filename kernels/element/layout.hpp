@@ -127,8 +127,13 @@ struct SectionNumbers {
   /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
   /// these.
   Real force_stiffness_limit, moment_stiffness_limit;
+
+  static constexpr int kCount = 20;  ///< all of these as one array
+  KOKKOS_INLINE_FUNCTION Real* numbers() { return force_compliance; }
+  KOKKOS_INLINE_FUNCTION const Real* numbers() const { return force_compliance; }
 };
 using SectionConstants = SectionNumbers<double>;
+static_assert(sizeof(SectionConstants) == SectionConstants::kCount * sizeof(double));
 
 /// Vector fields given along an element: loads per unit reference length and strains without stress.
 enum class LineField {
@@ -147,9 +152,10 @@ constexpr int line_field_points(LineField field, int order, int force_points) {
 }
 
 /// The line fields of one element at the present load factor, (point, 3) each; null where there is none.
+template <class Real = double>
 struct ElementFields {
-  const double* values[kLineFields] = {};
-  KOKKOS_INLINE_FUNCTION const double* operator[](LineField field) const { return values[static_cast<int>(field)]; }
+  const Real* values[kLineFields] = {};
+  KOKKOS_INLINE_FUNCTION const Real* operator[](LineField field) const { return values[static_cast<int>(field)]; }
   /// Whether some of them have no potential.
   KOKKOS_INLINE_FUNCTION bool have_no_potential() const {
     return values[static_cast<int>(LineField::dead_couple)] != nullptr ||

@@ -7,19 +7,20 @@
 namespace mixbeam {
 
 /// Displacements at a point of the element, in its frame: u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_force_work(double weight, double length, const Vec& force, const double* bubble,
-                                           int first, ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_force_work(const Real& weight, const Real& length, const Vec3<Real>& force,
+                                           const double* bubble, int first, ElementGradient<K, Real>& g) {
   for (int j = first; j < K; ++j) g.slope[j] += (-0.5 * length * weight * bubble[j]) * force;
 }
 
 /// Virtual work f . du of a dead force f (spatial).
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_dead_force(const double* values, const ElementKinematics<K>& kinematics,
-                                           const ElementTables<K>& tables, ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_dead_force(const Real* values, const ElementKinematics<K, Real>& kinematics,
+                                           const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
   for (int q = 0; q <= K; ++q) {
-    const Vec force = load_vector(values + 3 * q);
-    const double w = 0.5 * kinematics.length * tables.moment_weight[q], xi = tables.moment_xi[q];
+    const Vec3<Real> force = load_vector(values + 3 * q);
+    const Real w = 0.5 * kinematics.length * tables.moment_weight[q];
+    const double xi = tables.moment_xi[q];
     g.vertex_force[0] += (-0.5 * w * (1.0 - xi)) * force;
     g.vertex_force[1] += (-0.5 * w * (1.0 + xi)) * force;
     if constexpr (K > 1)
@@ -28,55 +29,55 @@ KOKKOS_INLINE_FUNCTION void add_dead_force(const double* values, const ElementKi
 }
 
 /// Virtual work f . du of f = Lambda_E F, F material.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_follower_force(const double* values, const ElementKinematics<K>& kinematics,
-                                               const ElementTables<K>& tables, ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_follower_force(const Real* values, const ElementKinematics<K, Real>& kinematics,
+                                               const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
   for (int q = 0; q <= K; ++q) {
-    const PointRotation<K> rotation(kinematics.relative_rotation(tables.moment_legendre[q]));
-    const Vec force = rotation.exp * load_vector(values + 3 * q);
-    const double w = 0.5 * kinematics.length * tables.moment_weight[q];
-    const Vec half = (-0.5 * w) * (kinematics.triad * force);
+    const PointRotation<K, Real> rotation(kinematics.relative_rotation(tables.moment_legendre[q]));
+    const Vec3<Real> force = rotation.exp * load_vector(values + 3 * q);
+    const Real w = 0.5 * kinematics.length * tables.moment_weight[q];
+    const Vec3<Real> half = (-0.5 * w) * (kinematics.triad * force);
     for (int end = 0; end < 2; ++end) g.vertex_force[end] += half;
     add_force_work(w, kinematics.length, force, tables.moment_bubble[q], 0, g);
   }
 }
 
 /// Virtual work c . dtheta_E of a dead couple c (spatial), dtheta_E = w + T(psi) dpsi in the element frame.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_dead_couple(const double* values, const ElementKinematics<K>& kinematics,
-                                            const ElementTables<K>& tables, ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_dead_couple(const Real* values, const ElementKinematics<K, Real>& kinematics,
+                                            const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
   for (int q = 0; q <= K; ++q) {
     const double* P = tables.moment_legendre[q];
-    const Vec couple = (-0.5 * kinematics.length * tables.moment_weight[q]) *
-                       transpose_times(kinematics.triad, load_vector(values + 3 * q));
+    const Vec3<Real> couple = (-0.5 * kinematics.length * tables.moment_weight[q]) *
+                              transpose_times(kinematics.triad, load_vector(values + 3 * q));
     g.spin += couple;
     if constexpr (K > 1) {
-      const Vec turned = transpose_times(tangent_map(kinematics.relative_rotation(P)), couple);
+      const Vec3<Real> turned = transpose_times(tangent_map(kinematics.relative_rotation(P)), couple);
       for (int j = 1; j < K; ++j) g.psi[j] += P[j] * turned;
     }
   }
 }
 
 /// The same for c = Lambda_E C, C material: T(psi)^T exp(psi) C = T(psi) C.
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_follower_couple(const double* values, const ElementKinematics<K>& kinematics,
-                                                const ElementTables<K>& tables, ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_follower_couple(const Real* values, const ElementKinematics<K, Real>& kinematics,
+                                                const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
   for (int q = 0; q <= K; ++q) {
     const double* P = tables.moment_legendre[q];
-    const PointRotation<K> rotation(kinematics.relative_rotation(P));
-    const Vec couple = (-0.5 * kinematics.length * tables.moment_weight[q]) * load_vector(values + 3 * q);
+    const PointRotation<K, Real> rotation(kinematics.relative_rotation(P));
+    const Vec3<Real> couple = (-0.5 * kinematics.length * tables.moment_weight[q]) * load_vector(values + 3 * q);
     g.spin += rotation.exp * couple;
     if constexpr (K > 1) {
-      const Vec turned = rotation.tangent * couple;
+      const Vec3<Real> turned = rotation.tangent * couple;
       for (int j = 1; j < K; ++j) g.psi[j] += P[j] * turned;
     }
   }
 }
 
 /// N . (gamma - gamma_e): N works on what is beyond the eigenstrain.
-template <int K>
-KOKKOS_INLINE_FUNCTION void subtract_eigenstrain(const double* values, const ElementTables<K>& tables,
-                                                 ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void subtract_eigenstrain(const Real* values, const ElementTables<K>& tables,
+                                                 ElementGradient<K, Real>& g) {
   for (int q = 0; q < tables.force_points; ++q) {
     const double mask[3] = {tables.axial[q], tables.shear[q], tables.shear[q]};
     for (int i = 0; i < 3; ++i) g.strain_error[q][i] -= mask[i] * values[3 * q + i];
@@ -84,24 +85,25 @@ KOKKOS_INLINE_FUNCTION void subtract_eigenstrain(const double* values, const Ele
 }
 
 /// M . (kappa - kappa_e)
-template <int K>
-KOKKOS_INLINE_FUNCTION void subtract_eigencurvature(const double* values, double length, const ElementTables<K>& tables,
-                                                    ElementGradient<K>& g) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void subtract_eigencurvature(const Real* values, const Real& length,
+                                                    const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
   for (int q = 0; q <= K; ++q) {
-    const Vec curvature = (-0.5 * length * tables.moment_weight[q]) * load_vector(values + 3 * q);
+    const Vec3<Real> curvature = (-0.5 * length * tables.moment_weight[q]) * load_vector(values + 3 * q);
     for (int j = 0; j <= K; ++j) g.moment_row[j] += tables.moment_legendre[q][j] * curvature;
   }
 }
 
-template <int K>
-KOKKOS_INLINE_FUNCTION void add_field_gradient(const ElementFields& fields, const ElementKinematics<K>& kinematics,
-                                               const ElementTables<K>& tables, ElementGradient<K>& g) {
-  if (const double* values = fields[LineField::dead_force]) add_dead_force(values, kinematics, tables, g);
-  if (const double* values = fields[LineField::dead_couple]) add_dead_couple(values, kinematics, tables, g);
-  if (const double* values = fields[LineField::follower_force]) add_follower_force(values, kinematics, tables, g);
-  if (const double* values = fields[LineField::follower_couple]) add_follower_couple(values, kinematics, tables, g);
-  if (const double* values = fields[LineField::eigenstrain]) subtract_eigenstrain(values, tables, g);
-  if (const double* values = fields[LineField::eigencurvature])
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION void add_field_gradient(const ElementFields<Real>& fields,
+                                               const ElementKinematics<K, Real>& kinematics,
+                                               const ElementTables<K>& tables, ElementGradient<K, Real>& g) {
+  if (const Real* values = fields[LineField::dead_force]) add_dead_force(values, kinematics, tables, g);
+  if (const Real* values = fields[LineField::dead_couple]) add_dead_couple(values, kinematics, tables, g);
+  if (const Real* values = fields[LineField::follower_force]) add_follower_force(values, kinematics, tables, g);
+  if (const Real* values = fields[LineField::follower_couple]) add_follower_couple(values, kinematics, tables, g);
+  if (const Real* values = fields[LineField::eigenstrain]) subtract_eigenstrain(values, tables, g);
+  if (const Real* values = fields[LineField::eigencurvature])
     subtract_eigencurvature(values, kinematics.length, tables, g);
 }
 

@@ -15,12 +15,11 @@ namespace mixbeam {
 /// anything there: these depend on w and psi, the first K blocks of the reduced system; nothing depends on the mean.
 template <int K>
 struct MeanRows {
-  bool used = false;
+  bool used;
   double row[3][3 * K];
   double condensed[3][kResponseColumns];  ///< after elimination of the interior: slope_0, spins a and b, constant
 
   KOKKOS_INLINE_FUNCTION void clear() {
-    used = true;
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3 * K; ++c) row[r][c] = 0.0;
   }
@@ -28,11 +27,12 @@ struct MeanRows {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) row[i][3 * column + j] += factor * m(i, j);
   }
-  KOKKOS_INLINE_FUNCTION void condense(const InteriorResponse<K>& response) {
+  template <int W>
+  KOKKOS_INLINE_FUNCTION void condense(const InteriorResponse<K, Pack<W>>& response, int lane) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < kResponseColumns; ++c) {
         double sum = 0.0;
-        for (int i = 0; i < 3 * K; ++i) sum += row[r][i] * response(i, c);
+        for (int i = 0; i < 3 * K; ++i) sum += row[r][i] * response(i, c)[lane];
         condensed[r][c] = sum;
       }
   }
@@ -133,13 +133,14 @@ KOKKOS_INLINE_FUNCTION void add_follower_force_tangent(const double* values, con
 }
 
 template <int K>
-KOKKOS_INLINE_FUNCTION void add_field_tangent(const ElementFields& fields, const ElementKinematics<K>& kinematics,
+KOKKOS_INLINE_FUNCTION void add_field_tangent(const ElementFields<>& fields, const ElementKinematics<K>& kinematics,
                                               const ElementTables<K>& tables, FullSystem<K>& system,
                                               MeanRows<K>& mean) {
   if (const double* values = fields[LineField::dead_couple])
     add_dead_couple_tangent(values, kinematics, tables, system);
   if (const double* values = fields[LineField::follower_couple])
     add_follower_couple_tangent(values, kinematics, tables, system);
+  mean.used = fields[LineField::follower_force] != nullptr;
   if (const double* values = fields[LineField::follower_force]) {
     mean.clear();
     add_follower_force_tangent(values, kinematics, tables, system, mean);

@@ -69,12 +69,6 @@ struct VertexSystem {
   Vec3<Real> gradient[3];
 };
 
-KOKKOS_INLINE_FUNCTION double number_in_lane(double x, int) { return x; }
-template <int W>
-double number_in_lane(const Pack<W>& x, int lane) {
-  return x[lane];
-}
-
 /// The reduced system in double with all of its entries: it need not be symmetric.
 template <int K>
 struct FullSystem {
@@ -83,12 +77,12 @@ struct FullSystem {
   double matrix[kSize][kSize];
   double rhs[kSize];
 
-  template <class Real>
-  KOKKOS_INLINE_FUNCTION explicit FullSystem(const ReducedSystem<K, Real>& symmetric, int lane = 0) {
+  /// One lane of a symmetric system.
+  template <int W>
+  KOKKOS_INLINE_FUNCTION FullSystem(const ReducedSystem<K, Pack<W>>& symmetric, int lane) {
     for (int i = 0; i < kSize; ++i) {
-      for (int j = 0; j <= i; ++j)
-        matrix[i][j] = matrix[j][i] = number_in_lane(symmetric(i / 3, j / 3)(i % 3, j % 3), lane);
-      rhs[i] = number_in_lane(symmetric.rhs[i / 3][i % 3], lane);
+      for (int j = 0; j <= i; ++j) matrix[i][j] = matrix[j][i] = symmetric(i / 3, j / 3)(i % 3, j % 3)[lane];
+      rhs[i] = symmetric.rhs[i / 3][i % 3][lane];
     }
   }
   KOKKOS_INLINE_FUNCTION void add(int row, int column, double factor, const Mat3<double>& m) {
@@ -407,13 +401,14 @@ class InteriorFactor {
   }
 };
 
-/// Response and condensed system of one lane of `system`, with row pivoting.
+/// Response and condensed system of one lane, by a system of its own, with row pivoting.
 template <int K, int W>
-__attribute__((noinline)) void redo_lane(const ReducedSystem<K, Pack<W>>& system, int lane,
-                                         InteriorResponse<K, Pack<W>>& response, VertexSystem<Pack<W>>& condensed) {
+KOKKOS_FUNCTION __attribute__((noinline)) void solve_one_lane(const FullSystem<K>& system, int lane,
+                                                              InteriorResponse<K, Pack<W>>& response,
+                                                              VertexSystem<Pack<W>>& condensed) {
   InteriorResponse<K> one;
   VertexSystem<> one_condensed;
-  solve_with_row_pivoting(FullSystem<K>(system, lane), one, one_condensed);
+  solve_with_row_pivoting(system, one, one_condensed);
   for (int b = 0; b < ReducedBlocks<K>::kInterior; ++b)
     for (int i = 0; i < 3; ++i) {
       for (int c = 0; c < 9; ++c) response.by[b][c / 3](i, c % 3).set(lane, one.by[b][c / 3](i, c % 3));
@@ -439,8 +434,9 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>&
   if (any<W>(factor.suspicious))
     for (int lane = 0; lane < W; ++lane)
       if (factor.suspicious[lane] != 0) {
-        redo_lane(system, lane, response, condensed);
-        if (signs != nullptr) signs[lane] = interior_signs(FullSystem<K>(system, lane), true);
+        const FullSystem<K> one(system, lane);
+        solve_one_lane(one, lane, response, condensed);
+        if (signs != nullptr) signs[lane] = interior_signs(one, true);
       }
 }
 

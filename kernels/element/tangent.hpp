@@ -49,7 +49,10 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> times_stiffness(const Mat3<Real>& m, cons
            {m(1, 0) * c[0], m(1, 1) * c[1], m(1, 2) * c[2]},
            {m(2, 0) * c[0], m(2, 1) * c[1], m(2, 2) * c[2]}}};
 }
-KOKKOS_FORCEINLINE_FUNCTION Mat times_stiffness(const Mat& m, const Mat& c) { return m * c; }
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> times_stiffness(const Mat3<Real>& m, const Mat3<Real>& c) {
+  return m * c;
+}
 /// hat(a) C
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> hat_times_stiffness(const Vec3<Real>& a, const Vec3<Real>& c) {
@@ -57,17 +60,26 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> hat_times_stiffness(const Vec3<Real>& a, 
            {a[2] * c[0], Real(0.0), -a[0] * c[2]},
            {-a[1] * c[0], a[0] * c[1], Real(0.0)}}};
 }
-KOKKOS_FORCEINLINE_FUNCTION Mat hat_times_stiffness(const Vec& a, const Mat& c) { return hat(a) * c; }
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> hat_times_stiffness(const Vec3<Real>& a, const Mat3<Real>& c) {
+  return hat(a) * c;
+}
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> stiffness_matrix(const Vec3<Real>& c) {
   return {{{c[0], Real(0.0), Real(0.0)}, {Real(0.0), c[1], Real(0.0)}, {Real(0.0), Real(0.0), c[2]}}};
 }
-KOKKOS_FORCEINLINE_FUNCTION Mat stiffness_matrix(const Mat& c) { return c; }
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> stiffness_matrix(const Mat3<Real>& c) {
+  return c;
+}
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> stress(const Vec3<Real>& c, const Vec3<Real>& e) {
   return {{c[0] * e[0], c[1] * e[1], c[2] * e[2]}};
 }
-KOKKOS_FORCEINLINE_FUNCTION Vec stress(const Mat& c, const Vec& e) { return c * e; }
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> stress(const Mat3<Real>& c, const Vec3<Real>& e) {
+  return c * e;
+}
 
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> tangent_force_stiffness(int q, const ElementTables<K>& tables,
@@ -75,8 +87,9 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> tangent_force_stiffness(int q, const Elem
   const Real* stiffness = section.tangent_force_stiffness;
   return {{tables.axial[q] * stiffness[0], tables.shear[q] * stiffness[1], tables.shear[q] * stiffness[2]}};
 }
-template <int K>
-KOKKOS_INLINE_FUNCTION Mat tangent_force_stiffness(int q, const ElementTables<K>&, const GeneralSection& section) {
+template <int K, class Real>
+KOKKOS_INLINE_FUNCTION Mat3<Real> tangent_force_stiffness(int q, const ElementTables<K>&,
+                                                          const GeneralSection<Real>& section) {
   return inverse_of_symmetric(capped_compliance(section.force_force(q), section.force_stiffness_limit));
 }
 

@@ -20,18 +20,6 @@ constexpr int kLanes = 4;
 constexpr int kLanes = 2;
 #endif
 
-/// Rows (elements, vertices) that are worked on side by side, from kLanes * pack on. Behind the last of `count` rows
-/// that one is repeated, and nothing is written for the repetitions.
-struct LaneRows {
-  int active;  ///< lanes that are written
-  int row[kLanes];
-  KOKKOS_FORCEINLINE_FUNCTION LaneRows(int pack, int count)
-      : active(count - pack * kLanes < kLanes ? count - pack * kLanes : kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) row[lane] = pack * kLanes + (lane < active ? lane : active - 1);
-  }
-  static int packs(int count) { return (count + kLanes - 1) / kLanes; }
-};
-
 /// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere), and
 /// the numbers as they stand in an array of double.
 template <int W>
@@ -43,13 +31,14 @@ struct Registers;
     typedef long long Conditions __attribute__((vector_size(W * sizeof(long long))));                \
     typedef double InMemory __attribute__((vector_size(W * sizeof(double)), aligned(8), may_alias)); \
   };
-MIXBEAM_REGISTERS(1)
 MIXBEAM_REGISTERS(2)
 MIXBEAM_REGISTERS(4)
 MIXBEAM_REGISTERS(8)
 #undef MIXBEAM_REGISTERS
 
-template <int W>
+/// W numbers side by side. Pack<1>, for processors without lanes and for tests, and Pack<0>, which counts operations,
+/// are single numbers (below).
+template <int W, bool IsSingle = (W < 2)>
 struct Pack {
   using Vector = typename Registers<W>::Numbers;
   using Mask = typename Registers<W>::Conditions;
@@ -103,6 +92,97 @@ struct Pack {
   friend Pack select(const Mask& mask, const Pack& a, const Pack& b) { return Pack(mask ? a.v : b.v); }
 };
 
+/// Floating-point operations of a piece of code. Comparisons, changes of sign and absolute values are not counted.
+struct OperationCount {
+  long sums = 0, products = 0;
+  long divisions = 0, functions = 0;  ///< functions: roots, sine, cosine, atan2, one each
+  /// As a machine's peak is counted: one for each operation, so that a fused multiply-add makes two.
+  long flops() const { return sums + products + divisions + functions; }
+};
+
+/// One number in place of several. W = 0 counts what is done with it: a kernel that runs on it tells how many
+/// operations it takes for one element or vertex. Lanes that need a rare branch are treated one by one in loops over W
+/// lanes, so that what is counted is the usual way.
+template <int W>
+struct Pack<W, true> {
+  /// What comparisons give: all bits or none, as in a lane.
+  struct Mask {
+    long long bits = 0;
+    KOKKOS_FORCEINLINE_FUNCTION explicit operator bool() const { return bits != 0; }
+    KOKKOS_FORCEINLINE_FUNCTION long long& operator[](int) { return bits; }
+    KOKKOS_FORCEINLINE_FUNCTION long long operator[](int) const { return bits; }
+    KOKKOS_FORCEINLINE_FUNCTION Mask operator~() const { return {~bits}; }
+    KOKKOS_FORCEINLINE_FUNCTION Mask& operator|=(const Mask& b) { return bits |= b.bits, *this; }
+  };
+
+  double v = 0.0;
+
+  Pack() = default;
+  KOKKOS_FORCEINLINE_FUNCTION Pack(double x) : v(x) {}  // NOLINT(google-explicit-constructor): stands for double
+  template <class Place>
+  KOKKOS_FORCEINLINE_FUNCTION static Pack gathered(const Place& place) {
+    return place(0);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION double operator[](int) const { return v; }
+  KOKKOS_FORCEINLINE_FUNCTION void set(int, double x) { v = x; }
+
+  /// All operations of this thread since it was set (W = 0).
+  static OperationCount& count() {
+    static thread_local OperationCount operations;
+    return operations;
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION Pack& operator+=(const Pack& b) { return *this = *this + b; }
+  KOKKOS_FORCEINLINE_FUNCTION Pack& operator-=(const Pack& b) { return *this = *this - b; }
+  KOKKOS_FORCEINLINE_FUNCTION Pack& operator*=(const Pack& b) { return *this = *this * b; }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator+(const Pack& a, const Pack& b) {
+    if constexpr (W == 0) ++count().sums;
+    return a.v + b.v;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator-(const Pack& a, const Pack& b) {
+    if constexpr (W == 0) ++count().sums;
+    return a.v - b.v;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator*(const Pack& a, const Pack& b) {
+    if constexpr (W == 0) ++count().products;
+    return a.v * b.v;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator/(const Pack& a, const Pack& b) {
+    if constexpr (W == 0) ++count().divisions;
+    return a.v / b.v;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator-(const Pack& a) { return -a.v; }
+  KOKKOS_FORCEINLINE_FUNCTION friend Mask operator<(const Pack& a, const Pack& b) { return mask(a.v < b.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Mask operator<=(const Pack& a, const Pack& b) { return mask(a.v <= b.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Mask operator>(const Pack& a, const Pack& b) { return mask(a.v > b.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Mask operator>=(const Pack& a, const Pack& b) { return mask(a.v >= b.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack sqrt(const Pack& a) { return function(std::sqrt(a.v)); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack sin(const Pack& a) { return function(std::sin(a.v)); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack cos(const Pack& a) { return function(std::cos(a.v)); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack atan2(const Pack& y, const Pack& x) { return function(std::atan2(y.v, x.v)); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack fabs(const Pack& a) { return std::fabs(a.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack select(const Mask& mask, const Pack& a, const Pack& b) {
+    return mask.bits != 0 ? a : b;
+  }
+
+ private:
+  KOKKOS_FORCEINLINE_FUNCTION static Mask mask(bool holds) { return {holds ? -1 : 0}; }
+  KOKKOS_FORCEINLINE_FUNCTION static Pack function(double value) {
+    if constexpr (W == 0) ++count().functions;
+    return value;
+  }
+};
+
+using CountedNumber = Pack<0>;
+
+/// Operations of one call of `work`.
+template <class Work>
+OperationCount operations_of(const Work& work) {
+  CountedNumber::count() = OperationCount();
+  work();
+  return CountedNumber::count();
+}
+
 template <int W>
 bool any(const typename Pack<W>::Mask& mask) {
   long long bits = 0;
@@ -135,40 +215,68 @@ inline __attribute__((always_inline)) void exchange(Pack<W>* rows) {
 
 /// numbers[i] = rows[lane][i] for i < count: W rows of memory, one for each lane.
 template <int W>
-inline __attribute__((always_inline)) void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
-  if (W == 1 || count < W) {
-    for (int i = 0; i < count; ++i) {
-      typename Pack<W>::Vector one = {};
-      for (int lane = 0; lane < W; ++lane) one[lane] = rows[lane][i];
-      numbers[i] = Pack<W>(one);
-    }
+KOKKOS_FORCEINLINE_FUNCTION void gather_lanes(const double* const* rows, int count, Pack<W>* numbers) {
+  if (W < 2 || count < W) {
+    for (int i = 0; i < count; ++i) numbers[i] = Pack<W>::gathered([&](int lane) { return rows[lane][i]; });
     return;
   }
-  for (int i = 0; i < count; i += W) {
-    const int first = i + W <= count ? i : count - W;  // the last group overlaps the one before
-    Pack<W> square[W];
-    for (int lane = 0; lane < W; ++lane) square[lane] = Pack<W>::loaded(rows[lane] + first);
-    if constexpr (W > 1) exchange<W, 1>(square);
-    for (int j = 0; j < W; ++j) numbers[first + j] = square[j];
-  }
+  if constexpr (W > 1)
+    for (int i = 0; i < count; i += W) {
+      const int first = i + W <= count ? i : count - W;  // the last group overlaps the one before
+      Pack<W> square[W];
+      for (int lane = 0; lane < W; ++lane) square[lane] = Pack<W>::loaded(rows[lane] + first);
+      exchange<W, 1>(square);
+      for (int j = 0; j < W; ++j) numbers[first + j] = square[j];
+    }
 }
 
 /// rows[lane][offset + i] = numbers[i] for i < count and lane < active.
 template <int W>
 inline void scatter_lanes(const Pack<W>* numbers, int count, int offset, int active, double* const* rows) {
-  if (W == 1 || count < W) {
+  if (W < 2 || count < W) {
     for (int lane = 0; lane < active; ++lane)
       for (int i = 0; i < count; ++i) rows[lane][offset + i] = numbers[i][lane];
     return;
   }
-  for (int i = 0; i < count; i += W) {
-    const int first = i + W <= count ? i : count - W;
-    Pack<W> square[W];
-    for (int j = 0; j < W; ++j) square[j] = numbers[first + j];
-    if constexpr (W > 1) exchange<W, 1>(square);
-    for (int lane = 0; lane < W; ++lane)
-      if (lane < active) square[lane].store(rows[lane] + offset + first);
-  }
+  if constexpr (W > 1)
+    for (int i = 0; i < count; i += W) {
+      const int first = i + W <= count ? i : count - W;
+      Pack<W> square[W];
+      for (int j = 0; j < W; ++j) square[j] = numbers[first + j];
+      exchange<W, 1>(square);
+      for (int lane = 0; lane < W; ++lane)
+        if (lane < active) square[lane].store(rows[lane] + offset + first);
+    }
 }
+
+/// Rows (elements, vertices) that are worked on side by side, from W * pack on. Behind the last of `count` rows that
+/// one is repeated, and nothing is written for the repetitions.
+template <int W>
+struct RowsInLanes {
+  static constexpr int kCount = W > 0 ? W : 1;
+  int active;  ///< lanes that are written
+  int row[kCount];
+  KOKKOS_FORCEINLINE_FUNCTION RowsInLanes(int pack, int count)
+      : active(count - pack * kCount < kCount ? count - pack * kCount : kCount) {
+    for (int lane = 0; lane < kCount; ++lane) row[lane] = pack * kCount + (lane < active ? lane : active - 1);
+  }
+  static int packs(int count) { return (count + kCount - 1) / kCount; }
+
+  /// numbers[i] = at(row)[i] for i < count.
+  template <class At>
+  KOKKOS_FORCEINLINE_FUNCTION void load(const At& at, int count, Pack<W>* numbers) const {
+    const double* rows[kCount];
+    for (int lane = 0; lane < kCount; ++lane) rows[lane] = at(row[lane]);
+    gather_lanes(rows, count, numbers);
+  }
+  /// at(row)[first + i] = numbers[i] for i < count, of the active lanes.
+  template <class At>
+  KOKKOS_FORCEINLINE_FUNCTION void store(const Pack<W>* numbers, int first, int count, const At& at) const {
+    double* rows[kCount];
+    for (int lane = 0; lane < kCount; ++lane) rows[lane] = at(row[lane]);
+    scatter_lanes(numbers, count, first, active, rows);
+  }
+};
+using LaneRows = RowsInLanes<kLanes>;
 
 }  // namespace mixbeam

@@ -3,35 +3,20 @@
 #include "kernels/element/kinematics.hpp"
 #include "kernels/element/tangent.hpp"
 #include "kernels/loops/cap_defect.hpp"
-
-#include <stdexcept>
-#include <string>
-#include <utility>
+#include "kernels/loops/dispatch.hpp"
 
 namespace mixbeam {
 
-template <int K, bool General>
+template <int K, bool General, int W>
 void residual_loop(const ElementBlock&, const StructureViews&, const StateViews&, const ElementEquations&);
-template <int K, bool General>
+template <int K, bool General, int W>
 void tangent_loop(const ElementBlock&, const StructureViews&, const StateViews&, const KernelView<const double*>&,
                   const ElementEquations&);
-template <int K, bool General>
+template <int K, bool General, int W>
 void recover_loop(const ElementBlock&, const StateViews&, const ElementEquations&, const KernelView<const double* [6]>&,
                   const KernelView<double*>&);
 
 namespace {
-
-/// Calls action(std::integral_constant<int, K>) for the block's order: the one place where a run-time order meets
-/// compile-time sizes.
-template <class Action, int K = 1>
-void for_order(int order, Action&& action) {
-  if (order == K) return action(std::integral_constant<int, K>());
-  if constexpr (K < kMaximumOrder)
-    for_order<Action, K + 1>(order, std::forward<Action>(action));
-  else
-    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." +
-                                std::to_string(kMaximumOrder));
-}
 
 /// for_order with the kind of section as well: action(order, std::bool_constant<General>).
 template <class Action>
@@ -49,7 +34,7 @@ void for_kind(const ElementBlock& block, Action&& action) {
 void evaluate_residual(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                        const ElementEquations& equations) {
   for_kind(block, [&](auto order, auto general) {
-    residual_loop<order.value, general.value>(block, structure, state, equations);
+    residual_loop<order.value, general.value, kLanes>(block, structure, state, equations);
   });
 }
 
@@ -61,7 +46,7 @@ void evaluate_tangent(const ElementBlock& block, const StructureViews& structure
 void condense_right_hand_side(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
                               const KernelView<const double*>& rhs_interior, const ElementEquations& equations) {
   for_kind(block, [&](auto order, auto general) {
-    tangent_loop<order.value, general.value>(block, structure, state, rhs_interior, equations);
+    tangent_loop<order.value, general.value, kLanes>(block, structure, state, rhs_interior, equations);
   });
 }
 
@@ -88,7 +73,7 @@ double largest_softening_row(const ElementBlock& block, const StructureViews& st
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
   for_kind(block, [&](auto order, auto general) {
-    recover_loop<order.value, general.value>(block, state, equations, vertex_increment, increment);
+    recover_loop<order.value, general.value, kLanes>(block, state, equations, vertex_increment, increment);
   });
 }
 

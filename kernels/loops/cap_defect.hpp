@@ -36,7 +36,7 @@ KOKKOS_INLINE_FUNCTION void add_softening(const SectionConstants& section, const
                  rows + layout.moment(j));
 }
 template <int K>
-KOKKOS_INLINE_FUNCTION void add_softening(const GeneralSection& section, const InteriorLayout& layout,
+KOKKOS_INLINE_FUNCTION void add_softening(const GeneralSection<>& section, const InteriorLayout& layout,
                                           const ElementTables<K>& tables, double length, const double* d,
                                           double* rows) {
   for (int q = 0; q < layout.force_points; ++q) {
@@ -86,10 +86,10 @@ struct SofteningLoop {
     for (int i = 0; i < layout.increments(); ++i) out[i] = 0.0;
     const SectionConstants& constants = section(member(e));
     if constexpr (General) {
-      const GeneralSection general{&compliance(e, 0),
-                                   {layout.order, layout.force_points},
-                                   constants.force_stiffness_limit,
-                                   constants.moment_stiffness_limit};
+      const GeneralSection<> general{&compliance(e, 0),
+                                     {layout.order, layout.force_points},
+                                     constants.force_stiffness_limit,
+                                     constants.moment_stiffness_limit};
       add_softening<K>(general, layout, tables, reference(e, 0), d, out);
     } else {
       add_softening<K>(constants, layout, tables, reference(e, 0), d, out);

@@ -1,9 +1,8 @@
 #include "kernels/loops/planar_block.hpp"
 
+#include "kernels/loops/dispatch.hpp"
+
 #include <cmath>
-#include <stdexcept>
-#include <string>
-#include <utility>
 
 namespace mixbeam {
 
@@ -20,17 +19,6 @@ void planar_recover_loop(const ElementBlock&, const PlanarBlock&, const KernelVi
                          const KernelView<double*>&);
 
 namespace {
-
-/// Calls action(std::integral_constant<int, K>) for the block's order.
-template <class Action, int K = 1>
-void for_planar_order(int order, Action&& action) {
-  if (order == K) return action(std::integral_constant<int, K>());
-  if constexpr (K < kMaximumOrder)
-    for_planar_order<Action, K + 1>(order, std::forward<Action>(action));
-  else
-    throw std::invalid_argument("element order " + std::to_string(order) + " is outside 1.." +
-                                std::to_string(kMaximumOrder));
-}
 
 /// Triads with g1 = p: g2 or g3 along or against n.
 PlanarOrientation make_orientation(const PlaneAxes& axes, bool third_is_normal, double about) {
@@ -54,8 +42,9 @@ PlanarOrientation make_orientation(const PlaneAxes& axes, bool third_is_normal, 
 
 }  // namespace
 
-PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes) {
+PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes, int lanes) {
   PlanarBlock planar;
+  planar.lanes = lanes;
   planar.axes = axes;
   for (int kind = 0; kind < 4; ++kind)
     planar.orientation[kind] = make_orientation(axes, kind >= 2, kind % 2 == 1 ? 1.0 : -1.0);
@@ -67,14 +56,14 @@ PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes) 
     const bool third_is_normal = std::fabs(third) > std::fabs(second);
     planar.orientation_of(e) = (third_is_normal ? 2 : 0) + ((third_is_normal ? third : second) > 0.0 ? 1 : 0);
   }
-  for_planar_order(block.order, [&](auto order) { allocate_planar_block<order.value>(block, planar); });
+  for_order(block.order, [&](auto order) { allocate_planar_block<order.value>(block, planar); });
   return planar;
 }
 
 void evaluate_planar_residual(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
                               const StateViews& state, const ElementEquations& equations) {
-  for_planar_order(block.order,
-                   [&](auto order) { planar_residual_loop<order.value>(block, planar, structure, state, equations); });
+  for_order(block.order,
+            [&](auto order) { planar_residual_loop<order.value>(block, planar, structure, state, equations); });
 }
 
 void evaluate_planar_tangent(const ElementBlock& block, const PlanarBlock& planar, const StructureViews& structure,
@@ -87,7 +76,7 @@ void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBloc
                                      const StructureViews& structure, const StateViews& state,
                                      const KernelView<const double*>& rhs_interior, const PlanarTangents& tangents,
                                      const ElementEquations& equations) {
-  for_planar_order(block.order, [&](auto order) {
+  for_order(block.order, [&](auto order) {
     planar_tangent_loop<order.value>(block, planar, structure, state, rhs_interior, tangents, equations);
   });
 }
@@ -95,8 +84,8 @@ void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBloc
 void recover_planar_interior(const ElementBlock& block, const PlanarBlock& planar,
                              const KernelView<const double* [6]>& vertex_increment,
                              const KernelView<double*>& increment) {
-  for_planar_order(block.order,
-                   [&](auto order) { planar_recover_loop<order.value>(block, planar, vertex_increment, increment); });
+  for_order(block.order,
+            [&](auto order) { planar_recover_loop<order.value>(block, planar, vertex_increment, increment); });
 }
 
 }  // namespace mixbeam

@@ -26,8 +26,9 @@ struct PlanarOrientation {
 constexpr int planar_constants_size(int order) { return 6 + 3 * order; }
 constexpr int planar_response_size(int order) { return 5 * (6 * order - 1); }
 
-/// Constant data of the elements of one block, kLanes of them side by side in a pack.
+/// Constant data of the elements of one block, `lanes` of them side by side in a pack.
 struct PlanarBlock {
+  int lanes = kLanes;
   PlaneAxes axes;
   PlanarOrientation orientation[4];
   KernelView<int*> orientation_of;  ///< (element of the block)
@@ -39,7 +40,7 @@ struct PlanarBlock {
 
 /// `block` has plain sections, k points for both parts of the force strain, no line fields; g2 or g3 of every element
 /// is normal to the plane, and so is its curvature.
-PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes);
+PlanarBlock make_planar_block(const ElementBlock& block, const PlaneAxes& axes, int lanes = kLanes);
 
 using PlanarTangents = KernelView<double* [kPlanarTangent]>;  ///< (element, TangentLayout in a plane)
 

@@ -1,214 +1,61 @@
-/// Increments of the interior unknowns of an element from those of its vertices.
+/// Increments of the interiors of the elements of a block, of one order and kind of section.
 #pragma once
 
-#include "kernels/loops/block_loops.hpp"
+#include "kernels/element/recovery.hpp"
+#include "kernels/loops/gather.hpp"
 
 namespace mixbeam {
 
-/// Increments of the reduced unknowns, in the element frame.
-template <int K, class Real>
-struct ReducedIncrement {
-  using Blocks = ReducedBlocks<K>;
-  Vec3<Real> slope_0, vertex_spin[2];
-  Vec3<Real> interior[Blocks::kInterior];
-
-  /// `rows`: ResponseLayout.
-  KOKKOS_FORCEINLINE_FUNCTION void respond(const Real* rows) {
-    for (int b = 0; b < Blocks::kInterior; ++b)
-      for (int i = 0; i < 3; ++i, rows += kResponseColumns)
-        interior[b][i] = rows[9] + dot(load_vector(rows), slope_0) + dot(load_vector(rows + 3), vertex_spin[0]) +
-                         dot(load_vector(rows + 6), vertex_spin[1]);
-  }
-  KOKKOS_FORCEINLINE_FUNCTION const Vec3<Real>& spin() const { return interior[Blocks::spin()]; }
-  KOKKOS_FORCEINLINE_FUNCTION const Vec3<Real>& psi(int j) const { return interior[Blocks::psi(j)]; }
-  KOKKOS_FORCEINLINE_FUNCTION const Vec3<Real>& slope(int j) const {
-    return j == 0 ? slope_0 : interior[Blocks::slope(j)];
-  }
-};
-
-/// dN = C (gamma error + d gamma) at each force point.
-template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void recover_forces(const ElementInput<Real>& in,
-                                                const ElementKinematics<K, Real>& kinematics,
-                                                const ElementTables<K>& tables, const ReferenceLayout& reference,
-                                                const ReducedIncrement<K, Real>& d, const ResponseLayout& kept,
-                                                const Real* response, const InteriorLayout& layout, Real* out) {
-  const Real* stiffness = response + kept.force_stiffness();
-  for (int q = 0; q < tables.force_points; ++q) {
-    const double* P = tables.force_legendre[q];
-    const PointRotation<K, Real> rotation(kinematics.relative_rotation(P));
-    const Vec3<Real> p = kinematics.centerline_slope(load_vector(in.reference + reference.tangent(q)), P);
-    const Vec3<Real> pulled_back = K > 1 ? transpose_times(rotation.exp, p) : p;
-    Vec3<Real> slope = d.slope_0, psi{{Real(0.0), Real(0.0), Real(0.0)}};
-    for (int j = 1; j < K; ++j) {
-      slope += P[j] * d.slope(j);
-      psi += P[j] * d.psi(j);
-    }
-    const Vec3<Real> strain = load_vector(response + kept.strain_error(q)) +
-                              strain_change<K>(rotation.exp, rotation.tangent, p, pulled_back, slope, d.spin(), psi);
-    Real* force = out + layout.force(q);
-    force[0] = tables.axial[q] * stiffness[0] * strain[0];
-    force[1] = tables.shear[q] * stiffness[1] * strain[1];
-    force[2] = tables.shear[q] * stiffness[2] * strain[2];
-  }
-}
-
-/// Change of the moment rows: of kappa at the moment points, and of phi at both ends.
-template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>& in,
-                                                       const ElementKinematics<K, Real>& kinematics,
-                                                       const ElementTables<K>& tables, const InteriorLayout& layout,
-                                                       const ReferenceLayout& reference,
-                                                       const ReducedIncrement<K, Real>& d, Vec3<Real>* row) {
-  if constexpr (K > 1)
-    for (int q = 0; q <= K; ++q) {
-      const MomentPoint<K, Real> point(q, in, kinematics, tables, layout, reference);
-      const double *P = tables.moment_legendre[q], *slopes = tables.moment_slope[q];
-      Vec3<Real> psi{{Real(0.0), Real(0.0), Real(0.0)}}, slope = psi;
-      for (int j = 1; j < K; ++j) {
-        psi += P[j] * d.psi(j);
-        slope += slopes[j] * d.psi(j);
-      }
-      const Mat3<Real> by_psi = tangent_map_derivative(-point.rotation.psi, point.slope, point.rotation.c);
-      const Vec3<Real> change =
-          point.weight *
-          (transpose_times(point.rotation.tangent, Real(2.0 / kinematics.length) * slope) - by_psi * psi);
-      for (int j = 0; j <= K; ++j) row[j] += P[j] * change;
-    }
-  for (int end = 0; end < 2; ++end) {
-    const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
-    Vec3<Real> turn = d.vertex_spin[end] - d.spin();
-    if constexpr (K > 1) {
-      Vec3<Real> psi{{Real(0.0), Real(0.0), Real(0.0)}};
-      for (int j = 1; j < K; ++j) psi += end_value(end, j) * d.psi(j);
-      turn = transpose_times(joint.rotation.exp, turn - joint.rotation.tangent * psi);
-    }
-    const Vec3<Real> change = joint.inverse_tangent * turn;
-    for (int j = 0; j <= K; ++j) row[j] += signed_end_value(end, j) * change;
-  }
-}
-
-/// All increments of an element with a plain section, InteriorLayout.
-template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void recover_element(const ElementInput<Real>& in,
-                                                 const ElementKinematics<K, Real>& kinematics,
-                                                 const ElementTables<K>& tables, const InteriorLayout& layout,
-                                                 const ReferenceLayout& reference, ReducedIncrement<K, Real>& d,
-                                                 const Real* response, Real* out) {
-  const ResponseLayout kept{K, layout.force_points};
-  d.respond(response);
-  recover_forces(in, kinematics, tables, reference, d, kept, response, layout, out);
-  Vec3<Real> row[K + 1];
-  for (int j = 0; j <= K; ++j) row[j] = load_vector(response + kept.moment_row(j));
-  add_moment_row_change(in, kinematics, tables, layout, reference, d, row);
-  const Real inverse = 1.0 / kinematics.length;
-  const Vec3<Real> stiffness = inverse * load_vector(response + kept.moment_stiffness());
-  for (int j = 0; j <= K; ++j) store_vector(stress(Real(2 * j + 1) * stiffness, row[j]), out + layout.moment(j));
-  for (int j = 1; j < K; ++j) {
-    store_vector(d.psi(j), out + layout.relative_rotation(j));
-    store_vector(kinematics.triad * d.slope(j), out + layout.bubble(j));
-  }
-  store_vector(d.spin(), out + layout.spin());
-}
-
-template <int K, bool General>
+/// Index: pack of elements.
+template <int K, bool General, int W>
 struct RecoverLoop {
-  ElementGather<K, General> gather;
+  using Real = Pack<W>;
+  ElementGather<K, General, W> gather;
   KernelView<const double*> response;
   KernelView<const double* [6]> vertex_increment;
   KernelView<double*> increment;
-  size_t increment_offset, response_offset;
+  size_t response_offset;
   int response_size;
 
-  KOKKOS_INLINE_FUNCTION void operator()(int e) const {
-    const ElementInput<> in = gather.input(e);
-    const ElementKinematics<K> kinematics(in, gather.layout);
-    const double *a = vertex_row(e, 0), *b = vertex_row(e, 1);
-    ReducedIncrement<K, double> d =
-        reduced(kinematics, load_vector(a), load_vector(a + 3), load_vector(b), load_vector(b + 3));
-    if constexpr (General)
-      respond_in_all_rows(d, response_row(e), increment_row(e));
-    else
-      recover_element(in, kinematics, gather.tables, gather.layout, gather.reference_layout, d, response_row(e),
-                      increment_row(e));
-  }
-  /// From displacements and spins of both vertices.
-  template <class Real>
-  KOKKOS_FORCEINLINE_FUNCTION static ReducedIncrement<K, Real> reduced(const ElementKinematics<K, Real>& kinematics,
-                                                                       const Vec3<Real>& u_a, const Vec3<Real>& spin_a,
-                                                                       const Vec3<Real>& u_b,
-                                                                       const Vec3<Real>& spin_b) {
-    ReducedIncrement<K, Real> d;
-    d.slope_0 = Real(1.0 / kinematics.length) * transpose_times(kinematics.triad, u_b - u_a);
-    d.vertex_spin[0] = transpose_times(kinematics.triad, spin_a);
-    d.vertex_spin[1] = transpose_times(kinematics.triad, spin_b);
-    return d;
-  }
-  KOKKOS_INLINE_FUNCTION const double* vertex_row(int e, int end) const {
-    return &vertex_increment(gather.vertices(e, end), 0);
-  }
-  KOKKOS_INLINE_FUNCTION const double* response_row(int e) const {
-    return response.data() + response_offset + static_cast<size_t>(e) * response_size;
-  }
-  KOKKOS_INLINE_FUNCTION double* increment_row(int e) const {
-    return increment.data() + increment_offset + static_cast<size_t>(e) * gather.layout.increments();
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const {
+    using Elements = ElementPack<K, General, W>;
+    const Elements pack(gather, number);
+    const ElementKinematics<K, Real> kinematics(pack.in, gather.layout);
+    Real ends[2][6], out[Elements::kIncrements];
+    for (int end = 0; end < 2; ++end)
+      pack.lanes.load([&](int e) { return &vertex_increment(gather.vertices(e, end), 0); }, 6, ends[end]);
+    ReducedIncrement<K, Real> d(kinematics, ends[0], ends[1]);
+    if constexpr (General) {
+      for (int r = 0; r < gather.layout.increments(); ++r) {
+        Real row[kResponseColumns];
+        pack.lanes.load([&](int e) { return response_of(e) + r * kResponseColumns; }, kResponseColumns, row);
+        out[r] = d.respond_in_row(row);
+      }
+    } else {
+      Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
+      pack.lanes.load([&](int e) { return response_of(e); }, response_size, kept);
+      recover_element(pack.in, kinematics, gather.tables, gather.layout, gather.reference_layout, d, kept, out);
+    }
+    pack.lanes.store(out, 0, gather.layout.increments(), [&](int e) { return &increment(gather.increment_of(e)); });
   }
 
  private:
-  KOKKOS_INLINE_FUNCTION void respond_in_all_rows(const ReducedIncrement<K, double>& d, const double* row,
-                                                  double* out) const {
-    for (int r = 0; r < gather.layout.increments(); ++r, row += kResponseColumns)
-      out[r] = row[9] + dot(load_vector(row), d.slope_0) + dot(load_vector(row + 3), d.vertex_spin[0]) +
-               dot(load_vector(row + 6), d.vertex_spin[1]);
+  KOKKOS_INLINE_FUNCTION const double* response_of(int e) const {
+    return response.data() + response_offset + static_cast<size_t>(e) * response_size;
   }
 };
 
-/// RecoverLoop for elements side by side; index: pack of the block.
-template <int K>
-struct RecoverLaneLoop {
-  using Real = Pack<kLanes>;
-  RecoverLoop<K, false> loop;
-  int count;
-
-  void operator()(int pack) const {
-    const ElementGather<K, false>& gather = loop.gather;
-    const LaneRows lanes(pack, count);
-    const LaneInput<K> data(gather, lanes);
-    const ElementKinematics<K, Real> kinematics(data.in, gather.layout);
-    Real a[6], b[6], response[ResponseLayout{K, LaneInput<K>::kForcePoints}.size()];
-    LaneInput<K>::load(
-        lanes, 6, [&](int e) { return loop.vertex_row(e, 0); }, a);
-    LaneInput<K>::load(
-        lanes, 6, [&](int e) { return loop.vertex_row(e, 1); }, b);
-    LaneInput<K>::load(
-        lanes, loop.response_size, [&](int e) { return loop.response_row(e); }, response);
-    ReducedIncrement<K, Real> d =
-        loop.reduced(kinematics, load_vector(a), load_vector(a + 3), load_vector(b), load_vector(b + 3));
-    Real increments[InteriorLayout{K, LaneInput<K>::kForcePoints}.increments()];
-    recover_element(data.in, kinematics, gather.tables, gather.layout, gather.reference_layout, d, response,
-                    increments);
-    const auto row_of = [&](int e) { return loop.increment_row(e); };
-    ElementRows<Real>(lanes, row_of).store(0, gather.layout.increments(), increments);
-  }
-};
-
-template <int K, bool General>
+template <int K, bool General, int W>
 void recover_loop(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                   const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
-  const RecoverLoop<K, General> loop{ElementGather<K, General>(block, StructureViews(), state),
-                                     equations.response,
-                                     vertex_increment,
-                                     increment,
-                                     block.increment_offset,
-                                     block.response_offset,
-                                     block.response_size()};
-  using Range = Kokkos::RangePolicy<ExecutionSpace>;
-  if constexpr (!General)
-    if (runs_in_lanes(loop.gather)) {
-      const RecoverLaneLoop<K> lanes{loop, block.count};
-      return Kokkos::parallel_for("mixbeam::elements::recover", Range(0, LaneRows::packs(block.count)), lanes);
-    }
-  Kokkos::parallel_for("mixbeam::elements::recover", Range(0, block.count), loop);
+  const RecoverLoop<K, General, W> loop{ElementGather<K, General, W>(block, StructureViews(), state),
+                                        equations.response,
+                                        vertex_increment,
+                                        increment,
+                                        block.response_offset,
+                                        block.response_size()};
+  Kokkos::parallel_for("mixbeam::elements::recover",
+                       Kokkos::RangePolicy<ExecutionSpace>(0, RowsInLanes<W>::packs(block.count)), loop);
 }
 
 }  // namespace mixbeam

@@ -160,4 +160,17 @@ KOKKOS_FORCEINLINE_FUNCTION S norm(const Vec3<S>& a) {
   return sqrt(dot(a, a));
 }
 
+/// One lane of vectors and matrices of packs.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Vec3<double> in_lane(const Vec3<Real>& v, int lane) {
+  return {{v[0][lane], v[1][lane], v[2][lane]}};
+}
+template <class Real>
+KOKKOS_INLINE_FUNCTION Mat3<double> in_lane(const Mat3<Real>& m, int lane) {
+  Mat3<double> one;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) one(i, j) = m(i, j)[lane];
+  return one;
+}
+
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
 // Operations are counted as a reader of the formulas counts them.
-#include "kernels/execution/counted_number.hpp"
+#include "kernels/execution/pack.hpp"
 
 #include "kernels/chains/elimination.hpp"
 #include "kernels/math/rotation.hpp"
@@ -27,8 +27,8 @@ TEST(CountedNumber, ComputesWhatDoubleComputes) {
   const Vec3<CountedNumber> counted{{psi[0], psi[1], psi[2]}};
   const Quaternion<double> expected = exp_quaternion(psi);
   const Quaternion<CountedNumber> q = exp_quaternion(counted);
-  EXPECT_NEAR(q.w.value(), expected.w, 1e-15);
-  EXPECT_NEAR(q.z.value(), expected.z, 1e-15);
+  EXPECT_NEAR(q.w[0], expected.w, 1e-15);
+  EXPECT_NEAR(q.z[0], expected.z, 1e-15);
 }
 
 /// L D L^T of an n x n block: n divisions beside those of the n ratios that are watched, and sum_k k products for the

@@ -1,5 +1,9 @@
 /// Elements side by side in the lanes of packs give what elements one by one give.
 #include "kernels/element/reduced_system.hpp"
+#include "kernels/loops/dispatch.hpp"
+#include "kernels/loops/recovery.hpp"
+#include "kernels/loops/residual.hpp"
+#include "kernels/loops/tangent.hpp"
 #include "kernels/math/rotation.hpp"
 #include "tests/kernels/element_comparison.hpp"
 #include "tests/worst_error.hpp"
@@ -21,28 +25,34 @@ constexpr double kResidualTolerance = 1e-13;
 /// orders.
 constexpr double kCondensedTolerance = 1e-11;
 
-/// One block and its copy with room for line fields that no element has: these elements are computed one by one.
+/// One block and its copy, of which one element at a time is computed: by the loops with packs of one lane.
 struct BothWays {
   SampleBlock lanes, one_by_one;
   BothWays(const std::vector<ElementSample>& samples, int count) : lanes(samples), one_by_one(samples) {
     lanes.block.count = one_by_one.block.count = count;
-    one_by_one.block.field_row = KernelView<int* [kLineFields]>("field_row", samples.size());
-    Kokkos::deep_copy(one_by_one.block.field_row, -1);
   }
   /// Interior increments for random increments of the vertices.
-  static KernelView<double*> recovered(const SampleBlock& samples) {
+  KernelView<double*> recovered(const SampleBlock& samples) const {
     const KernelView<double* [6]> vertex_increment("vertex_increment", samples.state.vertex_rotation.extent(0));
     RandomNumbers random(3);
     for (size_t i = 0; i < vertex_increment.size(); ++i) vertex_increment.data()[i] = random.between(-1.0, 1.0);
     const KernelView<double*> increment("increment", samples.interior_row(samples.block.count));
-    recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
+    if (&samples == &lanes)
+      recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
+    else
+      for_order(samples.block.order, [&](auto k) {
+        recover_loop<k.value, false, 1>(samples.block, samples.state, samples.equations, vertex_increment, increment);
+      });
     return increment;
   }
   void evaluate() {
-    for (const SampleBlock* samples : {&lanes, &one_by_one}) {
-      evaluate_residual(samples->block, samples->structure, samples->state, samples->equations);
-      evaluate_tangent(samples->block, samples->structure, samples->state, samples->equations);
-    }
+    evaluate_residual(lanes.block, lanes.structure, lanes.state, lanes.equations);
+    evaluate_tangent(lanes.block, lanes.structure, lanes.state, lanes.equations);
+    const SampleBlock& s = one_by_one;
+    for_order(s.block.order, [&](auto k) {
+      residual_loop<k.value, false, 1>(s.block, s.structure, s.state, s.equations);
+      tangent_loop<k.value, false, 1>(s.block, s.structure, s.state, {}, s.equations);
+    });
   }
 };
 

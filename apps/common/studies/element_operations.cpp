@@ -1,110 +1,97 @@
 #include "apps/common/studies/element_operations.hpp"
 
-#include "kernels/execution/counted_number.hpp"
+#include "kernels/loops/dispatch.hpp"
+#include "kernels/loops/planar_loops.hpp"
 #include "kernels/loops/recovery.hpp"
-
-#include <stdexcept>
-#include <string>
+#include "kernels/loops/residual.hpp"
+#include "kernels/loops/tangent.hpp"
 
 namespace mixbeam {
 
-/// Nowhere: what is written is not asked for.
-template <>
-struct ElementRows<CountedNumber> {
-  void store(int, int, const CountedNumber*) const {}
-};
-
 namespace {
 
-/// A straight, stress-free element of length one; what the numbers are makes no difference to the count.
-template <int K>
-struct CountedElement {
-  InteriorLayout layout{K, K};
-  ReferenceLayout reference_layout{K, K};
-  CountedNumber interior[InteriorLayout{K, K}.unknowns()], reference[ReferenceLayout{K, K}.size()];
-  SectionNumbers<CountedNumber> section;
-  ElementInput<CountedNumber> in;
+constexpr int kCounted = 0;  ///< lanes of a CountedNumber
 
-  CountedElement() {
-    reference[reference_layout.length()] = 1.0;
-    for (int end = 0; end < 2; ++end) {
-      reference[reference_layout.end_triad(end)] = 1.0;
-      in.vertex_rotation[end] = identity_quaternion<CountedNumber>();
-    }
-    for (int q = 0; q < K; ++q) reference[reference_layout.tangent(q)] = 1.0;
-    for (int i = 0; i < 3; ++i)
-      section.force_compliance[i] = section.tangent_force_stiffness[i] = section.moment_stiffness[i] =
-          section.moment_compliance[i] = 1.0;
-    in.triad = identity_quaternion<CountedNumber>();
-    in.interior = interior;
-    in.reference = reference;
+/// A straight, stress-free element of length one along x; what the numbers are makes no difference to the count.
+struct CountedElement {
+  ElementBlock block;
+  StructureViews structure{KernelView<SectionConstants*>("section", 1)};
+  StateViews state;
+  ElementEquations equations;
+  KernelView<double* [6]> vertex_increment { "vertex_increment", 2 };
+  KernelView<double*> increment;
+  PlanarBlock planar;
+  PlanarTangents planar_tangents{"planar_tangents", 1};
+
+  explicit CountedElement(int order) : increment("increment", InteriorLayout{order, order}.increments()) {
+    block.order = order;
+    block.count = 1;
+    block.interior = {order, order};
+    block.reference_layout = {order, order};
+    block.reference = KernelView<double**>("reference", 1, block.reference_layout.size());
+    block.vertices = KernelView<int* [2]>("vertices", 1);
+    block.vertices(0, 1) = 1;
+    block.member = KernelView<int*>("member", 1);
+    block.reference(0, block.reference_layout.length()) = 1.0;
+    for (int end = 0; end < 2; ++end) block.reference(0, block.reference_layout.end_triad(end)) = 1.0;
+    for (int q = 0; q < order; ++q) block.reference(0, block.reference_layout.tangent(q)) = 1.0;
+    Kokkos::deep_copy(structure.member_section, ones());
+    state = {KernelView<double* [3]>("displacement", 2), KernelView<double* [4]>("rotation", 2),
+             KernelView<double* [4]>("triad", 1), KernelView<double*>("interior", block.interior.unknowns())};
+    state.vertex_rotation(0, 0) = state.vertex_rotation(1, 0) = state.element_triad(0, 0) = 1.0;
+    equations.residual = equations.condensed_residual = KernelView<double* [12]>("residual", 1);
+    equations.planar_rows = KernelView<double* [4]>("planar_rows", 1);
+    equations.interior_residual = increment;
+    equations.condensed_tangent = KernelView<double**>("tangent", 1, kSymmetricTangent);
+    equations.response = KernelView<double*>("response", block.response_size());
+    equations.largest_end_angle = KernelView<double*>("end_angle", 1);
+    planar = make_planar_block(block, {{{1.0, 0.0, 0.0}}, {{0.0, 1.0, 0.0}}, {{0.0, 0.0, 1.0}}}, 1);
   }
-  ElementGather<K, false> gather() const {
-    ElementBlock block;
-    block.order = K;
-    block.interior = layout;
-    block.reference_layout = reference_layout;
-    return ElementGather<K, false>(block, StructureViews(), StateViews());
+
+ private:
+  static SectionConstants ones() {
+    SectionConstants section;
+    for (int i = 0; i < SectionConstants::kCount; ++i) section.numbers()[i] = 1.0;
+    return section;
   }
 };
 
-template <int K>
-OperationCount residual_operations(const CountedElement<K>& element, const ElementGather<K, false>& gather) {
-  return operations_of([&] {
-    const ElementKinematics<K, CountedNumber> kinematics(element.in, element.layout);
-    ElementGradient<K, CountedNumber> gradient;
-    element_gradient(element.in, kinematics, gather.tables, element.layout, element.reference_layout, element.section,
-                     gradient);
-    CountedNumber interior_row[InteriorLayout{K, K}.increments()], vertex_row[12];
-    store_residual(gradient, kinematics, element.layout, interior_row, vertex_row);
-  });
+template <class Loop>
+double flops_of(const Loop& loop) {
+  return static_cast<double>(operations_of([&] { loop(0); }).flops());
 }
 
 template <int K>
-OperationCount tangent_operations(const CountedElement<K>& element, const ElementGather<K, false>& gather) {
-  return operations_of([&] {
-    const ElementKinematics<K, CountedNumber> kinematics(element.in, element.layout);
-    CondensedElement<K, false, CountedNumber> condensed;
-    clear(condensed.gradient);
-    condensed.build(gather, element.in, kinematics, element.section, true);
-    solve_in_lanes(condensed.system, condensed.response, condensed.condensed);
-    condensed.store_response(gather, kinematics, element.section, ElementRows<CountedNumber>());
-    CountedNumber tangent[kSymmetricTangent], residual[12];
-    symmetric_tangent(condensed.condensed.matrix, kinematics.triad, kinematics.length, tangent);
-    store_condensed_residual(condensed.condensed, condensed.gradient, kinematics, residual);
-  });
+ElementOperations operations_in_space(const CountedElement& e) {
+  const ElementGather<K, false, kCounted> gather(e.block, e.structure, e.state);
+  const size_t offset = e.block.response_offset;
+  const int size = e.block.response_size();
+  return {flops_of(ResidualLoop<K, false, kCounted>{gather, e.equations}),
+          flops_of(TangentLoop<K, false, kCounted>{gather, e.equations, {}, offset, size}),
+          flops_of(RecoverLoop<K, false, kCounted>{gather, e.equations.response, e.vertex_increment, e.increment,
+                                                   offset, size})};
 }
 
 template <int K>
-OperationCount recovery_operations(const CountedElement<K>& element, const ElementGather<K, false>& gather) {
-  return operations_of([&] {
-    const ElementKinematics<K, CountedNumber> kinematics(element.in, element.layout);
-    const Vec3<CountedNumber> change{};
-    auto d = RecoverLoop<K, false>::reduced(kinematics, change, change, change, change);
-    const CountedNumber response[ResponseLayout{K, K}.size()];
-    CountedNumber increments[InteriorLayout{K, K}.increments()];
-    recover_element(element.in, kinematics, gather.tables, element.layout, element.reference_layout, d, response,
-                    increments);
-  });
-}
-
-template <int K>
-ElementOperations operations_of_order(int order) {
-  if (order == K) {
-    const CountedElement<K> element;
-    const auto gather = element.gather();
-    return {static_cast<double>(residual_operations(element, gather).flops()),
-            static_cast<double>(tangent_operations(element, gather).flops()),
-            static_cast<double>(recovery_operations(element, gather).flops())};
-  }
-  if constexpr (K < kMaximumOrder)
-    return operations_of_order<K + 1>(order);
-  else
-    throw std::invalid_argument("element order " + std::to_string(order));
+ElementOperations operations_in_plane(const CountedElement& e) {
+  const PlanarGather<K, kCounted> gather(e.block, e.planar, e.structure, e.state);
+  return {flops_of(PlanarResidualLoop<K, kCounted>{gather, e.equations}),
+          flops_of(PlanarTangentLoop<K, kCounted>{gather, e.planar_tangents, e.equations.planar_rows, {}}),
+          flops_of(PlanarRecoverLoop<K, kCounted>{e.planar, e.block, e.vertex_increment, e.increment})};
 }
 
 }  // namespace
 
-ElementOperations element_operations(int order) { return operations_of_order<1>(order); }
+ElementOperations element_operations(int order) {
+  ElementOperations result{};
+  for_order(order, [&](auto k) { result = operations_in_space<k.value>(CountedElement(order)); });
+  return result;
+}
+
+ElementOperations planar_operations(int order) {
+  ElementOperations result{};
+  for_order(order, [&](auto k) { result = operations_in_plane<k.value>(CountedElement(order)); });
+  return result;
+}
 
 }  // namespace mixbeam

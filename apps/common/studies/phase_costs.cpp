@@ -4,7 +4,7 @@
 #include "kernels/chains/elimination.hpp"
 #include "kernels/chains/level.hpp"
 #include "kernels/element/layout.hpp"
-#include "kernels/execution/counted_number.hpp"
+#include "kernels/execution/pack.hpp"
 #include "kernels/loops/planar_block.hpp"
 #include "kernels/math/rotation.hpp"
 

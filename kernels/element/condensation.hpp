@@ -1,0 +1,184 @@
+/// The condensed tangent of an element: everything inside it is eliminated, and two vertices with a displacement and a
+/// rotation each remain.
+///
+/// Order of elimination: N at each force point (pointwise, its compliance is diagonal or 3 x 3), M (by Legendre modes:
+/// diagonal for a constant section), then the rotations and slopes of the reduced system (reduced_system.hpp). It needs
+/// compliances alone where forces are eliminated, so that stiff and rigid sections cost no digits.
+#pragma once
+
+#include "kernels/element/line_fields.hpp"
+#include "kernels/element/moment_elimination.hpp"
+
+#include <type_traits>
+
+namespace mixbeam {
+
+template <bool General, class Real>
+using SectionOf = std::conditional_t<General, GeneralSection<Real>, SectionNumbers<Real>>;
+
+/// Interior right-hand side given from outside, in place of the gradient of the state (rows as store_residual writes
+/// them).
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void add_given_gradient(const Real* rhs, const ElementKinematics<K, Real>& kinematics,
+                                                    const InteriorLayout& layout, ElementGradient<K, Real>& g) {
+  for (int q = 0; q < layout.force_points; ++q) g.strain_error[q] = load_vector(rhs + layout.force(q));
+  for (int j = 0; j <= K; ++j) g.moment_row[j] = load_vector(rhs + layout.moment(j));
+  for (int j = 1; j < K; ++j) {
+    g.psi[j] = load_vector(rhs + layout.relative_rotation(j));
+    g.slope[j] = transpose_times(kinematics.triad, load_vector(rhs + layout.bubble(j)));
+  }
+  g.spin = load_vector(rhs + layout.spin());
+}
+
+/// Builds the reduced system of an element and keeps what the recovery of N and M needs.
+template <int K, bool General, class Real>
+struct CondensedElement {
+  using Blocks = ReducedBlocks<K>;
+  using Section = SectionOf<General, Real>;
+  using Stiffness = std::conditional_t<General, Mat3<Real>, Vec3<Real>>;
+  ReducedSystem<K, Real> system;
+  std::conditional_t<General, GeneralMomentRows<K, Real>, MomentRows<K, Real>> moment_rows;
+  ForceRows<Real, Stiffness> force_rows_[General ? ElementTables<K>::kMaximumForcePoints : 1];  ///< general only
+  ElementGradient<K, Real> gradient;
+  InteriorResponse<K, Real> response;
+  VertexSystem<Real> condensed;
+
+  /// `gradient` holds on entry what does not follow from the state: the given right-hand side, or the line fields.
+  KOKKOS_FORCEINLINE_FUNCTION void build(const ElementTables<K>& tables, const InteriorLayout& layout,
+                                         const ReferenceLayout& reference, const ElementInput<Real>& in,
+                                         const ElementKinematics<K, Real>& kinematics, const Section& section,
+                                         bool own_gradient) {
+    system.clear();
+    moment_rows.clear();
+    for (int q = 0; q < tables.force_points; ++q) {
+      const ForcePoint<K, Real> point(q, in, kinematics, tables, layout, reference, section);
+      add_force_point(q, point, tables.force_legendre[q], tangent_force_stiffness(q, tables, section), own_gradient);
+      if constexpr (General)
+        moment_rows.couple(point, gradient.strain_error[q], force_rows_[q], section.force_moment(q),
+                           tables.force_legendre[q]);
+    }
+    for (int q = 0; q <= K; ++q) {
+      const MomentPoint<K, Real> point(q, in, kinematics, tables, layout, reference);
+      const double *P = tables.moment_legendre[q], *slope = tables.moment_slope[q];
+      if (own_gradient) add_moment_gradient(point, P, slope, kinematics.length, gradient);
+      add_moment_tangent(point, P, slope, kinematics.length, moment_rows, system);
+    }
+    if (own_gradient) add_moment_compliance(in, kinematics, tables, layout, section, gradient);
+    for (int end = 0; end < 2; ++end) {
+      const EndRotation<K, Real> joint(end, in, kinematics, layout, reference);
+      if (own_gradient) add_end_gradient(end, joint, gradient);
+      add_end_tangent(end, joint, moment_rows, system);
+    }
+    if constexpr (General) moment_rows.add_compliance(section, tables, kinematics.length);
+    condense_moments(moment_rows, gradient.moment_row, section, kinematics.length, system);
+    add_gradient();
+  }
+
+  /// What recovery needs, by store(first, count, numbers). General: rows of all increments, response of N (pointwise),
+  /// M (by mode), psi, beta (spatial) and w. Plain: ResponseLayout.
+  template <class Store>
+  KOKKOS_FORCEINLINE_FUNCTION void store_response(const ElementTables<K>& tables, const InteriorLayout& layout,
+                                                  const ElementKinematics<K, Real>& kinematics, const Section& section,
+                                                  const Store& store) const {
+    if constexpr (General) {
+      Real moments[3 * (K + 1) * kResponseColumns];
+      for (int r = 0; r < 3 * (K + 1); ++r) moment_rows.response_row(r, response, moments + kResponseColumns * r);
+      store(kResponseColumns * layout.moment(0), 3 * (K + 1) * kResponseColumns, moments);
+      for (int q = 0; q < layout.force_points; ++q)
+        store_force_response(q, section, tables.force_legendre[q], moments, layout, store);
+      store_reduced_response(layout, kinematics, store);
+    } else {
+      const ResponseLayout kept{K, layout.force_points};
+      for (int b = 0; b < Blocks::kInterior; ++b) store_rows(response.by[b], response.constant[b], 3 * b, store);
+      Real numbers[3 * (ElementTables<K>::kMaximumForcePoints + K + 3)];
+      const int first = kept.strain_error(0);
+      for (int q = 0; q < layout.force_points; ++q)
+        store_vector(gradient.strain_error[q], numbers + kept.strain_error(q) - first);
+      for (int m = 0; m <= K; ++m) store_vector(gradient.moment_row[m], numbers + kept.moment_row(m) - first);
+      store_vector(load_vector(section.tangent_force_stiffness), numbers + kept.force_stiffness() - first);
+      store_vector(load_vector(section.moment_stiffness), numbers + kept.moment_stiffness() - first);
+      store(first, kept.size() - first, numbers);
+    }
+  }
+
+ private:
+  /// N eliminated: the corrected force N + C error works in place of N, or C error alone for a given right-hand side.
+  KOKKOS_FORCEINLINE_FUNCTION void add_force_point(int q, const ForcePoint<K, Real>& point, const double* P,
+                                                   const Stiffness& stiffness, bool own_gradient) {
+    if (own_gradient) gradient.strain_error[q] += point.strain_error;
+    Vec3<Real> force = stress(stiffness, gradient.strain_error[q]);
+    if (own_gradient) force += point.force;
+    add_force_gradient(point, force, P, gradient);
+    if constexpr (General) force_rows_[q] = force_rows(point, stiffness);
+    add_force_tangent(point, stiffness, P, system);
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void add_gradient() {
+    system.rhs[Blocks::spin()] += gradient.spin;
+    for (int j = 0; j < K; ++j) system.rhs[Blocks::slope(j)] += gradient.slope[j];
+    for (int j = 1; j < K; ++j) system.rhs[Blocks::psi(j)] += gradient.psi[j];
+    for (int end = 0; end < 2; ++end) system.rhs[Blocks::vertex(end)] += gradient.vertex_spin[end];
+  }
+  /// Three rows of the response from their blocks by slope_0, spin a, spin b, and the constant.
+  template <class Store>
+  KOKKOS_FORCEINLINE_FUNCTION static void store_rows(const Mat3<Real>* by, const Vec3<Real>& constant, int first_row,
+                                                     const Store& store) {
+    Real numbers[3 * kResponseColumns];
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 3; ++c)
+        for (int j = 0; j < 3; ++j) numbers[kResponseColumns * i + 3 * c + j] = by[c](i, j);
+      numbers[kResponseColumns * i + 9] = constant[i];
+    }
+    store(kResponseColumns * first_row, 3 * kResponseColumns, numbers);
+  }
+  template <class Store>
+  KOKKOS_INLINE_FUNCTION void store_reduced_response(const InteriorLayout& layout,
+                                                     const ElementKinematics<K, Real>& kinematics,
+                                                     const Store& store) const {
+    for (int j = 1; j < K; ++j) {
+      store_rows(response.by[Blocks::psi(j)], response.constant[Blocks::psi(j)], layout.relative_rotation(j), store);
+      Mat3<Real> by[3];
+      for (int c = 0; c < 3; ++c) by[c] = kinematics.triad * response.by[Blocks::slope(j)][c];
+      store_rows(by, kinematics.triad * response.constant[Blocks::slope(j)], layout.bubble(j), store);
+    }
+    store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), store);
+  }
+  /// dN = C (gamma error + d gamma - S_NM dM); `moments`: response of all of M.
+  template <class Store>
+  KOKKOS_INLINE_FUNCTION void store_force_response(int q, const Section& section, const double* P, const Real* moments,
+                                                   const InteriorLayout& layout, const Store& store) const {
+    const ForceRows<Real, Stiffness>& force = force_rows_[q];
+    const Mat3<Real> coupling = section.force_moment(q);
+    Real numbers[3 * kResponseColumns];
+    for (int c = 0; c < kResponseColumns; ++c) {
+      Vec3<Real> slope{{Real(0.0), Real(0.0), Real(0.0)}}, psi = slope, moment = slope;
+      if (c < 3) slope[c] = 1.0;
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 1; j < K; ++j) {
+          slope[i] += P[j] * response(3 * Blocks::slope(j) + i, c);
+          psi[i] += P[j] * response(3 * Blocks::psi(j) + i, c);
+        }
+        for (int j = 0; j < K; ++j) moment[i] += P[j] * moments[kResponseColumns * (3 * j + i) + c];
+      }
+      const Vec3<Real> spin{{response(0, c), response(1, c), response(2, c)}};
+      Vec3<Real> strain =
+          strain_change<K>(force.exp, force.tangent, force.p, force.pulled_back, slope, spin, psi) - coupling * moment;
+      if (c == 9) strain += gradient.strain_error[q];
+      const Vec3<Real> change = force.stiffness * strain;
+      for (int i = 0; i < 3; ++i) numbers[kResponseColumns * i + c] = change[i];
+    }
+    store(kResponseColumns * layout.force(q), 3 * kResponseColumns, numbers);
+  }
+};
+
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_condensed_residual(const VertexSystem<Real>& condensed,
+                                                          const ElementGradient<K, Real>& gradient,
+                                                          const ElementKinematics<K, Real>& kinematics, Real* row) {
+  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * condensed.gradient[0]);
+  store_vector(gradient.vertex_force[0] - force, row);
+  store_vector(kinematics.triad * condensed.gradient[1], row + 3);
+  store_vector(gradient.vertex_force[1] + force, row + 6);
+  store_vector(kinematics.triad * condensed.gradient[2], row + 9);
+}
+
+}  // namespace mixbeam
