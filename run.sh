@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds mixbeam, and computes the benchmarks and the scenes of apps/verification and
-# apps/gallery with their tables and pictures.
+# apps/gallery with their tables and pictures; studies of cost where they are named.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 # shellcheck source=.ci/setup.sh
 source .ci/setup.sh
 
-readonly all_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes
-  trade economies)
+readonly default_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes)
+readonly when_named=(trade economies) # a quarter of an hour
+readonly all_benchmarks=("${default_benchmarks[@]}" "${when_named[@]}")
 readonly tables_only=(economies) # no pictures
 readonly all_scene_groups=(verification gallery)
+readonly default_names=("${default_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results
 # Debian's Python has the packages installed above; another one earlier in PATH need not.
@@ -20,10 +22,12 @@ usage() {
 usage: ./run.sh [--no-install] [name]...
 
 Installs missing Debian packages, configures and builds the preset "release", and runs the benchmarks
-  ${all_benchmarks[*]}
+  ${default_benchmarks[*]}
 and the scenes of
   ${all_scene_groups[*]}
-or those that are named. Tables, result files and pictures go to $results/<name>.
+(two to four minutes), or those that are named. Studies of cost run only where they are named (a quarter of an hour):
+  ${when_named[*]}
+Tables, result files and pictures go to $results/<name>.
 
   --no-install   stop with the list of missing packages instead of installing them
   --help         print this text
@@ -71,7 +75,7 @@ while [[ $# -gt 0 ]]; do
   esac
   shift
 done
-[[ ${#names[@]} -gt 0 ]] || names=("${all_names[@]}")
+[[ ${#names[@]} -gt 0 ]] || names=("${default_names[@]}")
 readonly program_mixbeam=$build_directory/bin/mixbeam
 
 prepare "$install"

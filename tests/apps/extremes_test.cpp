@@ -8,9 +8,7 @@ namespace {
 
 /// The scene with a study of this many values of each sweep.
 std::string with_study(int most_values, const fs::path& folder) {
-  const std::string end = "</ParameterList>\n</ParameterList>\n";
-  return changed_scene("extremes", end,
-                       "</ParameterList>\n<ParameterList name=\"Study\">\n"
+  return changed_scene("extremes", "<Parameter name=\"Random Structures\" type=\"int\" value=\"24\"/>\n",
                        "<Parameter name=\"Most Elements\" type=\"int\" value=\"100\"/>\n"
                        "<Parameter name=\"Critical Loads\" type=\"bool\" value=\"false\"/>\n"
                        "<Parameter name=\"Random Structures\" type=\"int\" value=\"1\"/>\n"
@@ -19,8 +17,7 @@ std::string with_study(int most_values, const fs::path& folder) {
                            std::to_string(most_values) +
                            "\"/>\n"
                            "<Parameter name=\"Sweeps\" type=\"Array(string)\" value=\"{slenderness, stiffness_ratio, "
-                           "unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order}\"/>\n" +
-                           end,
+                           "unit_of_length, unit_of_force, elements, element_turn, angle, tip_force, order}\"/>\n",
                        folder);
 }
 
