@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""The README's performance table from the results of thread_scaling.
+"""The performance table of apps/docs/performance.md from the results of thread_scaling.
 
-    performance_table.py RESULTS/thread_scaling [--update README.md]
+    performance_table.py RESULTS/thread_scaling [--update apps/docs/performance.md]
 """
 
 import argparse
@@ -42,14 +42,16 @@ def table(folder):
     one, many = (pick(key[3] for key in figures) for pick in (min, max))
     cases = [r for r in read_rows(folder / "cases.csv") if r["kind"] == kinds[0] and int(r["elements"]) == elements]
     unit = statistics.median(float(r["unit_seconds"]) for r in cases)
+    load = machine["load average before"]
+    load = load if load == "unknown" else f"{float(load):.2f}"
     peak, bandwidth = (1e-9 * float(ceilings[one][name]) for name in ("flops_per_second", "bytes_per_second"))
     lines = [
         f"One Newton iteration on a {kinds[0]} chain of {elements:,} elements of order k: milliseconds with {one} thread, the same",
         f"as a multiple of B, and how many times as fast {many} threads are. B is the time of LAPACK's dgbtrf and dgbtrs (reference",
         f"BLAS, one thread) for the block-tridiagonal matrix of a chain with as many vertices, {1e3 * unit:.0f} ms, measured beside",
         f"each iteration (`thread_scaling`, medians; {machine['processor']}, {machine['cores']} cores, shared: load",
-        f"{machine['load average before']} before; {peak:.0f} GFlop/s, {bandwidth:.0f} GB/s on {one} core; mixbeam {machine['version']}, {machine['compiler']},",
-        f"`{machine['flags']}`):",
+        f"{load} before; {peak:.0f} GFlop/s, {bandwidth:.0f} GB/s on {one} core; mixbeam {machine['version']},",
+        f"{machine['compiler']}, `{machine['flags']}`):",
         "",
         "| | " + " | ".join(f"k = {k}: ms | B | {many} threads" for k in orders) + " |",
         "|---|" + "---:|---:|---:|" * len(orders),
@@ -78,18 +80,18 @@ def rounded(number):
     return f"{number:.0f}" if number >= 10 else f"{number:.1f}" if number >= 1 else f"{number:.2f}"
 
 
-def update(readme, text):
-    content = readme.read_text()
+def update(page, text):
+    content = page.read_text()
     if BEGIN not in content or END not in content:
-        sys.exit(f"{readme}: the markers {BEGIN} and {END} are missing")
+        sys.exit(f"{page}: the markers {BEGIN} and {END} are missing")
     head, tail = content.split(BEGIN)[0], content.split(END)[1]
-    readme.write_text(f"{head}{BEGIN}\n{text}\n{END}{tail}")
+    page.write_text(f"{head}{BEGIN}\n{text}\n{END}{tail}")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=pathlib.Path, help="results of thread_scaling")
-    parser.add_argument("--update", type=pathlib.Path, metavar="README.md", help="replace the table between its markers")
+    parser.add_argument("--update", type=pathlib.Path, metavar="FILE", help="replace the table between its markers")
     arguments = parser.parse_args()
     try:
         text = table(arguments.folder)

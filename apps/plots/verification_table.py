@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The verification table: what benchmarks and scenes checked, against what, and how well it agrees. Read from the
 summaries RESULTS/<benchmark>/summary.json, RESULTS/verification/<scene>/summary.json and the same for the gallery;
-printed as text or as Markdown, or written between the two marker lines of a file."""
+printed as text or as Markdown, or written between the two marker lines of a file: apps/docs/verification.md."""
 
 import argparse
 import json
@@ -14,6 +14,7 @@ from pathlib import Path
 from plot_all import BENCHMARKS
 
 NOT_VERIFICATION = ("thread_scaling",)  # times, not values
+WHEN_NAMED = ("trade",)  # run.sh computes it only when it is named
 SCENE_GROUPS = ("verification", "gallery")  # folders of scenes, run by mixbeam
 BEGIN, END = "<!-- verification:begin -->", "<!-- verification:end -->"
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
@@ -31,7 +32,7 @@ def main():
     parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark and group of scenes")
     parser.add_argument("--markdown", action="store_true", help="print Markdown, with sources, instead of plain text")
     parser.add_argument("--update", type=Path, metavar="FILE",
-                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs all of them")
+                        help=f"replace what stands between {BEGIN} and {END} in FILE; needs what run.sh computes")
     options = parser.parse_args()
     try:
         summaries = read_summaries(options.results)
@@ -85,7 +86,7 @@ def rows_of_scenes(group, summaries):
     for summary in summaries:
         for check in summary["checks"]:
             if check["comparison"] == "upper bound":
-                key = group, check["source"], check["printed_reference"]
+                key = group, check["source"]  # the bound of a balance grows with the number of elements
             else:
                 key = summary["program"], check["source"], check["comparison"], check["tolerance"]
             groups.setdefault(key, []).append(check)
@@ -93,9 +94,17 @@ def rows_of_scenes(group, summaries):
             rows.append(row_of_failure(summary))
     last = [key for key in groups if key[0] == group]
     for key in [key for key in groups if key not in last] + last:
-        name = ", ".join(dict.fromkeys(short_name(check["name"]) for check in groups[key]))
-        rows.append((key[0], name, *row_of("", groups[key])[2:]))
+        names = dict.fromkeys(short_name(check["name"]) for check in groups[key])
+        rows.append((key[0], list_of(names), *row_of("", groups[key])[2:]))
     return rows
+
+
+def list_of(names):
+    """"balance, forces" and "balance, moments" are "balance: forces, moments"."""
+    heads = {name.rpartition(", ")[0] for name in names}
+    if len(names) < 2 or len(heads) > 1 or heads == {""}:
+        return ", ".join(names)
+    return f"{heads.pop()}: {', '.join(name.rpartition(', ')[2] for name in names)}"
 
 
 def short_name(name):
@@ -120,7 +129,7 @@ def row_of_failure(summary):
 
 
 def group_of(check):
-    bound = check["printed_reference"] if check["comparison"] == "upper bound" else check["tolerance"]
+    bound = rounded(check["printed_reference"]) if check["comparison"] == "upper bound" else check["tolerance"]
     return check["source"], check["comparison"], bound, NUMBER.sub("#", quantity_of(check["name"]))
 
 
@@ -130,10 +139,10 @@ def quantity_of(name):
 
 
 def row_of(program, checks):
-    worst = max(checks, key=difference)
+    worst = max(checks, key=lambda check: (not check["pass"], difference(check)))
     passed = all(check["pass"] for check in checks)
     return (program, common_name([check["name"] for check in checks]), str(len(checks)),
-            difference_text(worst["comparison"], difference(worst)), allowed_text(worst), "yes" if passed else "**NO**",
+            difference_text(worst["comparison"], difference(worst)), allowed_text(checks), "yes" if passed else "**NO**",
             worst["source"])
 
 
@@ -147,8 +156,14 @@ def common_name(names):
 
 def with_ranges(texts):
     columns = [sorted(set(column), key=float) for column in zip(*(NUMBER.findall(text) for text in texts))]
-    ranges = iter([" and ".join(column) if len(column) < 3 else f"{column[0]}..{column[-1]}" for column in columns])
+    ranges = iter([" and ".join(column) if len(column) < 3 else f"{rounded(column[0])}..{rounded(column[-1])}"
+                   for column in columns])
     return NUMBER.sub(lambda _: next(ranges), texts[0])
+
+
+def rounded(printed):
+    """Three significant digits of a bound or of the end of a range; counts keep all of theirs."""
+    return printed if float(printed).is_integer() else f"{float(printed):.3g}"
 
 
 def difference(check):
@@ -185,15 +200,16 @@ def difference_text(comparison, value):
     return f"{value:.2g}"
 
 
-def allowed_text(check):
-    comparison, tolerance = check["comparison"], check["tolerance"]
+def allowed_text(checks):
+    comparison, tolerance = checks[0]["comparison"], checks[0]["tolerance"]
     if comparison == "printed digits":
         return f"{tolerance:g} in the last digit"
     if comparison == "word":
         return "the same word"
     if comparison == "upper bound":
-        return f"at most {check['printed_reference']}"
-    return f"{tolerance:g}" + (" of the value" if comparison == "relative" else "")
+        bounds = sorted({rounded(check["printed_reference"]) for check in checks}, key=float)
+        return f"at most {bounds[0]}" + (f" to {bounds[-1]}" if len(bounds) > 1 else "")
+    return f"{tolerance:.3g}" + (" of the value" if comparison == "relative" else "")
 
 
 def closing_line(summaries):
@@ -227,7 +243,8 @@ def shortened(text):
 
 def update(file, summaries, rows):
     there = {summary.get("group", summary["program"]) for summary in summaries}
-    missing = [name for name in BENCHMARKS + SCENE_GROUPS if name not in there and name not in NOT_VERIFICATION]
+    needed = [name for name in BENCHMARKS + SCENE_GROUPS if name not in NOT_VERIFICATION + WHEN_NAMED]
+    missing = [name for name in needed if name not in there]
     if missing:
         raise InputError(f"{file} is left as it is: no results of {', '.join(missing)}")
     try:

@@ -1,11 +1,12 @@
 /// Every scene of the gallery runs with the program and reproduces its expected values; every whole scene in the pages
-/// for users is accepted.
+/// is accepted, every link leads somewhere, and what the README quotes is what stands on the pages.
 #include "process.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <iterator>
 #include <regex>
+#include <set>
 #include <sstream>
 
 namespace mixbeam {
@@ -21,14 +22,16 @@ std::vector<fs::path> files_in(const fs::path& folder, const std::string& extens
   return files;
 }
 
-/// Pages for users, README included.
+fs::path root() { return fs::path(MIXBEAM_SOURCE_DIR); }
+fs::path apps() { return root() / "apps"; }
+
+/// Every page of the repository.
 std::vector<fs::path> pages() {
-  std::vector<fs::path> files = files_in(fs::path(MIXBEAM_SOURCE_DIR) / "apps" / "docs", ".md");
-  files.push_back(fs::path(MIXBEAM_SOURCE_DIR) / "README.md");
+  std::vector<fs::path> files = files_in(apps() / "docs", ".md");
+  files.push_back(root() / "README.md");
+  files.push_back(apps() / "plots" / "README.md");
   return files;
 }
-
-fs::path apps() { return fs::path(MIXBEAM_SOURCE_DIR) / "apps"; }
 
 class Gallery : public ::testing::TestWithParam<fs::path> {};
 
@@ -85,7 +88,7 @@ TEST(Documentation, ItsScenesAreAccepted) {
       ++checked;
     }
   }
-  EXPECT_GE(checked, 5U);  // scenes.md has four or more, the README one
+  EXPECT_GE(checked, 4U);  // of scenes.md
 }
 
 /// What keeps the test above from passing whatever the program says.
@@ -97,13 +100,102 @@ TEST(Documentation, AWrongSceneWouldBeNoticed) {
   EXPECT_EQ(run_process(program("mixbeam"), {"check", (folder / "scene.xml").string()}, folder).exit_code, 2);
 }
 
-TEST(Documentation, ItsPicturesAndPagesExist) {
-  const std::regex link(R"(\]\(([^)#:]+)\))");
-  for (const fs::path& page : pages()) {
-    const std::string text = text_of(page);
-    for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it)
-      EXPECT_TRUE(fs::exists(page.parent_path() / (*it)[1].str())) << page << " refers to " << (*it)[1];
+/// What links call a heading: small letters, hyphens for blanks, no other marks.
+std::string anchor_of(const std::string& heading) {
+  std::string anchor;
+  for (const unsigned char c : heading)
+    if (c == ' ')
+      anchor += '-';
+    else if (std::isalnum(c) != 0 || c == '-' || c == '_')
+      anchor += static_cast<char>(std::tolower(c));
+  return anchor;
+}
+
+bool has_anchor(const fs::path& page, const std::string& anchor) {
+  std::istringstream lines(text_of(page));
+  bool in_code = false;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.rfind("```", 0) == 0) in_code = !in_code;
+    const std::size_t marks = line.find_first_not_of('#');
+    if (in_code || marks == 0 || marks == std::string::npos || line[marks] != ' ') continue;
+    if (anchor_of(line.substr(marks + 1)) == anchor) return true;
   }
+  return false;
+}
+
+/// Links of a page to files or headings that are not there.
+std::set<std::string> dead_links(const fs::path& page, const std::string& text) {
+  static const std::regex link(R"(\]\(([^)\s#]*)#?([^)\s]*)\))");
+  std::set<std::string> dead;
+  for (std::sregex_iterator it(text.begin(), text.end(), link), end; it != end; ++it) {
+    const std::string file = (*it)[1], anchor = (*it)[2];
+    if (file.find("://") != std::string::npos) continue;
+    const fs::path target = file.empty() ? page : page.parent_path() / file;
+    if (!fs::exists(target) || (!anchor.empty() && !has_anchor(target, anchor))) dead.insert(file + "#" + anchor);
+  }
+  return dead;
+}
+
+TEST(Documentation, EveryLinkLeadsSomewhere) {
+  for (const fs::path& page : pages()) EXPECT_EQ(dead_links(page, text_of(page)), std::set<std::string>()) << page;
+}
+
+TEST(Documentation, ADeadLinkWouldBeNoticed) {
+  const fs::path page = apps() / "docs" / "results.md";
+  const std::string text =
+      "[a](nowhere.md) ![b](gallery/nothing.png) [c](scenes.md#no-such-heading) [d](#state) [e](#estate)"
+      "[f](scenes.md#members-and-their-curves) [g](https://trilinos.github.io) [h](../../README.md)";
+  EXPECT_EQ(dead_links(page, text),
+            std::set<std::string>({"nowhere.md#", "gallery/nothing.png#", "scenes.md#no-such-heading", "#estate"}));
+}
+
+/// Rows of the README's table of verification: benchmark, quantity in words of its own, then "| values | worst |
+/// allowed |".
+struct QuotedRow {
+  std::string benchmark, figures;
+};
+std::vector<QuotedRow> quoted_rows(const std::string& readme) {
+  static const std::regex row(R"(\n(\| [\w/]+ \|)[^|\n]*(\| \d+ \| [^|\n]* \| [^|\n]* \|)[^|\n]*\|(?=\n))");
+  std::vector<QuotedRow> rows;
+  for (std::sregex_iterator it(readme.begin(), readme.end(), row), end; it != end; ++it)
+    rows.push_back({(*it)[1], (*it)[2]});
+  return rows;
+}
+
+bool is_on_page(const QuotedRow& row, const std::string& page) {
+  std::istringstream lines(page);
+  for (std::string line; std::getline(lines, line);)
+    if (line.rfind(row.benchmark, 0) == 0 && line.find(row.figures) != std::string::npos) return true;
+  return false;
+}
+
+TEST(Documentation, TheReadmeQuotesThePageOfVerification) {
+  const std::string readme = text_of(root() / "README.md"), page = text_of(apps() / "docs" / "verification.md");
+  const std::vector<QuotedRow> rows = quoted_rows(readme);
+  EXPECT_EQ(rows.size(), 10U);
+  for (const QuotedRow& row : rows)
+    EXPECT_TRUE(is_on_page(row, page)) << "not, or no longer, in verification.md: " << row.benchmark << row.figures;
+}
+
+TEST(Documentation, AWrongQuotationWouldBeNoticed) {
+  const std::vector<QuotedRow> rows = quoted_rows("text\n| helix | angle | 4 | 1e-13 | at most 1e-11 | formula |\n\n");
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_TRUE(is_on_page(rows[0], "\n| helix | tip, angle | 4 | 1e-13 | at most 1e-11 | yes | a formula |\n"));
+  EXPECT_FALSE(is_on_page(rows[0], "\n| helix | tip, angle | 4 | 2e-13 | at most 1e-11 | yes | a formula |\n"));
+  EXPECT_FALSE(is_on_page(rows[0], "\n| rollup | tip, angle | 4 | 1e-13 | at most 1e-11 | yes | a formula |\n"));
+}
+
+TEST(Documentation, TheReadmeIsShort) {
+  constexpr int kMostLines = 150;
+  const std::string readme = text_of(root() / "README.md");
+  EXPECT_LE(std::count(readme.begin(), readme.end(), '\n'), kMostLines);
+}
+
+TEST(Documentation, TheCitationNamesThisVersion) {
+  std::smatch version;
+  const std::string build = text_of(root() / "CMakeLists.txt");
+  ASSERT_TRUE(std::regex_search(build, version, std::regex(R"(project\(mixbeam VERSION ([0-9.]+))")));
+  expect_in(text_of(root() / "CITATION.cff"), {"\nversion: " + version[1].str() + "\n"});
 }
 
 /// Words of `name=(...)` in a shell script.
@@ -116,7 +208,7 @@ std::vector<std::string> words_of(const std::string& script, const std::string& 
 }
 
 TEST(RunScript, DrawsTheFiguresOfEveryBenchmarkThatHasSome) {
-  const std::string script = text_of(fs::path(MIXBEAM_SOURCE_DIR) / "run.sh");
+  const std::string script = text_of(root() / "run.sh");
   const std::string plots = text_of(apps() / "plots" / "plot_all.py");
   std::vector<std::string> benchmarks = words_of(script, "default_benchmarks");
   const std::vector<std::string> named = words_of(script, "when_named"), without = words_of(script, "tables_only");
