@@ -138,10 +138,10 @@ constexpr double kLeastCap = 1e3;
 
 }  // namespace
 
-/// The residual keeps the true compliance, so the cap costs accuracy nowhere; it only decides how fast Newton's method
-/// contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work,
-/// but no larger, because the condition of the condensed tangent grows with it (and with it the error of every
-/// increment). Where forces are shared by stiffness, that strain would stay: softening_rows() tells it.
+/// Theory (36). The residual keeps the true compliance, so the cap costs accuracy nowhere; it only decides how fast
+/// Newton's method contracts. Each iteration leaves a strain of (change of N)/cap: the cap must be large against the
+/// forces at work, but no larger, because the condition of the condensed tangent grows with it (and with it the error
+/// of every increment). Where forces are shared by stiffness, that strain would stay: softening_rows() tells it.
 void Assembler::cap_force_stiffness() {
   const double bending = structure_.bending_reference / (structure_.length * structure_.length);
   const double elements = structure_.length / structure_.shortest_element;
@@ -323,9 +323,7 @@ void Assembler::fill(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs
   constraints_.turn(tangent_.state, rows);
 }
 
-/// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are
-/// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
-/// vertex.
+/// External loads whose virtual work is not that of a potential, or that follow the vertex: theory (44).
 void Assembler::add_load_tangents(const MatrixRows& rows) const {
   for (const VertexLoad& load : conditions_.loads) {
     const SpatialLoad spatial = spatial_load(load, load.amplitude(tangent_.load_factor), tangent_.state);

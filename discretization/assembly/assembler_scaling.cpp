@@ -97,6 +97,7 @@ StateMagnitude Assembler::magnitude(const State& state) const {
   return m;
 }
 
+/// Theory (40).
 void Assembler::scale_vertex_rows(const KernelView<double*>& rows, bool inverse) const {
   const auto factor = [inverse](double scale) { return inverse ? scale : 1.0 / scale; };
   const double force = factor(scales_.force), moment = factor(scales_.moment), length = factor(scales_.length);

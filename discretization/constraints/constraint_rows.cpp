@@ -60,7 +60,7 @@ bool ConstraintRows::remembers(const State& state, double load_factor) const {
 }
 
 void ConstraintRows::turn(const State& state, const MatrixRows& rows) const {
-  // the matrix holds second variations; their derivative has this beside them, and loads have added their part
+  // theory (44): beside second variations; loads have added their part
   for (const Watched& w : of_tangent_) rows.add(w.vertex, kMomentPart, w.vertex, kMomentPart, -0.5 * hat(w.moment));
   for (const VertexJoint& joint : joints_) {
     const Watched& slave = of_tangent_[watched_index(joint.slave)];

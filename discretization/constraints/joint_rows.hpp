@@ -1,5 +1,5 @@
-/// Joints as equations of two vertices: the master, which the rest of the point shares, and the slave, the end of one
-/// member with displacement and triad of its own.
+/// Joints as equations of two vertices, theory (43): the master, which the rest of the point shares, and the slave, the
+/// end of one member with displacement and triad of its own.
 ///
 /// The frame (b1, b2, a) of a joint turns with the master, a = Lambda_m a_0; p = x_s - x_m. In virtual motions that the
 /// joint permits, du_s = du_m + dtheta_m x p (+ dq a for a slider) and dtheta_s = dtheta_m (+ dq a for a hinge), so

@@ -1,4 +1,4 @@
-/// Supports as equations of a vertex.
+/// Supports as equations of a vertex: theory (41).
 ///
 /// The force rows are turned into the axes e_i of the support; a fixed one becomes e_i . (u - prescribed), a free one
 /// keeps e_i . f and takes the spring k_i e_i . u. Rotations come in four ways:

@@ -8,10 +8,9 @@
 namespace mixbeam {
 
 /// Rotation Q = swing * twist, the twist about the axis a, the swing about a direction normal to it. Vectors are
-/// components in a right-handed frame (b1, b2, a). Of the quaternion (w, q1, q2, s) of Q in that frame:
-///   swing_1 = 2 (w q1 - s q2),  swing_2 = 2 (s q1 + w q2),  angle = 2 atan2(s, w),
-/// where the derivatives of the swings with respect to a spin from the left are (1, 0, 0) and (0, 1, 0) at zero swing,
-/// whatever the angle.
+/// components in a right-handed frame (b1, b2, a). Swings and angle are those of theory (42) for the quaternion of Q in
+/// that frame; the derivatives of the swings with respect to a spin from the left are (1, 0, 0) and (0, 1, 0) at zero
+/// swing, whatever the angle.
 struct SwingTwist {
   double swing[2];              ///< both zero exactly for a rotation about a
   double angle;                 ///< of the twist, in (-2 pi, 2 pi]: it goes on beyond pi as long as the quaternion does

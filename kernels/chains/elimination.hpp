@@ -1,11 +1,8 @@
-/// Elimination of one vertex from a chain: the arithmetic of chains/level.hpp, on `Real` numbers (lanes of a Pack work
-/// on different chains). N unknowns for each vertex: 6 in space, 3 in a plane.
+/// Elimination of one vertex from a chain, theory (45): the arithmetic of chains/level.hpp, on `Real` numbers (lanes of
+/// a Pack work on different chains). N unknowns for each vertex: 6 in space, 3 in a plane.
 ///
-/// A link is a symmetric matrix over two vertices, [[K00, K10^T], [K10, K11]]. Two links in a row, A from vertex 0 to v
-/// and K from v to w, become one from 0 to w when v is eliminated with D = A11 + K00:
-///   x_v = D^-1 b_v - X x_0 - Y x_w,   X = D^-1 A10,  Y = D^-1 K10^T,
-///   A00 <- A00 - A10^T X,  A10 <- -K10 X,  A11 <- K11 - K10 Y;   b_0 <- b_0 - X^T b_v,  b_w <- b_w - Y^T b_v.
-/// The pivot D holds v between its neighbours: it is as stiff as one link, however long the chain is.
+/// A link is a symmetric matrix over two vertices, [[K00, K10^T], [K10, K11]]. The pivot V holds a vertex between its
+/// neighbours: it is as stiff as one link, however long the chain is.
 #pragma once
 
 #include "kernels/element/condensed_layout.hpp"
@@ -19,7 +16,7 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
-/// L D L^T of one vertex block, D inverted; and how it hangs on its neighbours.
+/// L D L^T of one vertex block V, D inverted; and how it hangs on its neighbours.
 template <int N, class Real>
 struct VertexFactors {
   static constexpr int kSize = triangle_size(N) + 2 * N * N;
@@ -27,7 +24,7 @@ struct VertexFactors {
   Real left[N][N], right[N][N];   ///< X, Y
 };
 
-/// Signs and sizes of the pivots met.
+/// Signs, theory (47), and sizes of the pivots met.
 template <class Real>
 struct PivotWatch {
   Real negative = 0.0;  ///< how many were below zero
@@ -61,7 +58,7 @@ KOKKOS_INLINE_FUNCTION void factorize_block(Real* a, PivotWatch<Real>& watch) {
   }
 }
 
-/// D^-1 b in place.
+/// V^-1 b in place.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void solve_block(const Real* factor, Real* b) {
 #pragma GCC unroll 6
@@ -76,7 +73,7 @@ KOKKOS_INLINE_FUNCTION void solve_block(const Real* factor, Real* b) {
   }
 }
 
-/// D^-1 B with B the given rows, or their transpose: X and Y, whose column c belongs to component c of the neighbour.
+/// V^-1 times the given rows, or their transpose: X and Y, whose column c belongs to component c of the neighbour.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_columns, const Real* factor,
                                         Real (*out)[N]) {
@@ -90,7 +87,7 @@ KOKKOS_INLINE_FUNCTION void hang_vertex(const Real (*rows)[N], bool rows_are_col
   }
 }
 
-/// Eliminates the vertex between `chain` and `next`; `chain` becomes both in one.
+/// Eliminates the vertex between `chain` and `next`, theory (45); `chain` becomes both in one.
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const LinkMatrix<N, Real>& next,
                                              VertexFactors<N, Real>& f, PivotWatch<Real>& watch) {
@@ -121,7 +118,7 @@ KOKKOS_INLINE_FUNCTION void eliminate_vertex(LinkMatrix<N, Real>& chain, const L
   }
 }
 
-/// b_0 <- b_0 - X^T b_v and b_w <- b_w - Y^T b_v.
+/// Takes X^T b_v or Y^T b_v from the rows of a neighbour, theory (45).
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[N], const Real* b, Real* neighbour) {
 #pragma GCC unroll 6
@@ -130,7 +127,7 @@ KOKKOS_INLINE_FUNCTION void pass_on(const Real (*hanging)[N], const Real* b, Rea
     for (int c = 0; c < N; ++c) neighbour[c] -= hanging[k][c] * b[k];
 }
 
-/// x_v <- x_v - X x_0, or the same with Y x_w.
+/// Takes X x_0 or Y x_2 from x_v, theory (45).
 template <int N, class Real>
 KOKKOS_INLINE_FUNCTION void follow(const Real (*hanging)[N], const Real* neighbour, Real* x) {
 #pragma GCC unroll 6

@@ -1,6 +1,6 @@
-/// Chains of links condensed to their two end vertices, many of them side by side: a direct solver for what hangs
-/// together like beads on a string. A link is an element or, on the next level, a whole run of links that has become
-/// one. Runs are cut by the structure alone, so results do not depend on the number of threads.
+/// Chains of links condensed to their two end vertices by theory (45), many of them side by side: a direct solver for
+/// what hangs together like beads on a string. A link is an element or, on the next level, a whole run of links that
+/// has become one. Runs are cut by the structure alone, so results do not depend on the number of threads.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
@@ -45,7 +45,7 @@ struct ChainLevel {
 
 /// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
 using ChainFactors = KernelView<double**>;
-/// (run of all levels): pivots below zero, as many as the eliminated part has negative eigenvalues (Sylvester); least
+/// (run of all levels): pivots below zero, those of theory (47); least
 /// |pivot| / |diagonal entry of its vertex block|, not a number where a pivot is zero.
 using ChainPivots = KernelView<double* [2]>;
 
@@ -55,7 +55,7 @@ template <int N>
 void condense_runs(const ChainLevel& level, const LinkMatrices<N>& matrices, const ChainFactors& factors,
                    const ChainPivots& pivots);
 
-/// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes D^-1 of what has
+/// The same for a right-hand side `rows` (N * vertex + component): at eliminated vertices x becomes V^-1 of what has
 /// arrived there; `arrived` (run, 2 N) is what each run adds to the rows of its end vertices.
 template <int N>
 void condense_rows(const ChainLevel& level, int elements, const KernelView<const double*>& rows,

@@ -102,7 +102,7 @@ struct CondensedElement {
   }
 
  private:
-  /// N eliminated: the corrected force N + C error works in place of N, or C error alone for a given right-hand side.
+  /// N eliminated, theory (26): the corrected force works in place of N, or C error alone for a given right-hand side.
   KOKKOS_FORCEINLINE_FUNCTION void add_force_point(int q, const ForcePoint<K, Real>& point, const double* P,
                                                    const Stiffness& stiffness, bool own_gradient) {
     if (own_gradient) gradient.strain_error[q] += point.strain_error;
@@ -142,7 +142,7 @@ struct CondensedElement {
     }
     store_rows(response.by[Blocks::spin()], response.constant[Blocks::spin()], layout.spin(), store);
   }
-  /// dN = C (gamma error + d gamma - S_NM dM); `moments`: response of all of M.
+  /// dN of theory (28); `moments`: response of all of M.
   template <class Store>
   KOKKOS_INLINE_FUNCTION void store_force_response(int q, const Section& section, const double* P, const Real* moments,
                                                    const InteriorLayout& layout, const Store& store) const {

@@ -2,7 +2,8 @@
 /// u_b, theta_b: displacement and spin of the vertex at the start and at the end; three components each in space, two
 /// and one in a plane.
 ///
-/// The tangent of an element whose forces all have a potential is symmetric and sees displacements as u_b - u_a alone.
+/// The tangent of an element whose forces all have a potential, theory (30), is symmetric and sees displacements as
+/// u_b - u_a alone.
 /// Then it is the lower triangle, row by row, of the matrix over (u_b - u_a, theta_a, theta_b): in space 45 numbers in
 /// place of 144, in a plane 10 in place of 36, and memory is what limits elements of low order.
 #pragma once

@@ -3,7 +3,8 @@
 
 namespace mixbeam {
 
-/// Which parts of the force-strain energy are integrated with k ("reduced") instead of k + 1 Gauss points.
+/// Which parts of the force-strain energy, theory (13), are integrated with k ("reduced") instead of k + 1 Gauss
+/// points.
 enum class ForceIntegration { full, axial_reduced, shear_reduced, both_reduced };
 
 /// Gauss points of the axial part of the force-strain energy for elements of order k.

@@ -1,6 +1,5 @@
-/// Residual of the whole mixed system of one element: the first variation of its energy (design: stationary in all
-/// fields)
-///   sum_q w [N.gamma - N.C^-1 N / 2] + sum_q w [M.kappa - M.C^-1 M / 2] + [phi . M]_left^right  -  work of line loads.
+/// Residual of the whole mixed system of one element, theory (16) to theory (20): the first variation of the functional
+/// of theory (13), stationary in all fields.
 #pragma once
 
 #include "kernels/element/kinematics.hpp"
@@ -21,7 +20,7 @@ struct ElementGradient {
   Real largest_end_angle;        ///< |phi| at the two ends; the element is valid below pi
 };
 
-/// d gamma = exp(psi)^T (d slope + p x w) + (gamma + e1) x T(psi)^T d psi at a force point.
+/// Change of gamma at a force point, theory (15).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> strain_change(const Mat3<Real>& exp, const Mat3<Real>& tangent,
                                                      const Vec3<Real>& p, const Vec3<Real>& pulled_back,
@@ -32,7 +31,7 @@ KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> strain_change(const Mat3<Real>& exp, cons
   return transpose_times(exp, moved) + cross(pulled_back, transpose_times(tangent, psi));
 }
 
-/// Work of a material force at one point, the stored one or what takes its place.
+/// Work of a material force at one point, theory (18): the stored one, or what takes its place by theory (26).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& point, const Vec3<Real>& force,
                                                     const double* P, ElementGradient<K, Real>& g) {
@@ -45,6 +44,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_gradient(const ForcePoint<K, Real>& p
   }
 }
 
+/// Sums over the moment points of theory (17) and theory (18), without compliances.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>& point, const double* P,
                                                      const double* slope, const Real& length,
@@ -58,6 +58,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_gradient(const MomentPoint<K, Real>&
   }
 }
 
+/// Terms of the ends in theory (17) and theory (18).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_end_gradient(int end, const EndRotation<K, Real>& joint,
                                                   ElementGradient<K, Real>& g) {
@@ -82,7 +83,7 @@ KOKKOS_FORCEINLINE_FUNCTION void clear(ElementGradient<K, Real>& g) {
   g.largest_end_angle = 0.0;
 }
 
-/// Complementary energy of M, constant section: h/(2j + 1) C_kappa^-1 M_j in moment row j.
+/// Compliances of M in theory (17), constant section.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_compliance(const ElementInput<Real>& in,
                                                        const ElementKinematics<K, Real>& kinematics,
@@ -143,7 +144,7 @@ KOKKOS_FORCEINLINE_FUNCTION void element_gradient(const ElementInput<Real>& in,
 }
 
 /// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial
-/// but the material N, M, psi and spin rows.
+/// but the material N, M, psi and spin rows: theory (20).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void store_residual(const ElementGradient<K, Real>& g,
                                                 const ElementKinematics<K, Real>& kinematics,

@@ -43,7 +43,7 @@ struct ElementInput {
   const Real* reference;                ///< ReferenceLayout
 };
 
-/// Constant-size pieces of the state in the element frame.
+/// Constant-size pieces of the state in the element frame, theory (8).
 template <int K, class Real = double>
 struct ElementKinematics {
   Real length;
@@ -62,7 +62,7 @@ struct ElementKinematics {
     }
   }
 
-  /// p = Lambda_lo^T r' at a point with Legendre values P.
+  /// p = Lambda_lo^T r' at a point with Legendre values P: theory (10).
   KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> centerline_slope(const Vec3<Real>& reference_tangent, const double* P) const {
     Vec3<Real> p = transpose_times(triad, reference_tangent);
     for (int j = 0; j < K; ++j) p += P[j] * slope[j];
@@ -86,8 +86,8 @@ struct ElementKinematics {
   }
 };
 
-/// Rotation psi at a point with exp(hat psi), T(psi) and the Stumpff values they come from. For k = 1 nothing is
-/// interpolated: psi is zero and both maps are the identity.
+/// Rotation psi at a point, theory (9), with exp(hat psi), T(psi) and the Stumpff values they come from. For k = 1 psi
+/// is zero and both maps are the identity.
 template <int K, class Real = double>
 struct PointRotation {
   Vec3<Real> psi;
@@ -116,7 +116,7 @@ KOKKOS_INLINE_FUNCTION Vec3<Real> coupled_force_strain(const GeneralSection<Real
   return section.force_force(q) * load_vector(in.interior + layout.force(q)) + section.force_moment(q) * moment;
 }
 
-/// Force strain at one point, gamma = Lambda^T r' - e1 (paper eq. for gamma), and the resultant there.
+/// Force strain at one point, theory (10), the resultant there and the residual of its law, theory (16).
 template <int K, class Real = double>
 struct ForcePoint {
   PointRotation<K, Real> rotation;
@@ -147,7 +147,7 @@ struct ForcePoint {
   }
 };
 
-/// Moment strain at one point, kappa = T(psi)^T psi' - kappa0 (paper eq. for kappa), and the moment there.
+/// Moment strain at one point, theory (11), and the moment there.
 template <int K, class Real = double>
 struct MomentPoint {
   PointRotation<K, Real> rotation;
@@ -174,8 +174,8 @@ struct MomentPoint {
 /// P_j at an end of the element: (+-1)^j.
 KOKKOS_INLINE_FUNCTION double end_value(int end, int j) { return end == 0 && j % 2 == 1 ? -1.0 : 1.0; }
 
-/// Relative rotation phi = log(Lambda_E^T Lambda_V Lambda_0) between element and vertex at one end (discrete curvature)
-/// and the moment that works on it, with the sign of the boundary term: + at the right end, - at the left.
+/// Relative rotation between element and vertex at one end (discrete curvature), theory (12), and the moment that works
+/// on it, with the sign of the boundary term: + at the right end, - at the left.
 template <int K, class Real = double>
 struct EndRotation {
   PointRotation<K, Real> rotation;
@@ -184,7 +184,7 @@ struct EndRotation {
   InverseTangentCoefficient<Real> coefficient;
   Mat3<Real> inverse_tangent;  ///< T^-1(phi)
   Vec3<Real> moment;           ///< sign * M(end), material
-  Vec3<Real> spin_moment;      ///< T^-T(phi) sign M: conjugate to a spin that multiplies from the left
+  Vec3<Real> spin_moment;      ///< s_e of theory (18): conjugate to a spin that multiplies from the left
 
   KOKKOS_FORCEINLINE_FUNCTION EndRotation(int end, const ElementInput<Real>& in,
                                           const ElementKinematics<K, Real>& kinematics, const InteriorLayout& layout,

@@ -16,7 +16,7 @@ constexpr int force_point_count(int order, ForceIntegration rule) {
   return axial == shear ? axial : axial + shear;
 }
 
-/// Offsets into the interior unknowns of one element of order k with n force points:
+/// Offsets into the interior unknowns of one element of order k with n force points, theory (8):
 ///   N (n, 3) material | M (k + 1, 3) material, Legendre coefficients | psi (k - 1, 3) relative rotation, Legendre
 ///   degree 1..k-1 | beta (k - 1, 3) spatial, u' = (u_b - u_a)/h + sum_j beta_j P_j.
 /// An increment and a residual have the same layout with three more entries at the end: the spin w of the element

@@ -1,12 +1,12 @@
-/// Loads along an element and strains without stress: what they add to its gradient (ElementGradient). Points are
-/// independent, so fields may vary in any way; k + 1 points integrate polynomial loads of degree k + 1 exactly.
+/// Loads along an element and strains without stress, theory (14): what they add to its gradient, theory (19). Points
+/// are independent, so fields may vary in any way; k + 1 points integrate polynomial loads of degree k + 1 exactly.
 #pragma once
 
 #include "kernels/element/gradient.hpp"
 
 namespace mixbeam {
 
-/// Displacements at a point of the element, in its frame: u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j.
+/// In the rows of slope_j, j >= first: u = mean of both vertices + h/2 sum_{j >= 0} slope_j B_j, in the element frame.
 template <int K, class Real>
 KOKKOS_INLINE_FUNCTION void add_force_work(const Real& weight, const Real& length, const Vec3<Real>& force,
                                            const double* bubble, int first, ElementGradient<K, Real>& g) {

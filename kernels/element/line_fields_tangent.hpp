@@ -1,9 +1,6 @@
-/// What loads along an element add to its tangent. They have no potential in general, so these blocks are not symmetric
-/// and come after the symmetric part is complete. Eigenstrains and dead forces do not depend on the state: no tangent.
-///
-/// Convention: the matrix is D R - hat(R_w)/2 with D R the derivative of the rows R and R_w the row of the element spin
-/// w (right spin: Lambda_lo exp(hat w)). Without loads this is the symmetric second variation; in equilibrium, where
-/// R_w = 0, it is D R itself. A load with its part L of the rows therefore adds D L - hat(L_w)/2.
+/// What loads along an element add to its tangent: theory (25), by the convention of theory (21). They have no
+/// potential in general, so these blocks are not symmetric and come after the symmetric part is complete. Eigenstrains
+/// and dead forces do not depend on the state: no tangent.
 #pragma once
 
 #include "kernels/element/line_fields.hpp"
@@ -62,7 +59,7 @@ struct MeanRows {
   }
 };
 
-/// Dead couple c, in the element frame Lambda_lo^T c: turns backwards with w, d(Lambda_lo^T c) = hat(Lambda_lo^T c) w.
+/// Dead couple of theory (25): in the element frame it rotates backwards with w.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_dead_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
                                                     const ElementTables<K>& tables, FullSystem<K>& system) {
@@ -85,7 +82,7 @@ KOKKOS_INLINE_FUNCTION void add_dead_couple_tangent(const double* values, const 
   }
 }
 
-/// Follower couple C, in the element frame exp(psi) C: does not depend on w.
+/// Follower couple of theory (25): in the element frame it does not depend on w.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_follower_couple_tangent(const double* values, const ElementKinematics<K>& kinematics,
                                                         const ElementTables<K>& tables, FullSystem<K>& system) {
@@ -108,7 +105,7 @@ KOKKOS_INLINE_FUNCTION void add_follower_couple_tangent(const double* values, co
   }
 }
 
-/// Follower force F, spatial Lambda_lo exp(psi) F: turns with w and psi, in the rows of all displacements.
+/// Follower force of theory (25): rotates with w and psi, in the rows of all displacements.
 template <int K>
 KOKKOS_INLINE_FUNCTION void add_follower_force_tangent(const double* values, const ElementKinematics<K>& kinematics,
                                                        const ElementTables<K>& tables, FullSystem<K>& system,

@@ -1,7 +1,5 @@
-/// Elimination of the moments of an element with a general section. With N eliminated at each force point,
-///   dN = C (gamma error + d gamma - S_NM dM),   C = S_NN^-1 (capped),
-/// M is left with a dense matrix A, and its rows reach the slopes too:
-///   A_jl = sum w P_j P_l S_MM - sum w P_j P_l S_MN C S_NM,   D_j <- D_j - sum w P_j S_MN C (d gamma / d x).
+/// Elimination of the moments of an element with a general section, theory (28): with N eliminated at each force point
+/// M is left with a dense matrix A, and its rows D reach the slopes too.
 #pragma once
 
 #include "kernels/element/tangent.hpp"

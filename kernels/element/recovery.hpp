@@ -1,4 +1,4 @@
-/// Increments of the interior unknowns of an element from those of its vertices.
+/// Increments of the interior unknowns of an element from those of its vertices: theory (33).
 #pragma once
 
 #include "kernels/element/tangent.hpp"
@@ -35,7 +35,7 @@ struct ReducedIncrement {
   }
 };
 
-/// dN = C (gamma error + d gamma) at each force point.
+/// dN at each force point, theory (26).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void recover_forces(const ElementInput<Real>& in,
                                                 const ElementKinematics<K, Real>& kinematics,
@@ -62,7 +62,7 @@ KOKKOS_FORCEINLINE_FUNCTION void recover_forces(const ElementInput<Real>& in,
   }
 }
 
-/// Change of the moment rows: of kappa at the moment points, and of phi at both ends.
+/// Change D dx of the moment rows in theory (27): of kappa at the moment points, and of phi at both ends, theory (15).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_row_change(const ElementInput<Real>& in,
                                                        const ElementKinematics<K, Real>& kinematics,

@@ -1,4 +1,4 @@
-/// What remains of an element after N and M are eliminated, and its solution for the interior unknowns.
+/// What remains of an element after N and M are eliminated, and its solution for the interior unknowns: theory (29).
 #pragma once
 
 #include "kernels/element/condensed_layout.hpp"
@@ -125,7 +125,7 @@ KOKKOS_FORCEINLINE_FUNCTION bool eliminate_rows(double (*a)[M]) {
   return is_negative;
 }
 
-/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the system condensed with it. Always inlined, as
+/// Response -H_ii^-1 [H_ir | R_i] of the interior blocks, and the system condensed with it, theory (29). Inlined, as
 /// eliminate_rows().
 template <int K>
 KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& system, InteriorResponse<K>& response,
@@ -164,8 +164,7 @@ KOKKOS_FORCEINLINE_FUNCTION void solve_with_row_pivoting(const FullSystem<K>& sy
 /// A pivot below this multiple of the largest one, rows scaled to entries of one, may owe its sign to rounding.
 constexpr double kUncertainPivot = 1e-13;
 
-/// What an element adds to the count of Wittrick and Williams, J0: eigenvalues below zero of its interior while its
-/// vertices stand still.
+/// What an element adds to J0 of theory (47): eigenvalues below zero of its interior while its vertices stand still.
 struct InteriorSigns {
   int negative = 0;        ///< without a potential: their parity alone
   bool uncertain = false;  ///< a pivot is zero within rounding

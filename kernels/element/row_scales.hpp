@@ -1,5 +1,5 @@
-/// What the rows of the mixed residual are divided by, so that the same tolerance means the same accuracy for any
-/// units, slenderness and load.
+/// What the rows of the mixed residual are divided by, theory (40), so that the same tolerance means the same accuracy
+/// for any units, slenderness and load.
 #pragma once
 
 #include "kernels/element/layout.hpp"

@@ -1,7 +1,6 @@
-/// A section whose 6 x 6 compliance S is not diagonal, or varies along the element:
-///   gamma = S_NN N + S_NM M,   kappa = S_NM^T N + S_MM M.
-/// A rigid component has a zero row and column. Elements of plain sections never see any of this: which of the two an
-/// element has is a template argument of its kernels.
+/// A section whose 6 x 6 compliance S is not diagonal, or varies along the element, theory (13): gamma = S_NN N + S_NM
+/// M, kappa = S_NM^T N + S_MM M. A rigid component has a zero row and column. Elements of plain sections never see any
+/// of this: which of the two an element has is a template argument of its kernels.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -36,8 +35,8 @@ constexpr bool kIsGeneral = false;
 template <class Real>
 constexpr bool kIsGeneral<GeneralSection<Real>> = true;
 
-/// The compliance that the tangent uses: no entry of the diagonal below 1/limit. It stays positive (semi-)definite, and
-/// becomes definite where a component is rigid.
+/// The compliance that the tangent uses, theory (36): no entry of the diagonal below 1/limit. It stays positive
+/// (semi-)definite, and becomes definite where a component is rigid.
 template <class Real>
 KOKKOS_INLINE_FUNCTION Mat3<Real> capped_compliance(Mat3<Real> compliance, const Real& limit) {
   const Real least = 1.0 / limit;

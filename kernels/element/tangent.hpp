@@ -1,6 +1,6 @@
-/// Condensed tangent of one element: second variation of the energy (with the second-order expansion of exp in each
-/// spin, so conservative terms are symmetric), eliminated in the cheap order N (pointwise) - M (diagonal, unless the
-/// section is general) - rotations and bubbles.
+/// Condensed tangent of one element: second variation of the functional, theory (21) to theory (24), eliminated in the
+/// cheap order N (pointwise) - M (diagonal, unless the section is general) - rotations and bubbles: theory (26) to
+/// theory (30).
 #pragma once
 
 #include "kernels/element/gradient.hpp"
@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// What a force point leaves behind for the response of N: strain_change, dN = C (error + d gamma).
+/// What a force point leaves behind for the response of N, theory (26).
 template <class Real, class Stiffness>
 struct ForceRows {
   Mat3<Real> exp, tangent;
@@ -16,8 +16,8 @@ struct ForceRows {
   Stiffness stiffness;  ///< capped tangent stiffness: diagonal and masked (Vec3), or (S_NN capped)^-1 (Mat3)
 };
 
-/// Derivatives of the moment rows, d(moment row j) / d(psi_i, vertex spins). A spin w of the element acts as the
-/// opposite spin of both vertices.
+/// Derivatives D_j of the moment rows, theory (23) and theory (24), by psi_i and the vertex spins. A spin w of the
+/// element acts as the opposite spin of both vertices.
 template <int K, class Real = double>
 struct MomentRows {
   Mat3<Real> psi[K + 1][K];  ///< psi_i, i >= 1
@@ -99,8 +99,7 @@ KOKKOS_FORCEINLINE_FUNCTION ForceRows<Real, Stiffness> force_rows(const ForcePoi
   return {point.rotation.exp, point.rotation.tangent, point.p, point.pulled_back, stiffness};
 }
 
-/// Material part B^T C B and geometric part (with the stored N) of one force point, expanded into the Legendre modes.
-/// Everything follows from A = exp C exp^T, its derivative A hat(p) and  T (hat(N) - hat(gamma + e1) C) exp^T.
+/// Material and geometric part (with the stored N) of one force point, expanded into the Legendre modes: theory (22).
 template <int K, class Real, class Stiffness>
 KOKKOS_FORCEINLINE_FUNCTION void add_force_tangent(const ForcePoint<K, Real>& point, const Stiffness& stiffness,
                                                    const double* P, ReducedSystem<K, Real>& system) {
@@ -145,7 +144,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_force_tangent(const ForcePoint<K, Real>& po
   }
 }
 
-/// `rows`: MomentRows or GeneralMomentRows.
+/// Theory (23). `rows`: MomentRows or GeneralMomentRows.
 template <int K, class Real, class Rows>
 KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(const MomentPoint<K, Real>& point, const double* P,
                                                     const double* slope, const Real& length, Rows& rows,
@@ -170,9 +169,9 @@ KOKKOS_FORCEINLINE_FUNCTION void add_moment_tangent(const MomentPoint<K, Real>& 
   }
 }
 
-/// Boundary term at one end. The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with tau = T^T dpsi and
-/// tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside the Hessian of the
-/// log. The psi blocks follow from those of the spins by T exp^T = T^T.
+/// Boundary term at one end, theory (24). The perturbed relative rotation is exp(-tau) exp(-w~) exp(v~) B with
+/// tau = T^T dpsi and tildes pulled back by exp(psi)^T; its second-order expansion gives the antisymmetric parts beside
+/// the Hessian of the log. The psi blocks follow from those of the spins by T exp^T = T^T.
 template <int K, class Real, class Rows>
 KOKKOS_FORCEINLINE_FUNCTION void add_end_tangent(int end, const EndRotation<K, Real>& joint, Rows& rows,
                                                  ReducedSystem<K, Real>& system) {
@@ -213,8 +212,7 @@ KOKKOS_FORCEINLINE_FUNCTION void sum_at_end(int end, const Row& row, Sum& sum) {
   for (int j = 0; j <= K; ++j) sum += ((2 * j + 1) * signed_end_value(end, j)) * row(j);
 }
 
-/// M eliminated: for a constant section its block is -h/(2j + 1) C_kappa^-1, diagonal. Between the ends
-/// sum_j (2j + 1) = (k + 1)^2 and sum_j (2j + 1) (-1)^j = (-1)^k (k + 1).
+/// M of a constant section eliminated, theory (27): its block is diagonal, and sums over j are known between the ends.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void condense_moments(const MomentRows<K, Real>& rows, const Vec3<Real>* moment_row,
                                                   const SectionNumbers<Real>& section, const Real& length,
@@ -286,7 +284,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> turned_block(const Mat3<Real> (*local)[3]
   return Symmetric && I == J ? symmetric_times_transpose(half, triad) : times_transpose(half, triad);
 }
 
-/// The condensed tangent in space with slope_0 = (u_b - u_a)/h, kSymmetricTangent numbers; from the lower triangle.
+/// The condensed tangent in space, theory (30), kSymmetricTangent numbers; from the lower triangle.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void symmetric_tangent(const Mat3<Real> (*local)[3], const Mat3<Real>& triad,
                                                    const Real& length, Real* tangent) {

@@ -107,12 +107,12 @@ double largest_softening_row(const ElementBlock& block, const StructureViews& st
 void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
                       const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment);
 
-/// Of the first `count` vertices: displacement + scale * increment, rotations multiplied from the left by
+/// Of the first `count` vertices, theory (34): displacement + scale * increment, rotations multiplied from the left by
 /// exp(scale * dtheta).
 void apply_vertex_increment(int count, const StateViews& from, const KernelView<const double* [6]>& increment,
                             double scale, const StateViews& to);
 
-/// interior + scale * increment, triads multiplied from the right by exp(scale * w).
+/// Theory (34): interior + scale * increment, triads multiplied from the right by exp(scale * w).
 void apply_interior_increment(const ElementBlock& block, const StateViews& from,
                               const KernelView<const double*>& increment, double scale, const StateViews& to);
 

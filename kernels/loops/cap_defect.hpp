@@ -1,5 +1,5 @@
-/// The difference between the equations and their capped tangent: S_capped - S, the compliance that the cap adds where
-/// a section is (nearly) rigid, times increments of N and M.
+/// The difference between the equations and their capped tangent, theory (37): the compliance that the cap adds where a
+/// section is (nearly) rigid, times increments of N and M.
 #pragma once
 
 #include "kernels/element/kinematics.hpp"

@@ -12,7 +12,7 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 enum class TurnFrom { left, right };  ///< spatial spins and material ones
 
-/// Rows of kLanes rotations: rotation composed with exp(scale * spin). Rows may repeat, and `out` may be `rotation`.
+/// Rows of kLanes rotations, theory (34). Rows may repeat, and `out` may be `rotation`.
 template <TurnFrom From>
 KOKKOS_FORCEINLINE_FUNCTION void turn_rotations(const double* const* rotation, const double* const* spin, double scale,
                                                 int active, double* const* out) {

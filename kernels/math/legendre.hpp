@@ -1,4 +1,4 @@
-/// Legendre polynomials on [-1, 1] and their integrals (the hierarchical shape functions of the element).
+/// Legendre polynomials on [-1, 1] and their integrals: the shape functions of theory (8).
 #pragma once
 
 #include <Kokkos_Core.hpp>

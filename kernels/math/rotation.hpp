@@ -1,10 +1,8 @@
-/// Rotations: exponential and logarithm, tangent map T (left Jacobian: dtheta = T(psi) dpsi, paper eq. (tangent map)),
-/// its inverse and their derivatives, unit quaternions. Angles in radians.
+/// Rotations: exponential and logarithm, tangent map T, its inverse and their derivatives, unit quaternions: theory (1)
+/// to theory (7). Angles in radians.
 ///
-/// Every coefficient is one of the Stumpff functions  c_k(x) = sum_j (-x)^j / (2j + k)!,  x = |psi|^2:
-///   exp(hat psi) = I + c_1 hat(psi) + c_2 hat(psi)^2,     T(psi) = I + c_2 hat(psi) + c_3 hat(psi)^2.
-/// They are entire functions of the squared angle, so no small-angle special case exists, and their derivatives with
-/// respect to x are again combinations of them:  c_k' = (k c_{k+2} - c_{k+1}) / 2.
+/// Every coefficient is one of the Stumpff functions c_k of the squared angle. They are entire, so no small-angle
+/// special case exists, and so are their derivatives.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
@@ -14,7 +12,7 @@
 
 namespace mixbeam {
 
-/// c_0 .. c_7 at one argument.
+/// c_0 .. c_7 at one argument, theory (1).
 template <class Scalar>
 struct StumpffValues {
   Scalar c[8];
@@ -160,7 +158,7 @@ KOKKOS_INLINE_FUNCTION Quaternion<S> quaternion_of(const Mat3<S>& m) {
   return normalized(q);
 }
 
-/// exp(hat psi) as a unit quaternion, any angle.
+/// exp(hat psi) as a unit quaternion, any angle: theory (2).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Quaternion<S> exp_quaternion(const Vec3<S>& psi) {
   const StumpffValues<S> half = stumpff(S(0.25 * dot(psi, psi)));
@@ -208,8 +206,8 @@ KOKKOS_FORCEINLINE_FUNCTION Pack<W> log_factor(const Pack<W>& nn, const Pack<W>&
   return factor;
 }
 
-/// Rotation vector of a unit quaternion, norm in [0, pi] (the paper's angle symbol). atan2 form: full accuracy at every
-/// angle, also next to pi, where acos of a trace loses half of the digits.
+/// Rotation vector of a unit quaternion, norm in [0, pi]: theory (5). atan2 form: full accuracy at every angle, also
+/// next to pi, where acos of a trace loses half of the digits.
 template <class S>
 KOKKOS_INLINE_FUNCTION Vec3<S> log_quaternion(const Quaternion<S>& q) {
   const S sign = select(q.w < 0.0, S(-1.0), S(1.0));  // q and -q are the same rotation: take the shorter way
@@ -230,7 +228,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_series(const S& first, const S& sec
            {xz - linear[1], yz + linear[0], 1.0 - (xx + yy)}}};
 }
 
-/// exp(hat psi) as a matrix from values of the Stumpff functions at |psi|^2 (Rodrigues' formula).
+/// exp(hat psi) as a matrix from values of the Stumpff functions at |psi|^2: theory (2).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> exp_matrix(const Vec3<S>& psi, const StumpffValues<S>& c) {
   return rotation_series(c[1], c[2], psi);
@@ -240,8 +238,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> exp_matrix(const Vec3<S>& psi) {
   return exp_matrix(psi, stumpff(dot(psi, psi)));
 }
 
-/// T(psi): spatial spin of an additive change of the rotation vector, dtheta = T(psi) dpsi; the material spin is
-/// T(psi)^T dpsi.
+/// T(psi), theory (3): spatial spin of an additive change of the rotation vector; the material spin is T(psi)^T dpsi.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> tangent_map(const Vec3<S>& psi, const StumpffValues<S>& c) {
   return rotation_series(c[2], c[3], psi);
@@ -265,7 +262,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> rotation_series_derivative(const Vec3<S>& sl
            {entry(2, 0) + turn[1], entry(2, 1) - turn[0], entry(2, 2) + isotropic}}};
 }
 
-/// d(T(psi) a)/dpsi for a constant vector a.
+/// d(T(psi) a)/dpsi for a constant vector a: theory (6).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> tangent_map_derivative(const Vec3<S>& psi, const Vec3<S>& a,
                                                            const StumpffValues<S>& c) {
@@ -274,9 +271,8 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> tangent_map_derivative(const Vec3<S>& psi, c
   return rotation_series_derivative(slope, c[2], c[3], psi, a);
 }
 
-/// Coefficient of the inverse tangent map, T^-1 = I - hat(phi)/2 + d hat(phi)^2, and its derivative with respect to
-/// |phi|^2. d = (1 - (|phi|/2) cot(|phi|/2)) / |phi|^2 written with Stumpff functions of (|phi|/2)^2: no cancellation
-/// at 0, regular at pi.
+/// Coefficient d of the inverse tangent map, theory (4), and its derivative with respect to |phi|^2. With Stumpff
+/// functions of (|phi|/2)^2 in place of a cotangent: no cancellation at 0, regular at pi.
 template <class S>
 struct InverseTangentCoefficient {
   S value, derivative;
@@ -290,7 +286,7 @@ KOKKOS_FORCEINLINE_FUNCTION InverseTangentCoefficient<S> inverse_tangent_coeffic
   return {value, derivative};
 }
 
-/// T^-1(phi), |phi| < 2 pi.
+/// T^-1(phi), |phi| < 2 pi: theory (4).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> inverse_tangent_map(const Vec3<S>& phi, const InverseTangentCoefficient<S>& d) {
   return rotation_series(S(-0.5), d.value, phi);
@@ -300,7 +296,7 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> inverse_tangent_map(const Vec3<S>& phi) {
   return inverse_tangent_map(phi, inverse_tangent_coefficient(dot(phi, phi)));
 }
 
-/// d(T^-T(phi) a)/dphi for a constant vector a.
+/// d(T^-T(phi) a)/dphi for a constant vector a: theory (6).
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Mat3<S> inverse_tangent_transpose_derivative(const Vec3<S>& phi, const Vec3<S>& a,
                                                                          const InverseTangentCoefficient<S>& d) {
@@ -308,9 +304,8 @@ KOKKOS_FORCEINLINE_FUNCTION Mat3<S> inverse_tangent_transpose_derivative(const V
   return rotation_series_derivative(S(2.0 * d.derivative) * cross(phi, pa), S(0.5), d.value, phi, a);
 }
 
-/// Value-free derivatives of the scalar  a^T F(psi) b  with respect to psi, where F is exp(-hat psi) (first = 1) or
-/// T(psi)^T (first = 2). Both are  a.b + c_first q.psi + c_{first+1} psi.S psi  with q = a x b, S = sym(a b^T) - (a.b)
-/// I.
+/// Gradient and Hessian of the scalar a . F(psi) b of theory (7) with respect to psi, F = exp(-hat psi) (first = 1) or
+/// T(psi)^T (first = 2); its value is not needed.
 template <class S>
 KOKKOS_FORCEINLINE_FUNCTION Vec3<S> rotation_form_gradient(int first, const Vec3<S>& a, const Vec3<S>& b,
                                                            const Vec3<S>& psi, const StumpffValues<S>& c) {

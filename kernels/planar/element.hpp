@@ -1,25 +1,13 @@
 /// One element of order k that moves in a plane, with k Gauss points for its force strain: the equations of
-/// element/gradient.hpp and element/tangent.hpp with numbers in place of rotation vectors. `Real` is double, or a Pack
-/// of elements side by side.
+/// element/gradient.hpp and element/tangent.hpp with numbers in place of rotation vectors, theory (31) and theory (32).
+/// `Real` is double, or a Pack of elements side by side.
 ///
-/// Rotations about one axis commute. The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its
-/// increment is alpha = sum_{j >= 0} alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have the components
-/// along g1 and n x g1 of Lambda_lo ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane, and
-/// angles turn about n. With R = R(psi), J = R(pi/2), p = Lambda_lo^T r':
-///   gamma = R^T p - e1,   d gamma/d alpha = -J R^T p = t,   d^2 gamma/d alpha^2 = -R^T p;
-///   kappa = psi' - kappa0,   phi = theta_V + constant - psi(end): linear, so M has no geometric stiffness, and
-///   int P_j dkappa ds + [P_j dphi] = dtheta_b - (-1)^j dtheta_a - sum_i D_ji alpha_i,   D_ji = int P_j' P_i dxi.
-///
-/// Elimination. At its k Gauss points the k slope modes are as many free numbers: with slopes s_q, angles alpha_q and
-/// the force lambda (element frame) that a linearised equilibrium without line loads makes constant along the element,
-///   dN_q = R^T (lambda - nu_q) - J N_q alpha_q,   s_q = R (C^-1 R^T (lambda - nu_q) - e_q) - R m_q alpha_q,
-///   m = t + C^-1 J N,   e = gamma - C^-1 N (residual),   nu = R N (own residual).
-/// The remaining equations are those of the angle modes and of the mean slope_0 = (1/h) sum w_q s_q:
-///   [ H    g ] [alpha ]      [ H_a theta_a + H_b theta_b + r ]
-///   [ g^T -F ] [lambda]  = - [ h slope_0 + z                 ]
-///   H_il = EI/h sum_j (2j+1) D_ji D_jl + sum_q w P_i P_l (N . R^T p - JN . C^-1 JN),
-///   g_i = sum_q w P_i R m,   F = sum_q w R C^-1 R^T.
-/// Force stiffnesses do not appear in it, only compliances: nothing cancels, however stiff the section is.
+/// The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its increment is alpha = sum_{j >= 0}
+/// alpha_j P_j with alpha_0 the spin w ("angle modes"). Vectors have the components along g1 and n x g1 of Lambda_lo
+/// ("element frame") or of Lambda_E (N, gamma), n being the normal of the plane, and angles turn about n. kappa = psi'
+/// - kappa0 and phi are linear in the angles. The force f is constant along the element, which carries no line loads;
+/// it has components in the element frame, and a right-hand side from outside may take the place of the residuals in
+/// it.
 #pragma once
 
 #include "kernels/element/layout.hpp"
@@ -158,7 +146,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real shorter_way(const Real& angle) {
          select(angle < Real(-pi), Real(2.0 * pi), Real(0.0));
 }
 
-/// int P_j' P_i dxi over [-1, 1].
+/// O_ji = int P_j' P_i dxi over [-1, 1] of theory (32).
 constexpr double slope_overlap(int j, int i) { return j > i && (j - i) % 2 == 1 ? 2.0 : 0.0; }
 /// P_j(-1)
 constexpr double sign_of_mode(int j) { return j % 2 == 1 ? -1.0 : 1.0; }
@@ -216,8 +204,8 @@ KOKKOS_FORCEINLINE_FUNCTION void set_planar_ends(const PlaneRotor<Real>& element
 /// One Gauss point of the force strain.
 template <class Real>
 struct PlanarPoint {
-  PlaneTurn<Real> turn;     ///< R(psi)
-  Vec2<Real> pulled_back;   ///< R^T p = gamma + e1
+  PlaneTurn<Real> turn;     ///< rho of theory (31)
+  Vec2<Real> pulled_back;   ///< rho^T p = gamma + e1
   Vec2<Real> strain_error;  ///< gamma - C^-1 N
   Real weight;
 };
@@ -252,7 +240,7 @@ struct PlanarGradient {
   Real largest_end_angle;
 };
 
-/// int P_j kappa + [P_j phi] - h/(2j + 1) M_j/EI
+/// The rows of M, theory (17), which are linear in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_moment_rows(const PlanarState<K, Real>& state, Real* rows,
                                                     Real& largest_angle) {
@@ -273,7 +261,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_moment_rows(const PlanarState<K, Real>& 
   }
 }
 
-/// Moments of M in the angle modes (-sum_j D_ji M_j) and at the vertices.
+/// Moments of M in the angle modes, theory (18) with O_ji of theory (32), and at the vertices.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_moment_gradient(const Real* moment, Real* angle, Real* end_moment) {
   for (int i = 0; i < K; ++i) {
@@ -287,6 +275,7 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_moment_gradient(const Real* moment, Real
   }
 }
 
+/// Theory (16) to theory (18) in the plane.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_gradient(const PlanarState<K, Real>& state, const PlanarTables<K>& tables,
                                                  PlanarGradient<K, Real>& g) {
@@ -319,7 +308,7 @@ struct PlanarRightHandSide {
 /// slope_0 in the plane (two columns), spins of vertices a and b, constant part.
 constexpr int kPlanarColumns = 5;
 
-/// The reduced system of the top of this file. Columns: g (2), H_a, H_b, r.
+/// The reduced system of theory (32). Columns: G (2), H_a, H_b, r.
 template <int K, class Real>
 struct PlanarSystem {
   Real matrix[triangle_size(K)];  ///< H, lower triangle
@@ -329,7 +318,7 @@ struct PlanarSystem {
   Vec2<Real> shift;    ///< z
 };
 
-/// Change of angle modes and of the force lambda for unit slope_0 (element frame), spins of the vertices, and the
+/// Change of angle modes and of the force f for unit slope_0 (element frame), spins of the vertices, and the
 /// constant part.
 template <int K, class Real>
 struct PlanarSolution {
@@ -342,8 +331,8 @@ struct PlanarSolution {
 template <int K, class Real>
 struct PlanarPoints {
   PlanarPoint<Real> point[K];
-  Vec2<Real> given_force[K];  ///< R^T nu
-  Vec2<Real> lever[K];        ///< m
+  Vec2<Real> given_force[K];  ///< N, or what is given in its place
+  Vec2<Real> lever[K];        ///< l of theory (31)
 };
 
 template <int K, class Real>
@@ -355,7 +344,7 @@ KOKKOS_FORCEINLINE_FUNCTION void clear(PlanarSystem<K, Real>& system) {
   system.shift = {0.0, 0.0};
 }
 
-/// Bending stiffness and the moment rows: constant but for EI/h.
+/// Bending in theory (32) and the moment rows: constant but for EI/h.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_planar_bending(const Real& stiffness, const Real* moment_row,
                                                     PlanarSystem<K, Real>& system) {
@@ -380,6 +369,7 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_bending(const Real& stiffness, const
   }
 }
 
+/// One Gauss point of theory (32).
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void add_planar_point(int q, const PlanarState<K, Real>& state,
                                                   const PlanarTables<K>& tables, bool own,
@@ -388,10 +378,10 @@ KOKKOS_FORCEINLINE_FUNCTION void add_planar_point(int q, const PlanarState<K, Re
   const PlanarPoint<Real>& point = points.point[q];
   const Vec2<Real>& compliance = state.section.tangent_force_compliance;
   const Vec2<Real> across = quarter_turn(state.force[q]);  // J N
-  const Vec2<Real> soft = scaled_by(compliance, across);   // C^-1 J N
+  const Vec2<Real> soft = scaled_by(compliance, across);   // S J N
   const Vec2<Real> lever = point.weight * (point.turn * points.lever[q]);
   const Real geometric = point.weight * (dot(state.force[q], point.pulled_back) - dot(across, soft));
-  // what t . (N + C e) leaves when slopes and N are eliminated; own residual: t . N - m . N = - C^-1 J N . N
+  // what the work of N + C R_N leaves when slopes and N are eliminated; own residual: -J g . N - l . N = -S J N . N
   const Vec2<Real>& given = points.given_force[q];
   const Real rest = own ? dot(soft, given) : dot(points.lever[q], given);
   const Real turning = -point.weight * (rest + dot(across, point.strain_error));
@@ -445,11 +435,11 @@ KOKKOS_FORCEINLINE_FUNCTION void planar_system(const PlanarState<K, Real>& state
 /// A pivot below this fraction of the bending stiffness in it loses too many digits without exchange of rows: the
 /// geometric stiffness of a compressed element has cancelled it.
 constexpr double kPlanarPivot = 1e-3;
-/// The same for the determinant of the compliance of lambda, where stiffnesses that differ by the cap (1e5) leave a
+/// The same for the determinant of the compliance of f, where stiffnesses that differ by the cap (1e5) leave a
 /// ratio of their size.
 constexpr double kPlanarCompliancePivot = 1e-9;
 
-/// H = L D L^T without exchange of rows, then lambda. Returns the smallest ratio of pivots to their limits; below one
+/// H = L D L^T without exchange of rows, then f. Returns the smallest ratio of pivots to their limits; below one
 /// the result is not reliable.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSystem<K, Real>& system,
@@ -505,7 +495,7 @@ KOKKOS_FORCEINLINE_FUNCTION Real solve_planar(const Real& length, const PlanarSy
   return least;
 }
 
-/// The same for one element with exchange of rows, angle modes and lambda together.
+/// The same for one element with exchange of rows, angle modes and f together.
 template <int K>
 KOKKOS_INLINE_FUNCTION void solve_planar_with_pivoting(double length, const PlanarSystem<K, double>& system,
                                                        PlanarSolution<K, double>& solution) {
@@ -541,7 +531,7 @@ KOKKOS_INLINE_FUNCTION void solve_planar_with_pivoting(double length, const Plan
   }
 }
 
-/// dM_j = (2j + 1)/h EI (row_j + d row_j)
+/// dM_j, theory (27)
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_moment_response(int j, const PlanarState<K, Real>& state,
                                                         const Real* moment_row, const PlanarSolution<K, Real>& solution,
@@ -564,8 +554,8 @@ struct PlanarRows {
   KOKKOS_FORCEINLINE_FUNCTION static constexpr int bubble(int j) { return 4 * K + 1 + 2 * (j - 1); }  ///< in the plane
 };
 
-/// All increments of the interior from lambda and the angle modes, and the moments on the vertices, in the columns that
-/// the solution has.
+/// All increments of the interior from f and the angle modes, theory (31), and the moments on the vertices, in the
+/// columns that the solution has.
 template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_response(const PlanarState<K, Real>& state, const PlanarTables<K>& tables,
                                                  const PlanarPoints<K, Real>& points, const Real* moment_row,
@@ -637,7 +627,7 @@ template <int K, class Real>
 KOKKOS_FORCEINLINE_FUNCTION void planar_condensed(const PlanarState<K, Real>& state,
                                                   const PlanarSolution<K, Real>& solution, const Real* own_end_moment,
                                                   Real* tangent, Real* gradient) {
-  // slope_0 = (u_b - u_a)/h: its row is h lambda, so that of u_b is lambda itself
+  // slope_0 = (u_b - u_a)/h: its row is h f, so that of u_b is f itself
   Vec2<Real> force[kPlanarColumns];
   for (int c = 0; c < kPlanarColumns; ++c)
     force[c] = state.triad * Vec2<Real>{solution.force[0][c], solution.force[1][c]};

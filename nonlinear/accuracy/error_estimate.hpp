@@ -20,8 +20,8 @@ struct EstimatedError {
 struct ErrorEstimate {
   std::string not_estimated{};                 ///< why there is none; empty where there is one
   std::vector<Vector3> vertex_displacement{};  ///< (vertex) error of its displacement, spatial [length]
-  /// (mesh element): sqrt(1/L int |error|^2 ds) over the element, L the length of all members, so that the squares of
-  /// all elements add up to that of the whole structure; of the displacement [length] and of M [moment]
+  /// (mesh element): sqrt(1/L int |error|^2 ds) over the element, L the length of all members (theory (52)), so that
+  /// the squares of all elements add up to that of the whole structure; of the displacement [length] and of M [moment]
   std::vector<double> element_displacement{}, element_moment{};
   EstimatedError largest_displacement{};  ///< largest |error of u| of any vertex; largest |u| of any point
   EstimatedError displacement{};          ///< sqrt(1/L int |.|^2 ds) of u along the centerline, vertices or not
@@ -32,14 +32,14 @@ struct ErrorEstimate {
   bool exists() const { return not_estimated.empty(); }
 };
 
-/// Estimates by what Newton's method makes of the state in a richer space: one order more, or two elements in place of
-/// one where the order is the highest there is. A first correction starts from the present fields, with relative
-/// rotations recovered from the vertices (recovered_rotation.hpp). Where its residual tells that the squares it leaves
-/// might be seen in the estimate, a second one follows with the same tangent, or with a new one where the first was
-/// far off. The error of the richer space itself stays unseen; it is much smaller wherever more elements or a higher
-/// order pay at all. Costs two Newton iterations for orders 2 to 7, and three to four for order 1, whose iterations are
-/// cheap beside those of order 2, and for order 8. The load factor stays what it is, also where a displacement is
-/// controlled: next to a limit point errors of the path count as errors of the state.
+/// Estimates by what Newton's method makes of the state in a richer space, theory (52): one order more, or two elements
+/// in place of one where the order is the highest there is. A first correction starts from the present fields, with
+/// relative rotations recovered from the vertices (recovered_rotation.hpp). Where its residual tells that the squares
+/// it leaves might be seen in the estimate, a second one follows with the same tangent, or with a new one where the
+/// first was far off. The error of the richer space itself stays unseen; it is much smaller wherever more elements or a
+/// higher order pay at all. Costs two Newton iterations for orders 2 to 7, and three to four for order 1, whose
+/// iterations are cheap beside those of order 2, and for order 8. The load factor stays what it is, also where a
+/// displacement is controlled: next to a limit point errors of the path count as errors of the state.
 ///
 /// What makes an estimate impossible is told in `not_estimated`, not thrown. Collective.
 ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters& parameters, const State& state,

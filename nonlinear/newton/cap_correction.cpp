@@ -67,7 +67,7 @@ class Hessenberg {
 
 }  // namespace
 
-// With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
+// Theory (38) with S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
 bool remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
                       MixedVector& increment) {
   const double beta = norm(left_out);

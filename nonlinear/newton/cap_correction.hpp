@@ -1,8 +1,9 @@
 /// Newton increments without the cap of the tangent. The capped tangent J_c differs from J only by the compliance that
 /// it adds to N and M where a section is (nearly) rigid. Forces that equilibrium determines do not feel it; but in a
 /// redundant structure N and M are shared by stiffness, and an increment with J_c shares them by the capped one: then
-/// Newton's method would need as many iterations as the cap is below the stiffness. J = J_c + D is solved here instead
-/// by GMRES, preconditioned with the factorised J_c: its iterations are as many as there are distinct ways of sharing.
+/// Newton's method would need as many iterations as the cap is below the stiffness. J = J_c + D, D the E of theory
+/// (38), is solved here instead by GMRES, preconditioned with the factorised J_c: its iterations are as many as there
+/// are distinct ways of sharing.
 #pragma once
 
 #include "discretization/mesh/mixed_vector.hpp"

@@ -1,5 +1,5 @@
-/// Newton steps limited by rotation instead of residual: far from equilibrium the residual says little, but a vertex
-/// that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
+/// Newton steps limited by rotation instead of residual, theory (35): far from equilibrium the residual says little,
+/// but a vertex that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
 #pragma once
 
 #include <NOX_LineSearch_Generic.H>

@@ -1,5 +1,5 @@
-/// The equation that takes the place of a given load factor where a path is followed by its length, by the motion of a
-/// point or by the amplitude of a mode.
+/// The equation, theory (55), that takes the place of a given load factor where a path is followed by its length, by
+/// the motion of a point or by the amplitude of a mode.
 #pragma once
 
 #include "nonlinear/newton/beam_vector.hpp"

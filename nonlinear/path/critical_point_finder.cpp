@@ -308,8 +308,8 @@ void CriticalPointFinder::require_order(const PathPiece& piece, const Bracket& b
   throw MorePoints{sample(piece, here.at, Asked::count)};
 }
 
-/// At a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that vanish together,
-/// which is smooth even where they cross.
+/// Theory (60): at a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that
+/// vanish together, which is smooth even where they cross.
 PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
   PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
   if (turns(bracket)) return result;
@@ -328,7 +328,7 @@ std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& brac
   return modes;
 }
 
-/// Newton's method at the load factor of the root with the critical modes taken out of every increment: regular where
+/// Theory (61), the critical modes taken out of every increment of Newton's method at the root's load: regular where
 /// the path crosses other ones.
 State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
                                                 const std::vector<MixedVector>& critical) {

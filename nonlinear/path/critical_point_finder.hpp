@@ -1,4 +1,4 @@
-/// Finds the points within a step at which eigenvalues of the tangent pass zero.
+/// Finds the points within a step at which eigenvalues of the tangent pass zero: theory (60).
 #pragma once
 
 #include "nonlinear/path/step_judge.hpp"

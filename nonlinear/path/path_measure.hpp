@@ -20,9 +20,9 @@ struct PathDirection {
 /// `a` times factor.
 PathDirection scaled(const PathDirection& a, double factor);
 
-/// The motion of the structure: root mean square over the vertices of displacement / scene length and rotation. Paths
-/// are measured by motion alone; the load factor joins with a weight so small that it counts only where nothing moves.
-/// All functions are collective.
+/// The motion of the structure, theory (53): root mean square over the vertices of displacement / scene length and
+/// rotation. Paths are measured by motion alone; the load factor joins with a weight so small that it counts only where
+/// nothing moves. All functions are collective.
 class PathMeasure {
  public:
   explicit PathMeasure(const Assembler& assembler);
@@ -35,7 +35,7 @@ class PathMeasure {
   double cosine(const MixedVector& a, const MixedVector& b) const;
   double inner(const PathDirection& a, const PathDirection& b) const;
   double length(const PathDirection& a) const;
-  /// The row "way along the unit vector `direction` since load_start = length".
+  /// The row "way along the unit vector `direction` since load_start = length": theory (55).
   ControlRow row(const PathDirection& direction, double load_start, double length) const;
 
  private:
@@ -51,7 +51,7 @@ inline constexpr double kNoMotion = 1e-12;
 struct Station {
   State state;
   double load_factor = 0.0;
-  PathDirection tangent;                       ///< of length one; not finite where the tangent matrix is singular
+  PathDirection tangent;                       ///< theory (54); not finite where the tangent matrix is singular
   std::optional<StabilityResult> stability{};  ///< none: not affordable
 
   bool has_tangent() const { return std::isfinite(tangent.load); }

@@ -88,7 +88,7 @@ struct StepJudge::Part {
   bool load_dips(const StepTest& test) const;
 };
 
-/// What is seen at a guess of a point inside a step, and Newton's correction of it at right angles to the chord.
+/// What is seen at a guess of a point inside a step, theory (58), and Newton's correction at right angles to the chord.
 struct StepJudge::Look {
   PathDirection corrected;  ///< the guess with that correction, as increments from the start of the step
   double correction = 0.0;  ///< over the chord, of the part where it is largest
@@ -97,7 +97,7 @@ struct StepJudge::Look {
   int negative = -1;        ///< none: not counted
 };
 
-/// The least rate of the load factor, in the direction of the first one, on the cubic through both ends with theirs.
+/// The least rate of the load factor, in the direction of the first one, on the cubic of theory (59).
 double StepJudge::Part::least_rate() const {
   const double sign = first_rate > 0.0 ? 1.0 : -1.0;
   const double begin = sign * first_rate, end = sign * last_rate, mean = sign * mean_rate;
@@ -143,7 +143,7 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
   }
 }
 
-/// For the given derivative of the residual with the load factor, which grows along it.
+/// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
 PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
   group.computeJacobian();
   BeamVector by_load(problem_->assembler.create_vector());
@@ -258,8 +258,8 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test) c
   return objection(piece, test, kMostHalvings);
 }
 
-/// A count inside a step must lie between those of its ends. Without symmetry it is the parity that the sign of the
-/// determinant tells, which changes where an eigenvalue passes zero all the same.
+/// A count inside a step must lie between those of its ends, theory (57). Without symmetry it is the parity that the
+/// sign of the determinant tells, which changes where an eigenvalue passes zero all the same.
 std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) const {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
   if (!a || !b || negative < 0) return "";

@@ -1,11 +1,12 @@
 /// Whether two equilibria lie on one path, one step apart.
 ///
 /// Newton's method from a far start may converge to an equilibrium of another path, and the counts of negative
-/// eigenvalues at both ends may agree all the same. Independent signs are asked, all in motion: the tangents at both
-/// ends point along the chord; the counts agree; where the path bends, a look inside: the cubic through both ends with
-/// their tangents is nearly an equilibrium half-way, with the same count and the same direction of the load factor.
-/// Where the cubic is too far from the path, the equilibrium half-way is computed, and each half judged by itself.
-/// Parts of a structure that touch no other one are judged one by one: a single one among many may have jumped.
+/// eigenvalues at both ends may agree all the same. Independent signs are asked, all in motion, theory (57) to
+/// theory (59): the tangents at both ends point along the chord; the counts agree; where the path bends, a look inside:
+/// the cubic through both ends with their tangents is nearly an equilibrium half-way, with the same count and the same
+/// direction of the load factor. Where the cubic is too far from the path, the equilibrium half-way is computed, and
+/// each half judged by itself. Parts of a structure that touch no other one are judged one by one: a single one among
+/// many may have jumped.
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
@@ -56,7 +57,7 @@ class StepJudge {
 
   const LoadHistory& loads() const { return loads_; }
 
-  /// Point of the cubic through both ends with their tangents at share `at` of the way, as increments from its start.
+  /// Point of the cubic of theory (56) at share `at` of the way, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
 
  private:

@@ -1,4 +1,4 @@
-/// The tangent in the motions that supports and joints permit.
+/// The tangent in the motions that supports and joints permit: theory (46).
 ///
 /// With Z the motions of all vertices that belong to the independent unknowns y, dx = Z y, the free rows of the
 /// equations are Z^T times forces and moments; their derivative A therefore gives A_free Z, which is the second
@@ -23,7 +23,7 @@ namespace mixbeam {
 class IndependentUnknowns {
  public:
   explicit IndependentUnknowns(const Assembler& assembler);
-  /// Those of the vertices that are left when chains are condensed to their ends: by Sylvester's law of inertia the
+  /// Those of the vertices that are left when chains are condensed to their ends: by theory (47) the
   /// reduced matrix has as many negative eigenvalues less as pivots of the chains are negative. `remaining` must
   /// outlive this and hold the tangent that is to be reduced.
   IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining);

@@ -324,7 +324,7 @@ StabilityResult Stability::count(const State& state, double load_factor) {
   }
 }
 
-/// With K of the tangent and the row e of the motion, n(K) where e . dx = 0 is n(K), less one where e . K^-1 e < 0.
+/// Theory (48) with K of the tangent and the row e of the motion.
 StabilityResult Stability::count_held(const State& state, double load_factor, const MixedVector& motion) {
   assemble(state, load_factor);
   StabilityResult result = inertia();
@@ -496,8 +496,9 @@ MixedVector Stability::derivative_along(const State& state, double load_factor, 
   return sum;
 }
 
-/// Of the mixed potential in motions that complete_motion() made of the vectors of `reduced`, as a matrix; symmetric
-/// tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves added_compliance().
+/// Theory (50): of the mixed potential in motions that complete_motion() made of the vectors of `reduced`, as a matrix;
+/// symmetric tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves
+/// added_compliance().
 std::vector<double> Stability::second_variations(const State& state, double load_factor,
                                                  const std::vector<MixedVector>& motions, const Reduced& reduced) {
   const int m = static_cast<int>(motions.size());
@@ -521,7 +522,7 @@ std::vector<double> Stability::second_variations(const State& state, double load
   return form;
 }
 
-/// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
+/// Rayleigh-Ritz in the modes found, with the true compliance, theory (49): degenerate modes separate as they should.
 std::vector<EigenMode> Stability::corrected_modes(const State& state, double load_factor,
                                                   const StabilityResult& stability, const Reduced& reduced) {
   Assembler& assembler = problem_.assembler;
@@ -628,7 +629,7 @@ void orthonormalize(std::vector<std::vector<double>>& columns, std::vector<std::
 
 }  // namespace
 
-/// Rayleigh-Ritz in K^-p B, with the factors that inertia() left.
+/// Rayleigh-Ritz in K^-p B, theory (60), with the factors that inertia() left.
 Stability::Reduced Stability::ritz_values(const StabilityResult& stability, const CriticalSpace& space) {
   const size_t m = space.size;
   Reduced reduced;

@@ -5,9 +5,8 @@
 /// rotations, that over L^2 for displacements. Eigenvalues have no unit.
 ///
 /// Under loads with a potential K is symmetric and an equilibrium is stable when no eigenvalue is negative. The count
-/// is complete: interiors of elements are condensed, and by Wittrick and Williams J = J0 (eigenvalues below zero of the
-/// interiors while vertices stand still) + those of the condensed matrix. An eigenvalue that is zero within its error
-/// is counted apart: such a state is neutral.
+/// is complete: it counts what is condensed, interiors of elements and chains, theory (47). An eigenvalue that is zero
+/// within its error is counted apart: such a state is neutral.
 ///
 /// Under follower loads and spatial moments K is not symmetric: real eigenvalues below zero mean divergence, and their
 /// parity is the sign of the determinant; flutter is a matter of dynamics and not seen here, so that a state that has
@@ -15,11 +14,11 @@
 ///
 /// The tangent caps the stiffness of forces (Assembler), which lowers critical loads by about 1e-5 of them, 1e-7 where
 /// eigenvalues are only counted. Modes are corrected to the true stiffness, to second order in the cap, and next to
-/// zero the corrected eigenvalues are counted.
+/// zero the corrected eigenvalues are counted: theory (49).
 ///
 /// Where stiff members stand beside soft ones, the condensed tangent keeps of its small eigenvalues only what the
 /// rounding of the stiff entries leaves, but its modes to rounding. There eigenvalues are taken from the second
-/// variation of the mixed potential in these modes, which holds compliances and no stiffness.
+/// variation of the mixed potential in these modes, theory (50), which holds compliances and no stiffness.
 #pragma once
 
 #include "discretization/assembly/condensed_system.hpp"
@@ -83,8 +82,9 @@ class Stability {
   /// the nearest ones are looked at, by spectrum(). Unsymmetric: the sign of the determinant alone.
   StabilityResult count(const State& state, double load_factor);
 
-  /// The same while a motion is held, that of a controlled displacement: <motion, dx> = 0. `motion`: rows of vertices,
-  /// as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the whole tangent.
+  /// The same while a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). `motion`: rows
+  /// of vertices, as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the
+  /// whole tangent.
   StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
 
   /// The `count` eigenvalues nearest to zero (or all there are), with modes and errors, and the number of negative
