@@ -122,18 +122,21 @@ struct SectionNumbers {
   Real tangent_force_stiffness[3];  ///< EA, GA2, GA3 capped: the tangent only
   Real moment_stiffness[3];         ///< GIt, EI2, EI3 capped: the tangent only
   Real moment_compliance[3];        ///< 1/GIt, 1/EI2, 1/EI3: the residual
-  Real force_softening[3];          ///< compliance of the tangent less the true one: zero where the cap is not reached
-  Real moment_softening[3];
-  /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
-  /// these.
-  Real force_stiffness_limit, moment_stiffness_limit;
 
-  static constexpr int kCount = 20;  ///< all of these as one array
+  static constexpr int kCount = 12;  ///< all of these as one array
   KOKKOS_INLINE_FUNCTION Real* numbers() { return force_compliance; }
   KOKKOS_INLINE_FUNCTION const Real* numbers() const { return force_compliance; }
 };
-using SectionConstants = SectionNumbers<double>;
-static_assert(sizeof(SectionConstants) == SectionConstants::kCount * sizeof(double));
+static_assert(sizeof(SectionNumbers<double>) == SectionNumbers<double>::kCount * sizeof(double));
+
+/// The same and what else is kept of a section.
+struct SectionConstants : SectionNumbers<double> {
+  double force_softening[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
+  double moment_softening[3];
+  /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
+  /// these.
+  double force_stiffness_limit, moment_stiffness_limit;
+};
 
 /// Vector fields given along an element: loads per unit reference length and strains without stress.
 enum class LineField {

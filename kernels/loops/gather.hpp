@@ -95,7 +95,10 @@ struct ElementPack {
     in.interior = interior_;
     in.reference = reference_;
     if (gather.section.extent(0) > 0) load_section(gather);
-    if (gather.has_fields()) load_fields(gather);
+    if (gather.has_fields()) {
+      const RowsInLanes<W> rows = lanes;
+      load_fields(gather, rows, field_, fields);
+    }
   }
 
  private:
@@ -115,18 +118,21 @@ struct ElementPack {
       lanes.load([&](int e) { return constants(e).numbers(); }, SectionConstants::kCount, section.numbers());
     }
   }
-  KOKKOS_FUNCTION __attribute__((noinline)) void load_fields(const Gather& gather) {
+  // Static, so that nothing else of the pack has its address taken.
+  KOKKOS_FUNCTION __attribute__((noinline)) static void load_fields(const Gather& gather, const RowsInLanes<W>& rows,
+                                                                    Real (*numbers)[3 * kForcePoints],
+                                                                    ElementFields<Real>& fields) {
     for (int i = 0; i < kLineFields; ++i) {
       bool some_have_it = false;
-      for (const int e : lanes.row) some_have_it = some_have_it || gather.field_row(e, i) >= 0;
+      for (const int e : rows.row) some_have_it = some_have_it || gather.field_row(e, i) >= 0;
       if (!some_have_it) continue;
       const auto values_of = [&](int e) {
         const int row = gather.field_row(e, i);
         return row < 0 ? kNoField : &gather.field_value(row, 0);
       };
       const int points = line_field_points(static_cast<LineField>(i), K, gather.layout.force_points);
-      lanes.load(values_of, 3 * points, field_[i]);
-      fields.values[i] = field_[i];
+      rows.load(values_of, 3 * points, numbers[i]);
+      fields.values[i] = numbers[i];
     }
   }
 };

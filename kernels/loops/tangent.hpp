@@ -36,7 +36,10 @@ struct TangentLoop {
     MeanRows<K> mean_rows[kCount];
     solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
     const bool has_potential = !pack.fields.have_no_potential();
-    if (!has_potential) solve_with_fields(pack.lanes, kinematics, element, mean_rows, signs);
+    if (!has_potential) {
+      const Kinematics copy = kinematics;  // only this one has its address taken
+      solve_with_fields(pack.lanes, copy, element, mean_rows, signs);
+    }
     for (int lane = 0; counts() && lane < pack.lanes.active; ++lane) store_signs(pack.lanes.row[lane], signs[lane]);
     const auto response_of = [&](int e) { return to.response.data() + response_offset + first_response(e); };
     const auto store = [&](int first, int count, const Real* numbers) {
@@ -44,7 +47,10 @@ struct TangentLoop {
     };
     element.store_response(gather.tables, gather.layout, kinematics, pack.section, store);
     store_condensed(pack.lanes, kinematics, element);
-    if (!has_potential) add_mean_rows(pack.lanes, kinematics, element, mean_rows);
+    if (!has_potential) {
+      const Kinematics copy = kinematics;
+      add_mean_rows(pack.lanes, copy, element, mean_rows);
+    }
   }
 
  private:
@@ -75,7 +81,7 @@ struct TangentLoop {
     if (to.condensed_tangent.extent(1) == kSymmetricTangent)
       lanes.store(tangent, 0, kSymmetricTangent, [&](int e) { return tangent_of(e); });
     else
-      store_full(lanes, kinematics, element.condensed, tangent);
+      store_full(lanes, Kinematics(kinematics), element.condensed, tangent);
     store_condensed_residual(element.condensed, element.gradient, kinematics, residual);
     lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
   }

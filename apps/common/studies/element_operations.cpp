@@ -50,7 +50,7 @@ struct CountedElement {
 
  private:
   static SectionConstants ones() {
-    SectionConstants section;
+    SectionConstants section{};
     for (int i = 0; i < SectionConstants::kCount; ++i) section.numbers()[i] = 1.0;
     return section;
   }
