@@ -1,102 +1,228 @@
-#include "apps/economies/economies_study.hpp"
+// What the features that a scene does not use would cost: one long rod solved as it is, and with each of them in it at
+// rest. Both ways must give the same answer; times are shown, not judged.
+#include "apps/common/studies/study.hpp"
+#include "apps/common/studies/variants.hpp"
 
-#include "apps/common/session/machine_facts.hpp"
-#include "apps/common/tables/csv_table.hpp"
-#include "apps/economies/economies_page.hpp"
-
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
-#include <ostream>
+#include <limits>
 
 namespace mixbeam {
 
 namespace {
 
-const char* const kSource = "the same scene, solved the other way";
+/// What Newton's tolerance leaves of a displacement, with a margin for soft structures.
+constexpr double kSameSolution = 1e-9;
+/// Inner points that carry a load of zero.
+constexpr int kInnerPoints = 1000;
+constexpr int kLoadSteps = 10;
+/// A line load that rounding swallows; one of zero would not be looked at.
+constexpr double kNothing = 1e-200;
+/// Stiffness beside which 1 is bending: what is left of its strain is rounding.
+constexpr double kNearlyRigid = 1e14;
 
-TimedWay run_once(const Application& app, const Way& way, int threads) {
-  SolverParameters solver = way.solver;
-  solver.threads = threads;
+/// One way to get at an answer.
+struct Way {
+  const char* description = "";
+  Scene scene;
+  SolverParameters solver;
+  bool estimates = false;  ///< the discretization error at the end
+  bool records = false;    ///< a result file
+};
+
+/// As shipped, and the general way.
+struct Economy {
+  const char* name;
+  Way plain, other;
+};
+
+PointLoad& tip_load(Scene& scene) { return scene.point_loads.at(0); }
+Member& rod_of(Scene& scene) { return scene.members.at(0); }
+Vector3 tip_of(Scene& scene) {
+  for (const Point& point : scene.points)
+    if (point.name == tip_load(scene).point) return point.position;
+  return {};
+}
+
+/// Loads at the tip that keep the rod in the plane of x and y.
+Scene in_plane(Scene scene) {
+  tip_load(scene).force[2] = 0.0;
+  for (int i = 0; i < 2; ++i) tip_load(scene).moment[i] = 0.0;
+  return scene;
+}
+
+/// The same straight line from the origin along x, as any curve may be given.
+Scene by_formula(Scene scene) {
+  Curve& curve = rod_of(scene).curve;
+  curve.shape = CurveShape::parametric;
+  curve.formula = {"t", "0", "0"};
+  curve.range = {0.0, tip_of(scene)[0]};
+  return scene;
+}
+
+Scene with_line_load_of_nothing(Scene scene, LoadFrame frame) {
+  DistributedLoad load;
+  load.member = rod_of(scene).name;
+  load.frame = frame;
+  load.force[1] = kNothing;
+  scene.distributed_loads.push_back(load);
+  return scene;
+}
+
+Scene with_matrix(Scene scene) {
+  Section& section = scene.sections.at(0);
+  const double diagonal[6] = {section.axial_stiffness,     section.shear_stiffness[0],   section.shear_stiffness[1],
+                              section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
+  section.matrix.emplace();
+  for (int i = 0; i < 6; ++i) (*section.matrix)[i][i] = diagonal[i];
+  return scene;
+}
+
+Scene with_inner_points(Scene scene, bool loaded) {
+  for (int i = 1; i <= kInnerPoints; ++i) {
+    const std::string name = "inner " + std::to_string(i);
+    rod_of(scene).inner_points.push_back({name, i / (kInnerPoints + 1.0)});
+    PointLoad load;
+    load.point = name;
+    if (loaded) scene.point_loads.push_back(load);
+  }
+  return scene;
+}
+
+/// Axial force and shear cannot strain it.
+Scene with_force_stiffness(Scene scene, double stiffness) {
+  scene.sections.at(0).axial_stiffness = stiffness;
+  scene.sections.at(0).shear_stiffness = {stiffness, stiffness};
+  return scene;
+}
+
+/// A support that holds the rotation about x at the tip, where nothing turns it.
+Scene with_held_twist(Scene scene) {
+  Support support;
+  support.point = tip_load(scene).point;
+  support.rotation_fixed = {true, false, false};
+  scene.supports.push_back(support);
+  return scene;
+}
+
+/// Half as long again, without any load on the new part.
+Scene with_overhang(Scene scene, int order, int elements) {
+  Member overhang = rod_of(scene);
+  overhang.name = "overhang";
+  overhang.start_point = tip_load(scene).point;
+  overhang.end_point = "end";
+  overhang.order = order;
+  overhang.elements = elements;
+  scene.points.push_back({"end", {1.5 * tip_of(scene)[0], tip_of(scene)[1], tip_of(scene)[2]}});
+  scene.members.push_back(overhang);
+  return scene;
+}
+
+template <class Change>
+SolverParameters changed(SolverParameters solver, const Change& change) {
+  change(solver);
+  return solver;
+}
+
+/// `rod`: a long straight cantilever with a load at its tip that bends and twists it.
+std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& given) {
+  const auto solver = changed(given, [](auto& s) { s.analysis.stability = false; });
+  const auto in_space = changed(solver, [](auto& s) { s.planar = false; });
+  const auto counting = changed(solver, [](auto& s) { s.analysis.stability = true; });
+  const auto sparse = changed(solver, [](auto& s) { s.linear.method = "KLU2"; });
+  const auto loose = changed(solver, [](auto& s) { s.linear.residual_tolerance = 1e-3; });
+  const auto steps = with_fixed_steps(solver, kLoadSteps);
+  const double rigid = std::numeric_limits<double>::infinity();
+  const int order = rod.members.at(0).order, elements = rod.members.at(0).elements;
+  return {
+      {"plane",
+       {"rod in a plane, three unknowns for each vertex", in_plane(rod), solver},
+       {"six unknowns", in_plane(rod), in_space}},
+      {"straight",
+       {"straight line", rod, solver},
+       {"the same line as a parametric curve, triads and curvature by formula", by_formula(rod), solver}},
+      {"line_loads",
+       {"no line load", rod, solver},
+       {"dead line load of 1e-200: elements one by one, with loops over loads",
+        with_line_load_of_nothing(rod, LoadFrame::dead), solver}},
+      {"potential",
+       {"all forces have a potential: symmetric tangents, chains condensed", rod, solver},
+       {"follower line load of 1e-200: unsymmetric tangents, sparse solver",
+        with_line_load_of_nothing(rod, LoadFrame::follower), solver}},
+      {"section", {"six stiffnesses", rod, solver}, {"the same as a 6 x 6 matrix", with_matrix(rod), solver}},
+      {"point_loads",
+       {"1000 inner points without loads", with_inner_points(rod, false), solver},
+       {"loads of zero there: none of these vertices is eliminated in a chain", with_inner_points(rod, true), solver}},
+      {"rotation_support",
+       {"free end", in_plane(rod), in_space},
+       {"rotation about the axis held there: one row that depends on the rotation", with_held_twist(in_plane(rod)),
+        in_space}},
+      {"rigid",
+       {"inextensible and shear rigid", with_force_stiffness(rod, rigid), solver},
+       {"EA = GA = 1e14", with_force_stiffness(rod, kNearlyRigid), solver}},
+      {"one_step", {"one load step", rod, solver}, {"ten equal load steps", rod, steps}},
+      {"stability",
+       {"stability not asked for", rod, solver},
+       {"negative eigenvalues counted in every state", rod, counting}},
+      {"estimate", {"error not estimated", rod, solver}, {"estimate at the end", rod, solver, true}},
+      {"result_file", {"no result file", rod, solver}, {"HDF5 and XDMF written", rod, solver, false, true}},
+      {"mesh_by_member",
+       {"overhang without load: one element of order 1", with_overhang(rod, 1, 1), solver},
+       {"overhang divided like the rest", with_overhang(rod, order, elements / 2), solver}},
+      {"chains", {"chains condensed to their ends", rod, solver}, {"KLU2 on the whole matrix", rod, sparse}},
+      {"loose", {"linear solves checked to 1e-8", rod, solver}, {"to 1e-3", rod, loose}},
+  };
+}
+
+struct TimedWay {
+  std::vector<double> seconds{};  ///< wall time from the scene to the answer, reading left out
+  int iterations = 0;
+  Vector3 tip{};  ///< displacement
+};
+
+void run_once(Application& app, const Way& way, TimedWay& timed) {
   const std::string point = way.scene.point_loads.at(0).point;
-  const auto start = std::chrono::steady_clock::now();
-  Simulation simulation(way.scene, solver, app.communicator);
+  SolverParameters solver = way.solver;
+  solver.threads = app.study().get<int>("Threads");
   StepReport last;
-  simulation.run([&](const StepReport& report, const State&) { last = report; });
+  const RunWatch watch;
+  const Simulation simulation =
+      app.try_to_solve(way.scene, solver, [&last](const Simulation&, const StepReport& report) { last = report; });
   if (way.estimates) simulation.estimate_error();
   if (way.records) {
-    const StepRecord record = simulation.record(last, kPointsByOrder, {point});
     ResultHeader header;
     header.scene_name = way.scene.name;
     ResultFile file(app.output / "recorded.h5", std::move(header), app.communicator);
-    file.append_step(record);
+    file.append_step(simulation.record(last, kPointsByOrder, {point}));
     file.close();
   }
-  TimedWay result;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (!simulation.result().finished) throw ConvergenceError(way.description + ": no equilibrium was found");
-  result.iterations = simulation.work().newton_iterations;
-  result.load_steps = simulation.result().steps;
-  result.tip = simulation.displacement(point);
-  return result;
+  timed.seconds.push_back(watch.seconds());
+  if (!simulation.result().finished)
+    throw ConvergenceError(std::string(way.description) + ": no equilibrium was found");
+  timed.iterations = simulation.result().newton_iterations;
+  timed.tip = simulation.displacement(point);
 }
 
-TimedWay median_of(std::vector<TimedWay> runs) {
-  std::sort(runs.begin(), runs.end(), [](const TimedWay& a, const TimedWay& b) { return a.seconds < b.seconds; });
-  return runs[runs.size() / 2];
+/// Of the displacements of the tip, relative.
+double difference_of(const Vector3& a, const Vector3& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / std::hypot(a[0], a[1], a[2]);
 }
 
 /// Both ways in turn, so that a machine that slows down for a while does so for both; the first round warms up.
-EconomyResult measure(const Application& app, const Economy& economy, int rounds, int threads) {
-  std::vector<TimedWay> plain, other;
+void measure(Application& app, const Economy& economy, StudyTable& table) {
+  const int rounds = app.study().get<int>("Rounds");
+  TimedWay plain, other;
   for (int round = 0; round <= rounds; ++round) {
-    const TimedWay a = run_once(app, economy.plain, threads), b = run_once(app, economy.other, threads);
-    if (round == 0 && rounds > 1) continue;
-    plain.push_back(a);
-    other.push_back(b);
+    if (round == 1) plain.seconds = other.seconds = {};
+    run_once(app, economy.plain, plain);
+    run_once(app, economy.other, other);
   }
-  return {economy, median_of(plain), median_of(other)};
-}
-
-std::vector<EconomyResult> measure_all(Application& app, const std::vector<Economy>& economies) {
-  const int rounds = app.study().get<int>("Rounds"), threads = app.study().get<int>("Threads");
-  app.out()
-      << "\nFeatures that are not used\n  name              as shipped, s  other, s  ratio  iterations  difference\n";
-  std::vector<EconomyResult> results;
-  for (const Economy& economy : economies) {
-    results.push_back(measure(app, economy, rounds, threads));
-    const EconomyResult& r = results.back();
-    char line[160];
-    std::snprintf(line, sizeof line, "  %-18s %12.4f %9.4f %6.2f %5d /%4d  %10.1e\n", economy.name.c_str(),
-                  r.plain.seconds, r.other.seconds, r.ratio(), r.plain.iterations, r.other.iterations, r.difference());
-    app.out() << line << std::flush;
-    app.summary.check_upper_bound(economy.name + ": difference of the two ways", r.difference(), economy.tolerance,
-                                  kSource);
-    app.summary.newton_iterations += r.plain.iterations + r.other.iterations;
-    app.summary.load_steps += r.plain.load_steps + r.other.load_steps;
-  }
-  return results;
-}
-
-void write_table(const std::filesystem::path& path, const std::vector<EconomyResult>& results) {
-  CsvTable table(path, {"name", "plain", "other", "plain_seconds", "other_seconds", "ratio", "plain_iterations",
-                        "other_iterations", "difference"});
-  for (const EconomyResult& r : results)
-    table.add_row({r.economy.name, r.economy.plain.description, r.economy.other.description, r.plain.seconds,
-                   r.other.seconds, r.ratio(), r.plain.iterations, r.other.iterations, r.difference()});
-}
-
-}  // namespace
-
-double EconomyResult::difference() const {
-  double square = 0.0, size = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    square += (plain.tip[i] - other.tip[i]) * (plain.tip[i] - other.tip[i]);
-    size += plain.tip[i] * plain.tip[i];
-  }
-  return std::sqrt(square / size);
+  const double difference = difference_of(plain.tip, other.tip);
+  const Member& rod = app.scene.members.front();
+  const double seconds = median(plain.seconds), other_seconds = median(other.seconds);
+  table.add_row({economy.name, seconds, other_seconds, other_seconds / seconds, plain.iterations, other.iterations,
+                 difference, economy.plain.description, economy.other.description, rod.order, rod.elements});
+  app.summary.check_upper_bound(std::string(economy.name) + ": difference of the two ways", difference, kSameSolution,
+                                "the same scene, solved the other way");
 }
 
 ListSpec economies_spec() {
@@ -112,15 +238,26 @@ void run_economies_study(Application& app) {
                                               std::to_string(app.scene.point_loads.size()) +
                                               " point loads; allowed: one rod along x from the origin with one load at "
                                               "its end, to which the study adds what it compares");
-  const auto unused = measure_all(app, unused_features(app.scene, app.solver));
+  StudyTable table(app, "economies.csv",
+                   {"name", "plain_seconds", "other_seconds", "ratio", "plain_iterations", "other_iterations",
+                    "difference", "plain", "other", "order", "elements"},
+                   7);
+  for (const Economy& economy : unused_features(app.scene, app.solver)) measure(app, economy, table);
+  write_machine(app);
   if (!app.writes_files()) return;
   std::filesystem::remove(app.output / "recorded.h5");
   std::filesystem::remove(app.output / "recorded.xdmf");
-  write_table(app.output / "economies.csv", unused);
-  CsvTable machine(app.output / "machine.csv", {"name", "value"});
-  for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
-  std::ofstream page(app.output / "economies.md");
-  write_economies_page(page, app.scene, unused);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "economies";
+  definition.purpose = "one long rod solved as it is, and with the features that it does not use: times and results.";
+  definition.study = mixbeam::economies_spec();
+  definition.run_study = mixbeam::run_economies_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

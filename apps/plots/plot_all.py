@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws the figures of every benchmark whose results are in a folder, as PNG beside the results."""
+"""Draws the figures and writes the pages of every benchmark whose results are in a folder, beside the results."""
 
 import argparse
 import importlib
@@ -8,14 +8,15 @@ import time
 from pathlib import Path
 
 BENCHMARKS = ("rollup", "superimposed_rotation", "arc_segment", "helix", "helical_rod", "slope_discontinuity", "fork",
-              "extremes", "trade", "thread_scaling")
+              "extremes", "trade", "economies", "thread_scaling")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("results", type=Path, help="folder that holds one folder for each benchmark")
     parser.add_argument("--only", nargs="+", choices=BENCHMARKS, metavar="BENCHMARK",
-                        help="draw these only, and fail if one has no results: " + ", ".join(BENCHMARKS))
+                        help="these only, and fail if one has no results: " + ", ".join(BENCHMARKS))
+    parser.add_argument("--pages", action="store_true", help="write the pages, draw nothing")
     parser.add_argument("--quiet", action="store_true", help="print errors only")
     options = parser.parse_args()
     if not options.results.is_dir():
@@ -34,22 +35,31 @@ def main():
             if options.only:
                 failures.append(f"{folder}: no such folder")
             continue
-        for name, (inputs, draw) in importlib.import_module(benchmark).FIGURES.items():
+        module = importlib.import_module(benchmark)
+        works = [(name, inputs, lambda name=name, draw=draw: style.save(draw(folder), folder / f"{name}.png"))
+                 for name, (inputs, draw) in module.FIGURES.items() if not options.pages]
+        works += [(f"{name}.md", inputs, lambda name=name, write=write: save_page(write(folder), folder / f"{name}.md"))
+                  for name, (inputs, write) in getattr(module, "PAGES", {}).items()]
+        for name, inputs, work in works:
             missing = [str(folder / file) for file in inputs if not (folder / file).is_file()]
             if missing:
                 say(options, f"left out {benchmark}/{name}: no {', '.join(missing)}")
                 continue
             try:
-                path = style.save(draw(folder), folder / f"{name}.png")
+                say(options, f"drew {work()}")
             except (InputError, OSError) as error:
                 failures.append(f"{benchmark}/{name}: {error}")
                 continue
-            say(options, f"drew {path}")
             drawn += 1
-    say(options, f"{drawn} figures in {time.perf_counter() - start:.1f} s")
+    say(options, f"{drawn} figures and pages in {time.perf_counter() - start:.1f} s")
     if drawn == 0 and not failures:
         failures.append(f"{options.results}: no results of a benchmark found")
     return "\n".join(failures) or None
+
+
+def save_page(text, path):
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
 def say(options, text):

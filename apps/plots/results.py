@@ -46,6 +46,10 @@ class Table:
         """The different values of a column, ascending."""
         return np.unique(self[name])
 
+    def rows(self):
+        """Each row by the names of its columns."""
+        return [dict(zip(self._columns, row)) for row in zip(*self._columns.values())]
+
 
 def read_table(path, columns):
     """The CSV file `path` as a Table; InputError unless it exists, has rows and has the named columns."""

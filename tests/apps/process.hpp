@@ -145,6 +145,18 @@ inline int run_program(const std::string& name, const std::string& arguments, co
   return ended.exit_code;
 }
 
+/// The page that the scripts write of what a benchmark has written to `folder`.
+inline std::string page_of(const std::string& benchmark, const fs::path& folder) {
+  const fs::path results = folder / "results";
+  fs::create_directories(results);
+  fs::create_directory_symlink(folder, results / benchmark);
+  const std::string script = (fs::path(MIXBEAM_BIN_DIR) / "plots" / "plot_all.py").string();
+  const Ended ended =
+      run_process("/usr/bin/python3", {script, results.string(), "--only", benchmark, "--pages"}, folder);
+  EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
+  return text_of(folder / (benchmark + ".md"));
+}
+
 /// `text` with the first `from` after the place of `after` replaced; a test that changes nothing would prove nothing.
 inline std::string changed(std::string text, const std::string& from, const std::string& to,
                            const std::string& after = "") {

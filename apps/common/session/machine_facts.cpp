@@ -26,6 +26,7 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
           {"cores", std::to_string(std::thread::hardware_concurrency())},
           {"version", kVersion},
           {"compiler", kCompiler},
+          {"date", today()},
           {"flags", kFlags}};
 }
 

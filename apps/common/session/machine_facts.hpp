@@ -7,7 +7,7 @@
 
 namespace mixbeam {
 
-/// Pairs of name and value: processor, cores, version, compiler, flags.
+/// Pairs of name and value: processor, cores, version, compiler, date, flags.
 std::vector<std::pair<std::string, std::string>> machine_facts();
 
 /// Of the measurements: year-month-day, UTC.
