@@ -1,6 +1,7 @@
 #include "apps/extremes/elastica.hpp"
 
-#include <gsl/gsl_integration.h>
+#include "kernels/math/gauss.hpp"
+
 #include <gsl/gsl_sf_ellint.h>
 
 #include <algorithm>
@@ -30,79 +31,48 @@ double root_of(const Increasing& f, double low, double high) {
   return 0.5 * (low + high);
 }
 
-/// Integral over [0, 1] of a function that is analytic well around it: 32 Gauss points reach rounding.
+/// Points that reach rounding for a function that is analytic well around [0, 1].
+struct SmoothRule {
+  static constexpr int kPoints = 32;
+  double x[kPoints], weights[kPoints];
+  SmoothRule() { gauss_rule(kPoints, x, weights); }
+};
+
 template <class Function>
 double smooth_integral(const Function& f) {
-  constexpr int kPoints = 32;
-  gsl_integration_glfixed_table* table = gsl_integration_glfixed_table_alloc(kPoints);
-  double sum = 0.0, x = 0.0, weight = 0.0;
-  for (size_t i = 0; i < kPoints; ++i) {
-    gsl_integration_glfixed_point(0.0, 1.0, i, &x, &weight, table);
-    sum += weight * f(x);
-  }
-  gsl_integration_glfixed_table_free(table);
+  static const SmoothRule rule;
+  double sum = 0.0;
+  for (int i = 0; i < SmoothRule::kPoints; ++i) sum += 0.5 * rule.weights[i] * f(0.5 * (1.0 + rule.x[i]));
   return sum;
 }
 
-/// sin(theta) = sine (1 - t^2) makes ds = sqrt(2 sine / load) dt / cos(theta), without a singularity at the tip.
-double cosine_at(double sine, double t) {
-  const double s = sine * (1.0 - t * t);
-  return std::sqrt(1.0 - s * s);
+/// theta'' = -load cos(theta), theta(0) = theta'(1) = 0, hence theta' = sqrt(2 load (sin(angle) - sin(theta))), and
+/// sin(theta) = s = sin(angle) (1 - t^2) makes ds = sqrt(2 sin(angle) / load) dt / c, c = cos(theta), without a
+/// singularity at the tip.
+template <class Function>
+double along_rod(double sine, const Function& of_sine_cosine) {
+  return smooth_integral([&](double t) {
+    const double s = sine * (1.0 - t * t), c = std::sqrt(1.0 - s * s);
+    return of_sine_cosine(s, c) / c;
+  });
 }
 
 ElasticaTip short_rod(double load) {
   const auto root_of_load = [](double angle) {
     const double sine = std::sin(angle);
-    return std::sqrt(2.0 * sine) * smooth_integral([sine](double t) { return 1.0 / cosine_at(sine, t); });
+    return std::sqrt(2.0 * sine) * along_rod(sine, [](double, double) { return 1.0; });
   };
   // The linear angle is load / 2, and the rod only becomes stiffer.
   const double angle = root_of([&](double a) { return root_of_load(a) - std::sqrt(load); }, 0.0, 0.5 * load);
-  const double sine = std::sin(angle);
-  ElasticaTip tip;
-  tip.angle = angle;
-  tip.across = std::sqrt(2.0 * sine / load) * sine *
-               smooth_integral([sine](double t) { return (1.0 - t * t) / cosine_at(sine, t); });
-  // int (1 - cos(theta)) ds, with 1/cos - 1 = sin^2 / (cos (1 + cos)), which does not cancel
-  tip.back = std::sqrt(2.0 * sine / load) * smooth_integral([sine](double t) {
-               const double s = sine * (1.0 - t * t), c = cosine_at(sine, t);
-               return s * s / (c * (1.0 + c));
-             });
-  return tip;
+  const double sine = std::sin(angle), scale = std::sqrt(2.0 * sine / load);
+  // 1 - cos(theta) = sin^2 / (1 + cos), which does not cancel
+  return {scale * along_rod(sine, [](double s, double c) { return s * s / (1.0 + c); }),
+          scale * along_rod(sine, [](double s, double) { return s; }), angle};
 }
 
-/// By the complementary modulus k' = sqrt((1 - sin(angle)) / 2), which stays exact where k approaches 1:
-/// sqrt(load) = K(k) - F(phi, k) = F(psi, k) with sin(phi) = 1 / (k sqrt 2), tan(psi) = sqrt(sin(angle)) / k'.
-struct EllipticRod {
-  double k2, sine, sin_psi, cos2_psi, delta2;
-
-  explicit EllipticRod(double k_prime) {
-    const double square = k_prime * k_prime;
-    sine = 1.0 - 2.0 * square;
-    k2 = 1.0 - square;
-    cos2_psi = square / (square + sine);
-    sin_psi = std::sqrt(sine / (square + sine));
-    delta2 = square * (1.0 + sine) / (square + sine);
-  }
-  double first() const { return sin_psi * gsl_sf_ellint_RF(cos2_psi, delta2, 1.0, GSL_PREC_DOUBLE); }
-  double second() const {
-    return first() - k2 / 3.0 * sin_psi * sin_psi * sin_psi * gsl_sf_ellint_RD(cos2_psi, delta2, 1.0, GSL_PREC_DOUBLE);
-  }
-};
-
-ElasticaTip bent_rod(double load) {
-  const double root = std::sqrt(load);
-  // F(psi, k) grows with y = -log(k'); F < log(4 / k') + 1 bounds y from above
-  const double y = root_of([root](double x) { return EllipticRod(std::exp(-x)).first() - root; },
-                           0.5 * std::log(2.0) + 1e-12, root + 3.0);
-  const double k_prime = std::exp(-y);
-  const EllipticRod rod(k_prime);
-  // E(k) - E(phi, k) = E(psi, k) - k^2 sin(psi) sin(phi)
-  const double second = rod.second() - rod.k2 * rod.sin_psi / std::sqrt(2.0 * rod.k2);
-  return {1.0 - std::sqrt(2.0 * rod.sine / load), 1.0 - 2.0 / root * second, M_PI_2 - 2.0 * std::asin(k_prime)};
-}
-
-/// phi from `load_angle` at the clamp to the tip's, k = sin(phi_tip / 2); by u = log(k / k'), which resolves both ends.
-/// sin(phi / 2) = k sin(psi), sqrt(R) = K(k) - F(psi_0, k) = F(chi, k) with tan(chi) = 1 / (k' tan(psi_0)).
+/// With phi the angle to the load R, phi'' = -R sin(phi), phi'(1) = 0, is a pendulum's: from `load_angle` at the clamp
+/// to the tip's, k = sin(phi_tip / 2); by u = log(k / k'), which resolves both ends. sin(phi / 2) = k sin(psi), sqrt(R)
+/// = K(k) - F(psi_0, k) = F(chi, k) with tan(chi) = 1 / (k' tan(psi_0)).
 struct PendulumRod {
   double k, k_prime, sin_psi, cos_psi, sin_chi, cos2_chi, delta2;
 
@@ -125,16 +95,9 @@ struct PendulumRod {
   }
 };
 
-}  // namespace
-
-ElasticaTip elastica_tip(double load) {
-  if (load <= kSmallLoad) return short_rod(load);
-  if (load <= kLongRod) return bent_rod(load);
-  return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), M_PI_2};  // k = 1
-}
-
-ElasticaTip thrust_tip(double thrust, double eccentricity) {
-  const double load_angle = std::atan(eccentricity), root = std::sqrt(thrust * std::hypot(1.0, eccentricity));
+/// `load_angle`: of the load to the axis of the clamp.
+ElasticaTip pendulum_tip(double load, double load_angle) {
+  const double root = std::sqrt(load);
   const double nearest = std::log(std::tan(0.5 * load_angle));  // the tip still points along the clamp
   const double u =
       root_of([&](double x) { return PendulumRod(load_angle, x).first() - root; }, nearest * (1.0 - 1e-15), root + 3.0);
@@ -143,6 +106,18 @@ ElasticaTip thrust_tip(double thrust, double eccentricity) {
   const double cosine = std::cos(load_angle), sine = std::sin(load_angle);
   return {1.0 - (cosine * along + sine * across), cosine * across - sine * along,
           2.0 * std::atan(std::exp(u)) - load_angle};
+}
+
+}  // namespace
+
+ElasticaTip elastica_tip(double load) {
+  if (load <= kSmallLoad) return short_rod(load);
+  if (load <= kLongRod) return pendulum_tip(load, M_PI_2);
+  return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), M_PI_2};  // k = 1
+}
+
+ElasticaTip thrust_tip(double thrust, double eccentricity) {
+  return pendulum_tip(thrust * std::hypot(1.0, eccentricity), std::atan(eccentricity));
 }
 
 }  // namespace mixbeam

@@ -1,80 +1,64 @@
-#include "apps/extremes/extremes_study.hpp"
-
-#include "apps/common/session/machine_facts.hpp"
-#include "apps/common/tables/csv_table.hpp"
-#include "apps/extremes/critical_sweeps.hpp"
+// One quantity of a structure at a time to its limits: what converges, how fast, how exact, and where it ends. Then
+// paths of random imperfect structures, held against the same paths in small steps.
+#include "apps/common/studies/imperfect_structures.hpp"
+#include "apps/common/studies/judged_path.hpp"
+#include "apps/common/studies/study.hpp"
 #include "apps/extremes/elastica.hpp"
-#include "apps/extremes/extremes_page.hpp"
-#include "apps/extremes/random_paths.hpp"
+#include "apps/extremes/sweeps.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <ctime>
-#include <fstream>
-#include <limits>
-#include <ostream>
+#include <map>
 
 namespace mixbeam {
 
 namespace {
 
-constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-
-/// Values of cases that do not use any closed form, digits as printed there.
-struct ShootingCase {
-  double load;
-  const char *across, *back, *angle;
-};
-const std::vector<ShootingCase> kShooting = {{1.0, "0.30172077379981", "0.0564332362834", "0.46135194971188"},
-                                             {10.0, "0.8106090248803", "0.5549955977538", "1.4302855388039"},
-                                             {100.0, "0.94142135086201", "0.8585786445629", "1.57064588466"}};
-const std::string kShootingSource =
-    "shooting on the rod ODE with Runge-Kutta 7(8), no finite elements; step doubling changes less than 1e-10";
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShootingError = 1e-12;
-
-void check_closed_form(Application& app) {
-  for (const ShootingCase& known : kShooting) {
-    const ElasticaTip tip = elastica_tip(known.load);
-    const std::string name = "closed form, F L^2 / EI = " + value_text(known.load) + ": tip ";
-    const auto check = [&](const char* quantity, double value, const char* reference) {
-      app.summary.check_relative(name + quantity, value, std::stod(reference), kShootingError, kShootingSource);
-    };
-    check("across", tip.across, known.across);
-    check("back", tip.back, known.back);
-    check("angle", tip.angle, known.angle);
-  }
-}
-
-struct ThrustCase {
-  double over_euler, eccentricity;
-  const char *x, *y, *angle;
-};
-const std::vector<ThrustCase> kThrusts = {{1.05, 1e-4, "0.90498259324", "0.38064428348", "0.62274480879"},
-                                          {1.2, 1e-6, "0.67391082498", "0.64878450511", "1.18440249350"},
-                                          {1.5, 0.1, "0.34171752220", "0.79568923565", "1.74769556929"},
-                                          {8.0, 1e-4, "-0.54784720364", "0.44971259087", "3.04718635507"}};
 constexpr double kThrustDigits = 3e-11;  // printed, relative to the smallest of them
+constexpr std::uint64_t kSeriesSeed = 15;
+/// Of the paths whose end is known, those that may be given up.
+constexpr double kMostRefused = 0.02;
 
-void check_thrusts(Application& app) {
-  for (const ThrustCase& known : kThrusts) {
-    const ElasticaTip tip = thrust_tip(0.25 * M_PI * M_PI * known.over_euler, known.eccentricity);
-    const std::string name = "closed form, P / P_cr = " + value_text(known.over_euler) + ": tip ";
-    const auto check = [&](const char* quantity, double value, const char* reference) {
-      app.summary.check_relative(name + quantity, value, std::stod(reference), kThrustDigits, kShootingSource);
-    };
-    check("x", 1.0 - tip.back, known.x);
-    check("y", tip.across, known.y);
-    check("angle", tip.angle, known.angle);
-  }
+/// "1e-09", "0.5", "1000", "inf"; two numbers next to each other with the digits that differ.
+std::string value_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  // 6.28 (1 - 1e-12) and pi (1 - 1e-6) are not what six digits say
+  if (std::isfinite(value) && std::abs(std::stod(text) - value) > 1e-15 * std::abs(value))
+    std::snprintf(text, sizeof text, "%.13g", value);
+  return text;
 }
 
-/// All names, to be chosen from.
-std::vector<std::string> sweep_names() {
-  std::vector<std::string> names;
-  for (const Sweep& sweep : all_sweeps(1)) names.push_back(sweep.name);
-  return names;
+/// The closed forms against cases that do not use any.
+void check_closed_forms(Application& app) {
+  const auto check = [&app](const std::string& name, double value, double reference, double tolerance) {
+    app.summary.check_relative("closed form, " + name, value, reference, tolerance,
+                               "shooting on the rod ODE with Runge-Kutta 7(8), no finite elements; step doubling "
+                               "changes less than 1e-10");
+  };
+  const std::vector<std::array<double, 4>> forces = {{1.0, 0.30172077379981, 0.0564332362834, 0.46135194971188},
+                                                     {10.0, 0.8106090248803, 0.5549955977538, 1.4302855388039},
+                                                     {100.0, 0.94142135086201, 0.8585786445629, 1.57064588466}};
+  for (const auto& [load, across, back, angle] : forces) {
+    const ElasticaTip tip = elastica_tip(load);
+    const std::string name = "F L^2 / EI = " + value_text(load) + ": tip ";
+    check(name + "across", tip.across, across, kShootingError);
+    check(name + "back", tip.back, back, kShootingError);
+    check(name + "angle", tip.angle, angle, kShootingError);
+  }
+  const std::vector<std::array<double, 5>> thrusts = {{1.05, 1e-4, 0.90498259324, 0.38064428348, 0.62274480879},
+                                                      {1.2, 1e-6, 0.67391082498, 0.64878450511, 1.18440249350},
+                                                      {1.5, 0.1, 0.34171752220, 0.79568923565, 1.74769556929},
+                                                      {8.0, 1e-4, -0.54784720364, 0.44971259087, 3.04718635507}};
+  for (const auto& [over_euler, eccentricity, x, y, angle] : thrusts) {
+    const ElasticaTip tip = thrust_tip(0.25 * M_PI * M_PI * over_euler, eccentricity);
+    const std::string name = "P / P_cr = " + value_text(over_euler) + ": tip ";
+    check(name + "x", 1.0 - tip.back, x, kThrustDigits);
+    check(name + "y", tip.across, y, kThrustDigits);
+    check(name + "angle", tip.angle, angle, kThrustDigits);
+  }
 }
 
 /// At most `most` values, first and last among them.
@@ -86,93 +70,142 @@ std::vector<double> thinned(const std::vector<double>& values, int most) {
   return kept;
 }
 
-class Stopwatch {
- public:
-  void stop(SweepRow& row) const {
-    row.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    row.processor_seconds = static_cast<double>(std::clock() - processor_start_) / CLOCKS_PER_SEC;
-  }
+/// Largest relative error of the critical load factors; infinity where one is missing.
+double critical_error(const std::vector<double>& found, const std::vector<double>& expected) {
+  double error = found.size() == expected.size() ? 0.0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < std::min(found.size(), expected.size()); ++i)
+    error = std::max(error, std::abs(found[i] / expected[i] - 1.0));
+  return error;
+}
 
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::clock_t processor_start_ = std::clock();
-};
-
-SweepRow compute(Application& app, const Trial& trial, double value) {
-  SweepRow row;
-  row.value = value;
-  row.error = row.residual = row.condition = kNotANumber;
-  const Stopwatch watch;
+/// One value: solved, judged, a row of the table.
+void compute(Application& app, const Sweep& sweep, double value, StudyTable& table) {
+  const Trial trial = sweep.trial(app.scene, app.solver, value);
+  const bool is_promised = value >= sweep.from && value <= sweep.to;
+  const double allowed = is_promised ? sweep.allowed : kUnknown;
+  double error = kUnknown, residual = kUnknown, condition = kUnknown, seconds = 0.0, processor = 0.0;
+  int negative = -1;
+  std::vector<double> critical;
+  LoadPathResult result;
+  const RunWatch watch;
+  const auto stop = [&] {
+    seconds = watch.seconds();
+    processor = watch.processor_seconds();
+  };
   try {
     Simulation simulation =
-        app.try_to_solve(trial.rod.scene(), trial.solver,
-                         [&row](const Simulation&, const StepReport& report) { row.residual = report.residual; });
-    watch.stop(row);
-    const LoadPathResult& result = simulation.result();
-    row.converged = result.finished;
-    row.load_steps = result.steps;
-    row.failed_steps = result.failed_steps;
-    row.iterations = result.newton_iterations;
-    row.failure = result.failure;
-    if (row.converged) row.error = trial.rod.error(simulation);
-    row.condition = simulation.condition_estimate();
-  } catch (const InputError& error) {
-    watch.stop(row);
-    row.failure = error.what();
+        app.try_to_solve(trial.scene, trial.solver, [&](const Simulation&, const StepReport& report) {
+          residual = report.residual;
+          negative = report.stability ? report.stability->negative : -1;
+          for (const CriticalPoint& point : report.critical_points) critical.push_back(point.load_factor);
+        });
+    stop();
+    result = simulation.result();
+    if (result.finished) error = trial.error ? trial.error(simulation) : critical_error(critical, trial.critical);
+    condition = simulation.condition_estimate();
+  } catch (const InputError& problem) {
+    stop();
+    result.failure = problem.what();
   }
-  return row;
+  table.add_row({sweep.name, value, result.finished ? 1 : 0, result.steps, result.failed_steps,
+                 result.newton_iterations, error, allowed, residual, condition, trial.critical.size(), critical.size(),
+                 negative, seconds, processor, result.failure});
+  if (is_promised)
+    app.summary.check_upper_bound(
+        sweep.name + " " + value_text(value) + (trial.error ? ": error of the tip" : ": critical load factors"), error,
+        sweep.allowed, "closed form: " + sweep.source);
 }
 
-void print_header(std::ostream& out, const Sweep& sweep) {
-  out << "\n"
-      << sweep.name << ": " << sweep.parameter << "\n  " << sweep.what << "\n"
-      << "           value  converged  steps  failed  iterations     error  residual  condition   seconds\n";
+void run_sweeps(Application& app) {
+  const auto chosen = study_list<std::string>(app, "Sweeps");
+  std::vector<Sweep> sweeps;
+  for (const Sweep& sweep : all_sweeps(app.study().get<int>("Most Elements")))
+    if (std::find(chosen.begin(), chosen.end(), sweep.name) != chosen.end()) sweeps.push_back(sweep);
+  if (app.study().get<bool>("Critical Loads"))
+    for (const Sweep& sweep : critical_sweeps()) sweeps.push_back(sweep);
+  StudyTable table(
+      app, "extremes.csv",
+      {"sweep", "value", "converged", "load_steps", "failed_steps", "iterations", "error", "allowed", "residual",
+       "condition", "expected_points", "critical_points", "negative", "seconds", "processor_seconds", "failure"},
+      10);
+  for (const Sweep& sweep : sweeps)
+    for (const double value : thinned(sweep.values, app.study().get<int>("Most Values")))
+      compute(app, sweep, value, table);
 }
 
-void print_row(std::ostream& out, const SweepRow& row) {
-  char line[200];
-  std::snprintf(line, sizeof line, "%16s  %9s %6d %7d %11d %9.1e %9.1e %10.1e %9.4f\n", value_text(row.value).c_str(),
-                row.converged ? "yes" : "NO", row.load_steps, row.failed_steps, row.iterations, row.error, row.residual,
-                row.condition, row.seconds);
-  out << line << std::flush;
-}
-
-void check(Application& app, const Sweep& sweep, const SweepRow& row) {
-  if (row.value < sweep.from || row.value > sweep.to) return;
-  app.summary.check_upper_bound(sweep.name + " " + value_text(row.value) + ": error of the tip", row.error,
-                                sweep.allowed, "closed form: " + sweep.source);
-}
-
-SweepResult compute(Application& app, const Cantilever& rod, const Sweep& sweep) {
-  SweepResult result{sweep, {}};
-  print_header(app.out(), sweep);
-  for (double value : thinned(sweep.values, app.study().get<int>("Most Values"))) {
-    result.rows.push_back(compute(app, sweep.trial(rod, app.solver, value), value));
-    print_row(app.out(), result.rows.back());
-    check(app, sweep, result.rows.back());
+/// With the solver's parameters of the scene. No end may be wrong, and few refused, of those whose reference is known.
+void run_random_paths(Application& app) {
+  const int count = app.study().get<int>("Random Structures");
+  if (count == 0) return;
+  StudyTable table(app, "random_paths.csv",
+                   {"family",
+                    "number",
+                    "load",
+                    "imperfection",
+                    "estimate",
+                    "outcome",
+                    "difference",
+                    "reference_difference",
+                    "steps",
+                    "failed_steps",
+                    "iterations",
+                    "processor_seconds",
+                    "negative",
+                    "critical_points",
+                    "plain_is_right",
+                    "plain_iterations",
+                    "plain_processor_seconds",
+                    "reference_iterations",
+                    "reference_processor_seconds",
+                    "reference_step",
+                    "failure"},
+                   12);
+  const double step = app.study().get<double>("Reference Step");
+  std::map<PathOutcome, int> ends;
+  for (int number = 0; number < count; ++number) {
+    const ImperfectStructure structure = imperfect_structure(kSeriesSeed, number);
+    SolverParameters parameters = app.solver;
+    parameters.threads = app.threads_for(structure.scene, parameters);
+    const JudgedPath judged = judge_path(structure.scene, parameters, step, app.communicator);
+    const FollowedPath &followed = judged.followed, plain = follow(structure.scene, parameters, app.communicator, true);
+    const bool plain_is_right =
+        judged.reference_known && plain.finished && is_same_end(structure.scene, plain, judged.reference);
+    ++ends[judged.outcome];
+    table.add_row({structure.family,
+                   number,
+                   structure.load,
+                   structure.imperfection,
+                   structure.estimate,
+                   name_of(judged.outcome),
+                   judged.difference,
+                   judged.reference_difference,
+                   followed.steps,
+                   followed.failed_steps,
+                   followed.iterations,
+                   followed.processor_seconds,
+                   followed.negative,
+                   followed.critical_points,
+                   plain_is_right ? 1 : 0,
+                   plain.iterations,
+                   plain.processor_seconds,
+                   judged.reference.iterations,
+                   judged.reference.processor_seconds,
+                   step,
+                   followed.failure.substr(0, followed.failure.find('\n'))});
   }
-  return result;
+  const std::string source = "the same path in small steps, which do not change its end";
+  const int known = count - ends[PathOutcome::unknown];
+  app.summary.check_upper_bound("random structures: wrong ends", ends[PathOutcome::wrong], 0.0, source);
+  app.summary.check_upper_bound("random structures: paths given up", ends[PathOutcome::refused], kMostRefused * known,
+                                source);
 }
-
-void write_table(const Application& app, const std::vector<SweepResult>& results) {
-  CsvTable csv(app.output / "extremes.csv",
-               {"sweep", "value", "converged", "load_steps", "failed_steps", "iterations", "error", "allowed",
-                "residual", "condition", "seconds", "processor_seconds", "failure"});
-  for (const SweepResult& result : results)
-    for (const SweepRow& row : result.rows) {
-      const bool promised = row.value >= result.sweep.from && row.value <= result.sweep.to;
-      csv.add_row({result.sweep.name, row.value, row.converged ? 1 : 0, row.load_steps, row.failed_steps,
-                   row.iterations, row.error, promised ? result.sweep.allowed : kNotANumber, row.residual,
-                   row.condition, row.seconds, row.processor_seconds, row.failure});
-    }
-}
-
-}  // namespace
 
 ListSpec extremes_spec() {
+  std::vector<std::string> names;
+  for (const Sweep& sweep : all_sweeps(1)) names.push_back(sweep.name);
   ListSpec spec("Which sweeps, and how far.");
-  spec.add(subset("Sweeps", sweep_names())
-               .by_default(Teuchos::Array<std::string>(sweep_names()))
+  spec.add(subset("Sweeps", names)
+               .by_default(Teuchos::Array<std::string>(names))
                .means("Those that are computed, in the order of the page."));
   spec.add(integer("Most Elements")
                .at_least(1)
@@ -201,27 +234,23 @@ ListSpec extremes_spec() {
 }
 
 void run_extremes_study(Application& app) {
-  const Cantilever rod(app.scene);
-  check_closed_form(app);
-  check_thrusts(app);
-  const auto chosen = app.study().get<Teuchos::Array<std::string>>("Sweeps");
-  std::vector<SweepResult> results;
-  for (const Sweep& sweep : all_sweeps(app.study().get<int>("Most Elements")))
-    if (std::find(chosen.begin(), chosen.end(), sweep.name) != chosen.end())
-      results.push_back(compute(app, rod, sweep));
-  const bool critical = app.study().get<bool>("Critical Loads");
-  const std::vector<CriticalSweep> critical_sweeps =
-      run_critical_sweeps(app, critical ? app.study().get<int>("Most Values") : 0);
-  const std::vector<RandomPath> paths =
-      run_random_paths(app, app.study().get<int>("Random Structures"), app.study().get<double>("Reference Step"));
-  if (!app.writes_files()) return;
-  write_table(app, results);
-  CsvTable machine(app.output / "machine.csv", {"name", "value"});
-  for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
-  std::ofstream page(app.output / "extremes.md");
-  write_page(page, results);
-  write_critical_sweeps(page, critical_sweeps);
-  write_random_paths(page, paths);
+  const Cantilever is_one(app.scene);
+  check_closed_forms(app);
+  run_sweeps(app);
+  run_random_paths(app);
+  write_machine(app);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "extremes";
+  definition.purpose =
+      "a straight cantilever, one of its quantities at a time swept to its limits and held against a closed form.";
+  definition.study = mixbeam::extremes_spec();
+  definition.run_study = mixbeam::run_extremes_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

@@ -9,25 +9,27 @@
 
 namespace mixbeam {
 
-/// One value of a sweep: what is solved, and how. The closed form is in the cantilever.
+/// One value of a sweep: what is solved, and how it is judged.
 struct Trial {
-  Cantilever rod;
+  Scene scene;
   SolverParameters solver;
+  std::function<double(const Simulation&)> error{};  ///< of the end; empty: critical load factors are judged
+  std::vector<double> critical{};                    ///< load factors of all critical points
 };
 
 struct Sweep {
-  std::string name;       ///< in tables and files: snake_case
-  std::string parameter;  ///< what is varied, as a heading
-  std::string what;       ///< the scene, one sentence
-  std::string source;     ///< of the closed form
+  std::string name;  ///< in tables and files: snake_case; what it is about tells apps/plots/extremes.py
   std::vector<double> values;
-  std::function<Trial(const Cantilever&, const SolverParameters&, double value)> trial;
-  double allowed;     ///< error that is promised ...
-  double from, to;    ///< ... for values in this range; the others are recorded only
-  std::string limit;  ///< why errors grow or runs end, one or two sentences
+  double allowed;      ///< error that is promised ...
+  double from, to;     ///< ... for values in this range; the others are recorded only
+  std::string source;  ///< of the closed form
+  std::function<Trial(const Scene&, const SolverParameters&, double value)> trial;
 };
 
-/// All sweeps in the order of the page. `most_elements`: end of the sweep over the number of elements.
+/// Sweeps of the cantilever, in the order of the page. `most_elements`: end of the one over the number of elements.
 std::vector<Sweep> all_sweeps(int most_elements);
+/// Of structures whose critical load factors have a closed form: the rise of a truss of two bars that snaps through,
+/// and the axial stiffness of a rail that is heated to three times its critical temperature and followed on its branch.
+std::vector<Sweep> critical_sweeps();
 
 }  // namespace mixbeam
