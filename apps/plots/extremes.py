@@ -22,8 +22,10 @@ PENDULUM = "elastica of a thrust beside the axis, elliptic integrals; the stable
 SWEEPS = {
     "slenderness": (
         "slenderness $L/a$", "Dead tip force F L^2 / EI = 10.",
-        "slenderness L/a of a square section, EA = GA = 12 (L/a)^2 EI / L^2; inf: inextensible and shear rigid", ELASTICA,
-        "The force is an unknown of its own and the compliance goes to zero without any other change, so there is nothing "
+        "slenderness L/a of a square section, EA = GA = 12 (L/a)^2 EI / L^2; inf: inextensible and shear "
+        "rigid", ELASTICA,
+        "The force is an unknown of its own and the compliance goes to zero without any other change, so there is "
+        "nothing "
         "to lose on the way to the rigid beam."),
     "stiffness_ratio": (
         r"$EI/GI_t$",
@@ -40,12 +42,16 @@ SWEEPS = {
         "displacements over ever shorter elements."),
     "length_ratio": (
         "longest / shortest element", f"{RIGID}, dead tip force F L^2 / EI = 10.",
-        "longest to shortest element of one member, 24 elements growing by one factor from the clamp to the tip", ELASTICA,
-        "Strains are differences of displacements over the length of an element: over the shortest ones they are lost in "
+        "longest to shortest element of one member, 24 elements growing by one factor from the clamp to the "
+        "tip", ELASTICA,
+        "Strains are differences of displacements over the length of an element: over the shortest ones they are lost "
+        "in "
         "the rounding of the largest displacements, which residuals of compatibility allow for."),
     "turns": (
-        "turns of the rod", MOMENT, "turns of one rod, 8 elements for each turn, at least 8", "circle of curvature M / EI",
-        "The rotation of the tip is M L / EI = 2 pi turns: a rounding error of the load turns the tip by as much, times "
+        "turns of the rod", MOMENT, "turns of one rod, 8 elements for each turn, at least 8",
+        "circle of curvature M / EI",
+        "The rotation of the tip is M L / EI = 2 pi turns: a rounding error of the load turns the tip by as much, "
+        "times "
         "the number of turns."),
     "load_steps": (
         "load steps",
@@ -54,11 +60,13 @@ SWEEPS = {
         "The state is total, not a sum of increments: only the rounding of quaternion products adds up."),
     "element_turn_k1": (
         "radians per element, $k=1$", MOMENT,
-        "rotation from end to end of each of two elements of order 1, which have no relative rotation inside", GAUSS_RULE,
+        "rotation from end to end of each of two elements of order 1, which have no relative rotation "
+        "inside", GAUSS_RULE,
         "Half of the rotation lies between the element's triad and each of its vertices: where it reaches pi, the "
         "logarithm has no derivative and the equilibrium ends."),
     "element_turn": (
-        "radians per element", MOMENT, "rotation from end to end of each of two elements of the scene's order", GAUSS_RULE,
+        "radians per element", MOMENT, "rotation from end to end of each of two elements of the scene's order",
+        GAUSS_RULE,
         "The relative rotation inside the element is a vector without bound; only what remains between it and the "
         "vertices must stay below pi on the way."),
     "angle": (
@@ -66,16 +74,20 @@ SWEEPS = {
         "rotation of the tip, one element of order 1; the last but two next to the end of the logarithm's series",
         GAUSS_RULE,
         "Every coefficient is an entire function of the squared angle, so no small angle is special. Below 1e-6 the "
-        "linear solution already meets the tolerance: the part of the motion that is left out is a quarter of the angle, "
+        "linear solution already meets the tolerance: the part of the motion that is left out is a quarter of the "
+        "angle, "
         "relative to all of it."),
     "tip_force": (
         "$FL^2/EI$", f"{RIGID}.", "dead tip force F L^2 / EI, 24 elements growing by 1.4 from the clamp", ELASTICA,
-        "Large forces bend the rod within sqrt(EI / F) of the clamp, which the mesh has to resolve. Small ones move it by "
-        "less than the rounding error of its coordinates, but displacements are unknowns of their own; where the linear "
+        "Large forces bend the rod within sqrt(EI / F) of the clamp, which the mesh has to resolve. Small ones move "
+        "it by "
+        "less than the rounding error of its coordinates, but displacements are unknowns of their own; where the "
+        "linear "
         "solution already meets the tolerance, the nonlinear part of the motion is left out."),
     "order": (
         "order $k$", f"{RIGID}, dead tip force F L^2 / EI = 10.", "order k of 4 elements", ELASTICA,
-        "Vertices converge with the power 2 k of the element length, so each order gains about one and a half digits on "
+        "Vertices converge with the power 2 k of the element length, so each order gains about one and a half digits "
+        "on "
         "this mesh."),
     "imperfection": (
         "force across / thrust", f"{RIGID}, in space; dead thrust of 1.2 times Euler's load.",
@@ -85,7 +97,8 @@ SWEEPS = {
     "thrust": (
         "thrust / Euler's load", f"{RIGID}, in space; a force across of 1e-4 of the thrust.",
         "dead thrust over Euler's load", PENDULUM,
-        "Beyond Euler's load there are two equilibria and more; the stable one on the side of the force is the one that "
+        "Beyond Euler's load there are two equilibria and more; the stable one on the side of the force is the one "
+        "that "
         "the path reaches. Below it the motion is small, and errors are relative to it."),
     "truss_rise": (
         "rise / half span", "Two bars on hinges, loaded at the apex by twice the load at which they snap through.",
@@ -186,7 +199,8 @@ def _overview(sweeps):
                      page.error(worst["error"]) if worst else "-", page.short(worst["value"]) if worst else "-",
                      f"{worst['allowed']:.0e}" if worst else "-"])
     return ("The error is the distance of the tip from the closed form over its displacement, or the angle between the "
-            "two\nrotations over the angle turned (at most 1 rad), whichever is larger; of the last two sweeps the largest "
+            "two\nrotations over the angle turned (at most 1 rad), whichever is larger; of the last two sweeps the "
+            "largest "
             "relative error\nof a critical load factor. `allowed` is what every run checks.\n\n"
             + page.table(["sweep", "values", "converged", "iterations", "largest error", "at", "allowed"], rows))
 
@@ -226,12 +240,12 @@ RANDOM = """
 ## Random imperfect structures
 
 Columns, frames, arches, rings, lattices, domes and strips in random units, with an imperfection of 1e-6 to 0.1 of the
-load or of the length, under forces, moments, heat and motions of supports; all settings are defaults. `passes`: the full
-load exceeds a hand formula of the critical one. The end is compared with that of the same path in steps of at most
-{step:g}, and in steps half as long; where these differ by more than 1e-10 of the length, or end unstable without a
-critical point on the way, nothing is known and the structure is left out. `right`: within 1e-7 of the length; `refused`:
-exit code 3; `wrong`: another end, exit code 0. `plain` counts the ends that Newton's method finds for the whole load at
-once without any check; `iterations` is the mean, and the costs compare the structures that both find.
+load or of the length, under forces, moments, heat and motions of supports; all settings are defaults. `passes`: the
+full load exceeds a hand formula of the critical one. The end is compared with that of the same path in steps of at
+most {step:g}, and in steps half as long; where these differ by more than 1e-10 of the length, or end unstable without
+a critical point on the way, nothing is known and the structure is left out. `right`: within 1e-7 of the length;
+`refused`: exit code 3; `wrong`: another end, exit code 0. `plain` counts the ends that Newton's method finds for the
+whole load at once without any check; `iterations` is the mean, and the costs compare the structures that both find.
 
 """
 

@@ -5,25 +5,13 @@ import matplotlib.ticker
 import numpy as np
 
 import style
-from results import read_table
+import trade_page
+from results import Table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-14
 HIGHEST_ERROR = 0.3  # beyond, the mesh has followed a path of its own
-CELLS = ["benchmark", "integration", "order", "elements", "status", "largest_error", "pareto", "global_unknowns",
-         "interior_unknowns", "flops"]
-INTEGRATION = "both reduced"
 SOME = {"linewidth": 0.8, "linestyle": (0, (2, 2))}  # a mean over those benchmarks on which an order is exact enough
-ACCURACIES = 10.0 ** -np.arange(2, 13)
-
-
-def _cells(folder):
-    return read_table(folder / "trade.csv", CELLS).where(integration=INTEGRATION, status="converged")
-
-
-def _seconds(table):
-    """Processor times with the first number of threads: the first column of that name."""
-    return table[next(name for name in table.names() if name.startswith("processor_seconds_"))]
 
 
 def time_figure(folder):
@@ -37,21 +25,21 @@ def unknowns_figure(folder):
 
 
 def _panels(folder, draw, label):
-    cells, benchmarks = _cells(folder), read_table(folder / "benchmarks.csv", ["benchmark", "kind", "floor"])
-    names = list(benchmarks["benchmark"])
+    everything, kinds = trade_page.candidates(folder), [row["kind"] for row in trade_page.benchmarks(folder)]
+    names = [one.name for one in everything]
     rows = -(-len(names) // COLUMNS)
     columns = min(COLUMNS, len(names))
     canvas, axes = style.figure(3.5 * columns, 2.8 * rows + 0.7, rows, columns, squeeze=False, sharey=True)
-    for i, (panel, name) in enumerate(zip(axes.flat, names)):
+    for i, (panel, one) in enumerate(zip(axes.flat, everything)):
         panel.set_xscale("log")
         panel.set_yscale("log")
-        floor = max(benchmarks["floor"][i], LOWEST_ERROR)
-        draw(panel, cells.where(benchmark=name), floor)
+        floor = max(one.floor, LOWEST_ERROR)
+        draw(panel, one.table, floor)
         panel.axhspan(LOWEST_ERROR / 10, floor, color="#EEEEEE", zorder=0)
         panel.set_ylim(LOWEST_ERROR, 3.0)
         panel.set_yticks([1e-12, 1e-9, 1e-6, 1e-3, 1.0])
-        panel.set_title(name)
-        panel.text(0.98, 0.98, benchmarks["kind"][i], transform=panel.transAxes, ha="right", va="top", fontsize=9,
+        panel.set_title(one.name)
+        panel.text(0.98, 0.98, kinds[i], transform=panel.transAxes, ha="right", va="top", fontsize=9,
                    color="#555555")
         if i + columns >= len(names):
             panel.set_xlabel(label)
@@ -76,13 +64,13 @@ def _lines(panel, cells, across):
 
 
 def _draw_times(panel, cells, floor):
-    _lines(panel, cells, lambda line: 1e3 * _seconds(line))
-    front = cells.where(pareto=1)
-    if len(front):
-        place = np.argsort(_seconds(front))
-        place = place[:1 + np.count_nonzero(front["largest_error"] > floor)]  # below, errors are those of rounding
-        panel.plot(1e3 * _seconds(front)[place], np.maximum(front["largest_error"][place], LOWEST_ERROR * 1.3),
-                   color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
+    _lines(panel, cells, lambda line: 1e3 * trade_page.seconds(line))
+    place = np.argsort(trade_page.seconds(cells))
+    error = cells["largest_error"][place]
+    place = place[error < np.concatenate(([np.inf], np.fmin.accumulate(error)[:-1]))]  # what no other cell beats
+    place = place[:1 + np.count_nonzero(cells["largest_error"][place] > floor)]  # below, errors are those of rounding
+    panel.plot(1e3 * trade_page.seconds(cells)[place], np.maximum(cells["largest_error"][place], LOWEST_ERROR * 1.3),
+               color=style.BLACK, alpha=0.25, linewidth=6, solid_capstyle="round", zorder=1, label="least time")
 
 
 def _draw_unknowns(panel, cells, _floor):
@@ -91,11 +79,11 @@ def _draw_unknowns(panel, cells, _floor):
 
 def orders_figure(folder):
     """The price of taking one order everywhere, by time and by operations, for all errors and for the tip alone."""
-    table = read_table(folder / "orders.csv", ["measure", "cost", "accuracy", "order", "reached", "judged", "mean"])
+    prices = trade_page.order_prices(folder)
     canvas, axes = style.figure(11.0, 7.6, 2, 2, sharex=True, sharey=True)
     for row, (measure, error) in zip(axes, (("largest", "largest of all errors"), ("displacement", "tip alone"))):
         for panel, (cost, unit) in zip(row, (("seconds", "time"), ("flops", "operations"))):
-            _draw_prices(panel, table.where(measure=measure, cost=cost))
+            _draw_prices(panel, [price for price in prices if price["measure"] == measure and price["cost"] == cost])
             panel.set_title(f"{unit}, {error}")
         row[0].set_ylabel("cost over that of the cheapest order")
     for panel in axes[1]:
@@ -107,9 +95,10 @@ def orders_figure(folder):
     return canvas
 
 
-def _draw_prices(panel, table):
-    for order in table.values("order"):
-        line = table.where(order=order).sorted_by("accuracy")
+def _draw_prices(panel, prices):
+    for order in sorted({price["order"] for price in prices}):
+        line = Table({key: np.array([price[key] for price in prices if price["order"] == order])
+                      for key in ("accuracy", "reached", "judged", "mean")})
         everywhere = (line["reached"] == line["judged"]) & (line["judged"] > 0)
         look = style.order_line(order)
         panel.plot(line["accuracy"], np.where(everywhere, line["mean"], np.nan), **look)
@@ -125,17 +114,15 @@ def _draw_prices(panel, table):
 
 def digits_figure(folder):
     """What the cheapest cell costs for an accuracy, over what it costs for the first: each benchmark, and the mean."""
-    cells, benchmarks = _cells(folder), read_table(folder / "benchmarks.csv", ["benchmark", "floor"])
+    accuracies, everything = trade_page.ACCURACIES, trade_page.candidates(folder)
     canvas, axes = style.figure(11.0, 4.2, 1, 2)
-    for panel, costs, title in ((axes[0], _seconds, "time"), (axes[1], lambda table: table["flops"], "operations")):
+    for panel, cost, title in zip(axes, trade_page.COSTS.values(), ("time", "operations")):
         curves = []
-        for name, floor in zip(benchmarks["benchmark"], benchmarks["floor"]):
-            of_benchmark = cells.where(benchmark=name)
-            cost = np.array([_least(of_benchmark, costs(of_benchmark), accuracy) if accuracy >= floor else np.nan
-                             for accuracy in ACCURACIES])
-            curves.append(cost / cost[0])
-            panel.loglog(ACCURACIES, curves[-1], color=style.GREY, linewidth=0.9, label="each benchmark")
-        panel.loglog(ACCURACIES, np.exp(np.nanmean(np.log(curves), axis=0)), "o-", color=style.BLUE, linewidth=2.2,
+        for one in everything:
+            costs = np.array([one.cost("largest_error", cost, accuracy) for accuracy in accuracies])
+            curves.append(costs / costs[0])
+            panel.loglog(accuracies, curves[-1], color=style.GREY, linewidth=0.9, label="each benchmark")
+        panel.loglog(accuracies, np.exp(np.nanmean(np.log(curves), axis=0)), "o-", color=style.BLUE, linewidth=2.2,
                      label="geometric mean")
         panel.set_xlim(2e-2, 5e-13)
         _plain_ticks(panel, np.nanmax(curves))
@@ -153,12 +140,7 @@ def _plain_ticks(panel, highest):
     panel.yaxis.set_minor_locator(matplotlib.ticker.NullLocator())
 
 
-def _least(cells, costs, accuracy):
-    good = cells["largest_error"] <= accuracy
-    return costs[good].min() if good.any() else np.nan
-
-
-FIGURES = {"trade_digits": (["trade.csv", "benchmarks.csv"], digits_figure),
-           "trade_time": (["trade.csv", "benchmarks.csv"], time_figure),
-           "trade_unknowns": (["trade.csv", "benchmarks.csv"], unknowns_figure),
-           "trade_orders": (["orders.csv"], orders_figure)}
+INPUTS = ["trade.csv", "benchmarks.csv"]
+FIGURES = {"trade_digits": (INPUTS, digits_figure), "trade_time": (INPUTS, time_figure),
+           "trade_unknowns": (INPUTS, unknowns_figure), "trade_orders": (INPUTS, orders_figure)}
+PAGES = {"trade": ([*INPUTS, "accuracy.csv", "machine.csv"], trade_page.trade_page)}

@@ -13,22 +13,25 @@ namespace mixbeam {
 namespace {
 
 /// The finest row of the paper's table, to half a unit of the last digit.
-ExpectedValue tip_of_the_helical_rod(const char* component, double value, double tolerance) {
-  return {std::string("tip, ") + component,
-          "position",
-          "tip",
-          component,
-          {},
-          value,
-          tolerance,
-          ToleranceKind::absolute,
-          "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4"};
+std::vector<ExpectedValue> limit_of_the_helical_rod() {
+  const auto tip = [](const std::string& component, double value, double tolerance) {
+    return ExpectedValue{"tip, " + component,
+                         "position",
+                         "tip",
+                         component,
+                         {},
+                         value,
+                         tolerance,
+                         ToleranceKind::absolute,
+                         "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4"};
+  };
+  return {tip("x", 4.803e-3, 5.1e-7), tip("y", 7.250e-5, 5.1e-9), tip("z", -7.644e-2, 5.1e-6)};
 }
 
 std::vector<Benchmark> list_benchmarks() {
   std::vector<Benchmark> list;
   const auto add = [&list](const char* name, const char* file, const char* kind, const char* point) -> Benchmark& {
-    list.push_back({name, file, kind, point, ""});
+    list.push_back({name, file, kind, point});
     return list.back();
   };
   add("thick_cantilever", "", "plane, smooth, thick", "").rates = true;
@@ -43,9 +46,7 @@ std::vector<Benchmark> list_benchmarks() {
   add("arc_45_slender", "arc_45_slender.xml", "space, curved, slenderness 10,000", "tip").integrations = true;
   add("arc_45_thick", "arc_45_thick.xml", "space, curved, slenderness 10", "tip").rates = true;
   add("helix", "helix.xml", "space, two coils, constant strains", "tip");
-  add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip").limit = {
-      tip_of_the_helical_rod("x", 4.803e-3, 5.1e-7), tip_of_the_helical_rod("y", 7.250e-5, 5.1e-9),
-      tip_of_the_helical_rod("z", -7.644e-2, 5.1e-6)};
+  add("helical_rod", "helical_rod.xml", "space, ten turns, many load steps", "tip").limit = limit_of_the_helical_rod();
   add("composite_cantilever", "gallery/composite_cantilever.xml", "space, smooth, coupled section", "tip");
   add("slope_discontinuity", "slope_discontinuity.xml", "space, kinked", "tip");
   add("fork", "fork.xml", "space, branched, two stages", "P1");
@@ -62,7 +63,7 @@ constexpr int kSmooth = 4, kLayers = 64;
 std::vector<Benchmark> list_scenes() {
   std::vector<Benchmark> list;
   const auto add = [&list](const std::string& name, const char* kind, int refinement = kSmooth) {
-    Benchmark scene{name, "gallery/" + name + ".xml", kind, "", ""};
+    Benchmark scene{name, "gallery/" + name + ".xml", kind, ""};
     scene.in_gallery = true;
     scene.refinement = refinement;
     list.push_back(scene);
@@ -88,40 +89,28 @@ std::vector<Benchmark> list_scenes() {
   return list;
 }
 
-std::filesystem::path scene_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "trade_benchmarks";
-}
-
 /// The scenes belong to applications with studies of their own, which do not matter here.
 Application read_scene_of(const Application& app, const std::string& file) {
+  const auto folder = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "trade_benchmarks";
   ApplicationDefinition definition;
   definition.name = app.name;
   definition.study = ListSpec("Of another application.").without_checks();
   Application read;
   read.communicator = app.communicator;
-  read_scene_file(read, read_xml((scene_folder() / file).string()), definition);
+  read_scene_file(read, read_xml((folder / file).string()), definition);
   return read;
 }
 
-/// Values at critical points and at load factors short of the end.
-std::vector<ExpectedValue> values_on_the_path(const std::vector<ExpectedValue>& expected, const Scene& scene) {
-  std::vector<ExpectedValue> kept;
-  for (const ExpectedValue& value : expected)
-    if (value.critical_point || value.load_factor.value_or(scene.stages) != scene.stages) kept.push_back(value);
-  return kept;
-}
-
-/// Values at the end of the whole path that any run can be compared with.
-std::vector<ExpectedValue> values_at_the_end(const std::vector<ExpectedValue>& expected, const Benchmark& benchmark,
-                                             const Scene& scene) {
-  std::vector<ExpectedValue> kept;
-  if (benchmark.load_share != 1.0) return kept;
-  if (!benchmark.limit.empty()) return benchmark.limit;
-  for (const ExpectedValue& value : expected)
-    if (!value.critical_point && value.load_case == benchmark.load_case &&
-        value.load_factor.value_or(scene.stages) == scene.stages)
-      kept.push_back(value);
-  return kept;
+/// Values at the end of the whole path that any run can be compared with, and those at critical points and short of it.
+void sort_expected(const std::vector<ExpectedValue>& expected, BenchmarkProblem& problem) {
+  const Benchmark& about = problem.about;
+  for (const ExpectedValue& value : expected) {
+    const bool on_path =
+        value.critical_point || value.load_factor.value_or(problem.scene.stages) != problem.scene.stages;
+    if (on_path && about.in_gallery) problem.expected_on_path.push_back(value);
+    if (!on_path && value.load_case == about.load_case && about.load_share == 1.0) problem.expected.push_back(value);
+  }
+  if (!about.limit.empty()) problem.expected = about.limit;
 }
 
 std::string loaded_point(const Scene& scene) {
@@ -140,12 +129,6 @@ const std::vector<Benchmark>& all_benchmarks() {
 const std::vector<Benchmark>& all_scenes() {
   static const std::vector<Benchmark> list = list_scenes();
   return list;
-}
-
-std::vector<std::string> names_of(const std::vector<Benchmark>& list) {
-  std::vector<std::string> names;
-  for (const Benchmark& benchmark : list) names.push_back(benchmark.name);
-  return names;
 }
 
 Scene BenchmarkProblem::with(int order, int elements, ForceIntegration integration) const {
@@ -172,17 +155,14 @@ bool BenchmarkProblem::keeps_path() const {
 
 BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchmark) {
   const Application file = benchmark.file.empty() ? app : read_scene_of(app, benchmark.file);
-  BenchmarkProblem problem{benchmark, scene_of_case(file.scene, benchmark.load_case), file.solver, {}};
+  BenchmarkProblem problem{benchmark, scene_of_case(file.scene, benchmark.load_case), file.solver};
   for (PointLoad& load : problem.scene.point_loads)
     for (int i = 0; i < 3; ++i) {
       load.force[i] *= benchmark.load_share;
       load.moment[i] *= benchmark.load_share;
     }
-  problem.expected = values_at_the_end(file.expected, benchmark, problem.scene);
-  if (benchmark.in_gallery) {
-    problem.expected_on_path = values_on_the_path(file.expected, problem.scene);
-    return problem;
-  }
+  sort_expected(file.expected, problem);
+  if (benchmark.in_gallery) return problem;
   if (benchmark.point.empty()) problem.about.point = loaded_point(problem.scene);
   if (benchmark.branch != Branch::primary) problem.solver.analysis.branch = benchmark.branch;
   problem.solver.analysis.stability = problem.solver.analysis.branch != Branch::primary;

@@ -1,30 +1,54 @@
 #include "apps/trade/cell.hpp"
 
 #include "apps/common/studies/phase_costs.hpp"
-#include "apps/trade/estimate_check.hpp"
-#include "apps/trade/run_watch.hpp"
+#include "apps/common/studies/study.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <optional>
 
 namespace mixbeam {
 
 namespace {
 
-constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+/// A median of fewer is none.
+constexpr int kLeastRounds = 3;
+/// Seconds for the runs of one accuracy with one number of threads, where more than the least number of them are made.
+constexpr double kPriceBudget = 0.3;
+/// Cells that are timed again for it: the cheapest of a matrix is one of them, whatever the scatter of its times.
+constexpr std::size_t kCandidates = 3;
+/// The difference of the references is an error of both; what is judged stands well above.
+constexpr double kAboveReference = 10.0;
+
+RunTimes medians(const std::vector<RunTimes>& runs) {
+  const auto of = [&runs](double RunTimes::*what) {
+    std::vector<double> values;
+    for (const RunTimes& run : runs) values.push_back(run.*what);
+    return median(values);
+  };
+  return {of(&RunTimes::seconds), of(&RunTimes::setup_seconds), of(&RunTimes::processor_seconds)};
+}
+
+/// With one thread the processor time is the wall time on an idle machine, and what others do does not lengthen it.
+double cost_of(const RunTimes& times, int threads) { return threads == 1 ? times.processor_seconds : times.seconds; }
+
+double cost_of(const CellResult& cell, int threads) {
+  const auto found = cell.times.find(threads);
+  const auto& [known, times] = found == cell.times.end() ? *cell.times.begin() : *found;
+  return cost_of(times, known);
+}
+
 struct TimedRun {
   Simulation simulation;
-  CellTimes times;
+  RunTimes times;
 };
 
-TimedRun run_once(const BenchmarkProblem& problem, const Scene& scene, int threads, const TimingPlan& plan,
+TimedRun run_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
                   const Communicator& communicator) {
+  const Scene scene = problem.with(cell.order, cell.elements, cell.integration);
   SolverParameters parameters = problem.solver;
   parameters.threads = threads;
-  CellTimes times;
+  RunTimes times;
   PathControl control;
   const RunWatch watch;
   Simulation simulation(scene, parameters, communicator);
@@ -37,38 +61,99 @@ TimedRun run_once(const BenchmarkProblem& problem, const Scene& scene, int threa
 }
 
 /// Numbers of threads in turn, so that a machine that slows down for a while does so for all of them.
-std::map<int, CellTimes> time_cell(const BenchmarkProblem& problem, const Scene& scene, const CellTimes& first,
-                                   const TimingPlan& plan, const Communicator& communicator) {
-  std::map<int, std::vector<CellTimes>> runs;
+TimesByThreads time_cell(const BenchmarkProblem& problem, const Cell& cell, const RunTimes& first,
+                         const TimingPlan& plan, const Communicator& communicator) {
+  std::map<int, std::vector<RunTimes>> runs;
   const double round_seconds = first.seconds * plan.threads.size();
   const int affordable = static_cast<int>(std::min<double>(plan.repetitions, plan.budget / round_seconds));
-  const auto run = [&](int threads) { return run_once(problem, scene, threads, plan, communicator).times; };
-  if (affordable < kLeastRounds) {
-    for (int threads : plan.threads) runs[threads] = {threads == plan.threads.front() ? first : run(threads)};
-  } else {
-    for (int threads : plan.threads)
-      if (threads != plan.threads.front()) run(threads);
-    for (int round = 0; round < affordable; ++round)
-      for (int threads : plan.threads) runs[threads].push_back(run(threads));
-  }
-  std::map<int, CellTimes> times;
+  const bool only_once = affordable < kLeastRounds;
+  for (int round = 0; round <= (only_once ? 0 : affordable); ++round)
+    for (const int threads : plan.threads) {
+      const bool is_first = round == 0 && threads == plan.threads.front();
+      const RunTimes times = is_first ? first : run_once(problem, cell, threads, plan, communicator).times;
+      if (round > 0 || only_once) runs[threads].push_back(times);
+    }
+  TimesByThreads times;
   for (const auto& [threads, of_threads] : runs) times[threads] = medians(of_threads);
   return times;
 }
 
-void count_unknowns(const Simulation& simulation, CellResult& result) {
+/// Counted by running the kernels of a plain section on counting numbers: element work, condensation of chains, solve,
+/// check.
+double element_flops(int order) {
+  static std::map<int, double> of_order;
+  if (of_order.count(order) == 0) of_order[order] = phase_costs("spatial", order).at(kWholeIteration).flops;
+  return of_order[order];
+}
+
+void count(const Simulation& simulation, CellResult& result) {
   const InteriorLayout layout{result.cell.order, force_point_count(result.cell.order, result.cell.integration)};
+  const int elements = static_cast<int>(simulation.assembler().mesh().elements.size());
+  const LoadPathResult& path = simulation.result();
   result.global_unknowns = static_cast<int>(simulation.assembler().map()->getGlobalNumElements());
-  result.interior_unknowns = static_cast<int>(simulation.assembler().mesh().elements.size()) * layout.increments();
+  result.interior_unknowns = elements * layout.increments();
+  result.load_steps = path.steps;
+  result.failed_steps = path.failed_steps;
+  result.iterations = path.newton_iterations;
+  result.flops = path.newton_iterations * (element_flops(result.cell.order) * elements);
+}
+
+Scene scene_with_accuracy(const BenchmarkProblem& problem, double wanted) {
+  Scene scene = problem.scene;
+  scene.accuracy = wanted;
+  for (Member& member : scene.members) {
+    member.keeps_order = member.keeps_elements = false;
+    member.stations.clear();
+    member.force_integration = ForceIntegration::both_reduced;
+  }
+  return scene;
+}
+
+AccurateRun run_for_accuracy(const BenchmarkProblem& problem, double wanted, int threads,
+                             const Communicator& communicator, RunTimes& times, PathTrace* trace = nullptr) {
+  const Scene scene = scene_with_accuracy(problem, wanted);
+  SolverParameters parameters = problem.solver;
+  parameters.threads = threads;
+  AccurateRunObserver observer;
+  if (trace != nullptr) {
+    observer.begin = [&problem, trace](const Simulation&) { *trace = PathTrace(problem); };
+    observer.step = [trace](const Simulation& simulation, const StepReport& report) { trace->add(simulation, report); };
+    observer.end = [trace](const Simulation& simulation, const StepReport& report, const ErrorEstimate&) {
+      trace->add(simulation, report);
+    };
+  }
+  const RunWatch watch;
+  AccurateRun run = run_accurately(scene, parameters, communicator, problem.keeps_path(), observer);
+  times.seconds = watch.seconds();
+  times.processor_seconds = watch.processor_seconds();
+  return run;
+}
+
+/// The program's way and the cheapest cells in turn, so that a machine that slows down for a while does so for all.
+AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads, const TimingPlan& plan,
+                       const Communicator& communicator) {
+  std::vector<const CellResult*> cells = result.cheapest(wanted, threads);
+  cells.resize(std::min(cells.size(), kCandidates));
+  std::vector<std::vector<RunTimes>> runs(1 + cells.size());
+  const RunWatch watch;
+  const int least = std::min(plan.repetitions, kLeastRounds);
+  for (int round = 0; round < least || (round < plan.repetitions && watch.seconds() < kPriceBudget); ++round) {
+    run_for_accuracy(result.problem, wanted, threads, communicator, runs[0].emplace_back());
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      runs[1 + i].push_back(run_once(result.problem, cells[i]->cell, threads, plan, communicator).times);
+  }
+  AccuracyPrice price;
+  price.seconds = cost_of(medians(runs[0]), threads);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const double seconds = cost_of(medians(runs[1 + i]), threads);
+    if (price.best && seconds >= price.best_seconds) continue;
+    price.best = cells[i]->cell;
+    price.best_seconds = seconds;
+  }
+  return price;
 }
 
 }  // namespace
-
-CellTimes time_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
-                    const Communicator& communicator) {
-  return run_once(problem, problem.with(cell.order, cell.elements, cell.integration), threads, plan, communicator)
-      .times;
-}
 
 const char* name_of(CellStatus status) {
   switch (status) {
@@ -84,53 +169,16 @@ const char* name_of(CellStatus status) {
   return "";
 }
 
-const char* name_of(ForceIntegration integration) {
-  switch (integration) {
-    case ForceIntegration::full:
-      return "full";
-    case ForceIntegration::axial_reduced:
-      return "axial reduced";
-    case ForceIntegration::shear_reduced:
-      return "shear reduced";
-    case ForceIntegration::both_reduced:
-      return "both reduced";
-  }
-  return "";
-}
-
-double CellResult::seconds(int threads) const {
-  const auto found = times.find(threads);
-  return found == times.end() ? kNotANumber : found->second.seconds;
-}
-
-double CellResult::processor_seconds(int threads) const {
-  const auto found = times.find(threads);
-  return found == times.end() ? kNotANumber : found->second.processor_seconds;
-}
-
-double iteration_flops(int order, int elements) {
-  static std::map<int, double> of_order;
-  if (of_order.count(order) == 0) of_order[order] = phase_costs("spatial", order).at(kWholeIteration).flops;
-  return of_order[order] * elements;
-}
-
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
                         const TimingPlan& plan, const Communicator& communicator) {
   CellResult result;
   result.cell = cell;
-  const Scene scene = problem.with(cell.order, cell.elements, cell.integration);
   try {
-    const TimedRun first = run_once(problem, scene, plan.threads.front(), plan, communicator);
-    const LoadPathResult& path = first.simulation.result();
-    count_unknowns(first.simulation, result);
-    result.load_steps = path.steps;
-    result.failed_steps = path.failed_steps;
-    result.iterations = path.newton_iterations;
-    result.flops = path.newton_iterations *
-                   iteration_flops(cell.order, static_cast<int>(first.simulation.assembler().mesh().elements.size()));
+    const TimedRun first = run_once(problem, cell, plan.threads.front(), plan, communicator);
+    count(first.simulation, result);
     result.times[plan.threads.front()] = first.times;
-    if (path.interrupted) result.status = CellStatus::too_long;
-    if (!path.finished) return result;
+    if (first.simulation.result().interrupted) result.status = CellStatus::too_long;
+    if (!first.simulation.result().finished) return result;
     result.status = CellStatus::converged;
     result.errors = reference.errors_of(first.simulation);
     if (!problem.about.in_gallery) {
@@ -138,11 +186,43 @@ CellResult measure_cell(const BenchmarkProblem& problem, const Reference& refere
       result.estimated = estimated_errors(first.simulation, problem.about.point);
       result.estimate_seconds = watch.processor_seconds();
     }
-    result.times = time_cell(problem, scene, first.times, plan, communicator);
+    result.times = time_cell(problem, cell, first.times, plan, communicator);
   } catch (const InputError&) {  // a mesh that is too coarse for its curve
     result.status = CellStatus::failed;
   }
   return result;
+}
+
+double BenchmarkResult::floor() const {
+  return kAboveReference * (problem.about.in_gallery ? motion_error(difference) : largest_error(difference));
+}
+
+std::vector<const CellResult*> BenchmarkResult::cheapest(double accuracy, int threads) const {
+  std::vector<const CellResult*> good;
+  if (accuracy < floor()) return good;
+  for (const CellResult& cell : cells)
+    if (cell.converged() && cell.cell.integration == ForceIntegration::both_reduced &&
+        motion_error(cell.errors) <= accuracy)
+      good.push_back(&cell);
+  std::stable_sort(good.begin(), good.end(), [threads](const CellResult* a, const CellResult* b) {
+    return cost_of(*a, threads) < cost_of(*b, threads);
+  });
+  return good;
+}
+
+AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
+                                   const TimingPlan& plan, const Communicator& communicator) {
+  PathTrace trace(result.problem);
+  RunTimes times;
+  const AccurateRun run = run_for_accuracy(result.problem, wanted, plan.threads.front(), communicator, times, &trace);
+  AccurateCell cell;
+  cell.wanted = wanted;
+  cell.end = run.end;
+  cell.rounds = run.rounds;
+  if (run.simulation.result().finished) cell.errors = reference.errors_of(run.simulation);
+  if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace(), reference.displacement());
+  for (const int threads : plan.threads) cell.prices[threads] = price_of(result, wanted, threads, plan, communicator);
+  return cell;
 }
 
 }  // namespace mixbeam

@@ -1,4 +1,5 @@
-/// One cell of the matrix: a benchmark on one mesh, solved, judged, timed.
+/// One cell of the matrix: a benchmark on one mesh, solved, judged, timed. And what the program makes of a wanted
+/// accuracy, judged and timed beside the cheapest cell.
 #pragma once
 
 #include "apps/trade/reference.hpp"
@@ -14,34 +15,31 @@ enum class CellStatus {
   too_long         ///< took longer than a cell may, or would
 };
 const char* name_of(CellStatus status);
-const char* name_of(ForceIntegration integration);
 
 struct Cell {
-  ForceIntegration integration = ForceIntegration::both_reduced;
+  ForceIntegration integration = ForceIntegration::both_reduced;  ///< or full
   int order = 1;
   int elements = 1;  ///< of each member
 };
 
-struct CellTimes {
-  double seconds = 0.0;            ///< wall time from the scene to equilibrium, reading left out
-  double setup_seconds = 0.0;      ///< of it, until the first residual: mesh, numbering, memory
-  double processor_seconds = 0.0;  ///< of all threads together: what a busy machine does not lengthen
+struct RunTimes {
+  double seconds = std::nan("");            ///< wall time from the scene to equilibrium, reading left out
+  double setup_seconds = std::nan("");      ///< of it, until the first residual: mesh, numbering, memory
+  double processor_seconds = std::nan("");  ///< of all threads together
 };
+using TimesByThreads = std::map<int, RunTimes>;  ///< medians
 
 struct CellResult {
   Cell cell;
   CellStatus status = CellStatus::failed;
   Errors errors = kNoErrors;
-  Errors estimated = kNoErrors;   ///< by the run itself, see estimated_errors(); none in the gallery
+  Errors estimated = kNoErrors;   ///< by the run itself; none in the gallery
   double estimate_seconds = 0.0;  ///< processor time for that
   int global_unknowns = 0, interior_unknowns = 0;
   int load_steps = 0, failed_steps = 0, iterations = 0;
-  double flops = 0.0;              ///< of all iterations, see iteration_flops()
-  std::map<int, CellTimes> times;  ///< threads -> medians
+  double flops = 0.0;  ///< of all iterations, as many as an element of a plain section takes in each
+  TimesByThreads times{};
   bool converged() const { return status == CellStatus::converged; }
-  // Not a number where it was not measured.
-  double seconds(int threads) const;
-  double processor_seconds(int threads) const;
 };
 
 /// How a cell is timed.
@@ -52,16 +50,45 @@ struct TimingPlan {
   double most_seconds = 0.0;  ///< of the processor: a run that takes longer is stopped at the end of its load step
 };
 
-/// Floating-point operations of one Newton iteration on all elements, counted by running the kernels of a plain section
-/// on counting numbers: element work, condensation of chains, solve, check.
-double iteration_flops(int order, int elements);
-
-/// One run, reading left out.
-CellTimes time_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
-                    const Communicator& communicator);
-
 /// The first run with each number of threads warms up; it counts only where it is the only one that the budget allows.
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
                         const TimingPlan& plan, const Communicator& communicator);
+
+/// A wanted accuracy against the single solve that reaches it cheapest.
+struct AccuracyPrice {
+  double seconds = 0.0;        ///< of all meshes: processor time of one thread, wall time of several
+  std::optional<Cell> best{};  ///< none reaches it, or so small an error is not judged
+  double best_seconds = std::nan("");
+};
+
+struct AccurateCell {
+  double wanted = 0.0;  ///< relative error of displacements
+  AccuracyEnd end = AccuracyEnd::reached;
+  std::vector<MeshRound> rounds{};
+  Errors errors = kNoErrors;
+  double path_error = std::nan("");       ///< see PathTrace; not a number where nothing was met
+  std::map<int, AccuracyPrice> prices{};  ///< threads -> medians of runs in turn with those of the cheapest cells
+};
+
+/// All cells of one benchmark.
+struct BenchmarkResult {
+  BenchmarkProblem problem;
+  Discretization reference{}, confirmation{};
+  Errors difference{};  ///< of these two
+  std::vector<CellResult> cells{};
+  std::vector<AccurateCell> accurate{};  ///< what the program makes of a wanted accuracy
+
+  /// Smallest accuracy that is judged: errors below are those of reference and rounding. Scenes of the gallery are
+  /// judged by their displacements only.
+  double floor() const;
+  /// With both force parts reduced and a motion as exact as this, the cheapest first, by the time that an accuracy is
+  /// priced by, with so many threads or with those that the cells were timed with; none where so small an error is not
+  /// judged.
+  std::vector<const CellResult*> cheapest(double accuracy, int threads) const;
+};
+
+/// Scenes that ask for a path have it followed on the last mesh too. `result`: with its cells.
+AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
+                                   const TimingPlan& plan, const Communicator& communicator);
 
 }  // namespace mixbeam

@@ -4,7 +4,6 @@
 #include "discretization/text/errors.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace mixbeam {
 
@@ -12,9 +11,10 @@ namespace {
 
 /// More than the k + 1 that are exact for what an element can represent: the reference is no such polynomial.
 constexpr int kMoreGaussPoints = 4;
+/// Steps end at load factors that are asked for, but for rounding.
+constexpr double kSameLoad = 1e-12;
 
-double norm(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
-Vec3<double> vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 double energy_of(const Simulation& simulation) {
   const StrainEnergy energy = simulation.strain_energy();
@@ -52,9 +52,46 @@ double largest_displacement(const Simulation& simulation) {
 
 }  // namespace
 
-double Errors::largest() const {
-  if (std::isnan(displacement + centerline + moment + energy)) return std::nan("");
-  return std::max({displacement, centerline, moment, energy});
+double largest_error(const Errors& errors) {
+  for (const double error : errors)
+    if (std::isnan(error)) return error;
+  return *std::max_element(errors.begin(), errors.end());
+}
+
+double motion_error(const Errors& errors) {
+  return std::isnan(errors[kDisplacement]) ? std::nan("") : std::max(errors[kDisplacement], errors[kCenterline]);
+}
+
+Errors estimated_errors(const Simulation& simulation, const std::string& point) {
+  const ErrorEstimate estimate = simulation.estimate_error();
+  if (!estimate.exists()) return kNoErrors;
+  const Vector3 error = estimate.vertex_displacement.at(vertex_of(simulation.assembler().mesh(), point));
+  return {distance(error, {}) / distance(simulation.displacement(point), {}), estimate.displacement.relative(),
+          estimate.moment.relative(), std::abs(estimate.energy.relative())};
+}
+
+PathTrace::PathTrace(const BenchmarkProblem& problem) {
+  for (const ExpectedValue& value : problem.expected_on_path)
+    if (!value.critical_point && !value.point.empty()) wanted_.push_back(value);
+}
+
+void PathTrace::add(const Simulation& simulation, const StepReport& report) {
+  for (const CriticalPoint& point : report.critical_points) critical_loads_.push_back(point.load_factor);
+  for (const ExpectedValue& value : wanted_)
+    if (std::abs(report.load_factor - *value.load_factor) <= kSameLoad)
+      displacements_.push_back(simulation.displacement(value.point));
+}
+
+double PathTrace::error_against(const PathTrace& exact, double displacement) const {
+  if (critical_loads_.size() != exact.critical_loads_.size() || displacements_.size() != exact.displacements_.size())
+    return std::nan("");
+  double size = 0.0, error = 0.0;
+  for (const double load : exact.critical_loads_) size = std::max(size, std::abs(load));
+  for (size_t i = 0; i < critical_loads_.size(); ++i)
+    error = std::max(error, std::abs(critical_loads_[i] - exact.critical_loads_[i]) / size);
+  for (size_t i = 0; i < displacements_.size(); ++i)
+    error = std::max(error, distance(displacements_[i], exact.displacements_[i]) / displacement);
+  return error;
 }
 
 Reference::Reference(const BenchmarkProblem& problem, const Communicator& communicator, const Discretization& reference,
@@ -63,34 +100,32 @@ Reference::Reference(const BenchmarkProblem& problem, const Communicator& commun
       simulation_(solved(problem, communicator, reference, trace_)),
       points_(judged_points(problem, simulation_)) {
   const int points = gauss_points(simulation_);
-  displacement_ = problem.about.in_gallery ? largest_displacement(simulation_)
-                                           : norm(vec(simulation_.displacement(problem.about.point)));
-  centerline_ = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.displacement; });
-  moment_ = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.moment; });
-  energy_ = energy_of(simulation_);
+  scale_[kDisplacement] = problem.about.in_gallery ? largest_displacement(simulation_)
+                                                   : distance(simulation_.displacement(problem.about.point), {});
+  scale_[kCenterline] = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.displacement; });
+  scale_[kMoment] = simulation_.l2_norm(points, [](const PointSample& sample, int) { return sample.moment; });
+  scale_[kEnergy] = energy_of(simulation_);
   PathTrace trace(problem);
   difference_ = errors_of(solved(problem, communicator, confirmation, trace));
 }
 
 Errors Reference::errors_of(const Simulation& simulation) const {
   const int points = gauss_points(simulation);
-  const auto& members = simulation_.assembler().mesh().members;
   const auto exact = [&](const PointSample& sample, int member) {
-    const double length = members[member].curve.length;
+    const double length = simulation_.assembler().mesh().members[member].curve.length;
     return sample_member(simulation_.assembler(), simulation_.state(), member, sample.arc_length / length);
   };
-  Errors errors;
+  Errors errors{};
   for (const std::string& point : points_)
-    errors.displacement =
-        std::max(errors.displacement,
-                 norm(vec(simulation.displacement(point)) - vec(simulation_.displacement(point))) / displacement_);
-  errors.centerline = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
+    errors[kDisplacement] =
+        std::max(errors[kDisplacement], distance(simulation.displacement(point), simulation_.displacement(point)));
+  errors[kCenterline] = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
     return sample.displacement - exact(sample, member).displacement;
-  }) / centerline_;
-  errors.moment = simulation.l2_norm(points, [&](const PointSample& sample, int member) {
-    return sample.moment - exact(sample, member).moment;
-  }) / moment_;
-  errors.energy = std::abs(energy_of(simulation) - energy_) / energy_;
+  });
+  errors[kMoment] = simulation.l2_norm(
+      points, [&](const PointSample& sample, int member) { return sample.moment - exact(sample, member).moment; });
+  errors[kEnergy] = std::abs(energy_of(simulation) - scale_[kEnergy]);
+  for (int i = 0; i < kErrors; ++i) errors[i] /= scale_[i];
   return errors;
 }
 

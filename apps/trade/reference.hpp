@@ -1,27 +1,52 @@
 /// What errors are measured against: a solution far finer than any that is judged, confirmed by another one.
 #pragma once
 
-#include "apps/trade/path_trace.hpp"
+#include "apps/trade/benchmark.hpp"
 
 #include <cmath>
 
 namespace mixbeam {
 
 /// All relative. Fields over the whole structure in the L2 norm.
-struct Errors {
-  double displacement = 0.0;  ///< of the judged point, over its displacement; in the gallery the largest of all points
-                              ///< of the scene, over the largest displacement
-  double centerline = 0.0;    ///< position of the centerline, over the norm of its displacement
-  double moment = 0.0;        ///< material moment, over its norm
-  double energy = 0.0;        ///< strain energy
-  double largest() const;     ///< not a number if one of them is
+enum ErrorOf {
+  kDisplacement,  ///< of the judged point, over its displacement; in the gallery the largest of all points of the
+                  ///< scene, over the largest displacement
+  kCenterline,    ///< position of the centerline, over the norm of its displacement
+  kMoment,        ///< material moment, over its norm
+  kEnergy,        ///< strain energy
+  kErrors
 };
-
+inline constexpr const char* kErrorNames[kErrors] = {"displacement", "centerline", "moment", "energy"};
+using Errors = std::array<double, kErrors>;
 /// Of a simulation that did not converge.
 inline const Errors kNoErrors{std::nan(""), std::nan(""), std::nan(""), std::nan("")};
+// Not a number if one of those is.
+double largest_error(const Errors& errors);
+double motion_error(const Errors& errors);  ///< of tip and centerline
+
+/// What a run estimates of its own error; not a number where it does not.
+Errors estimated_errors(const Simulation& simulation, const std::string& point);
 
 struct Discretization {
   int order = 0, elements = 0;
+};
+
+/// What a path met on its way to the end: critical points, and states for which the scene has expected values.
+class PathTrace {
+ public:
+  explicit PathTrace(const BenchmarkProblem& problem);
+
+  /// The next step of the path. Collective.
+  void add(const Simulation& simulation, const StepReport& report);
+  bool is_empty() const { return critical_loads_.empty() && displacements_.empty(); }
+  /// Largest difference of the critical loads, over the largest of them, and of the displacements, over
+  /// `displacement`; not a number where the paths met different things.
+  double error_against(const PathTrace& exact, double displacement) const;
+
+ private:
+  std::vector<ExpectedValue> wanted_;   ///< short of the end
+  std::vector<double> critical_loads_;  ///< load factors
+  std::vector<Vector3> displacements_;  ///< of the points of `wanted_`, in the order of the path
 };
 
 class Reference {
@@ -38,14 +63,13 @@ class Reference {
   /// What it met on its way.
   const PathTrace& trace() const { return trace_; }
   /// What errors of displacements are divided by.
-  double displacement() const { return displacement_; }
+  double displacement() const { return scale_[kDisplacement]; }
 
  private:
   PathTrace trace_;
   Simulation simulation_;
-  std::vector<std::string> points_;                                             ///< whose displacements are judged
-  double displacement_ = 0.0, centerline_ = 0.0, moment_ = 0.0, energy_ = 0.0;  ///< what errors are divided by
-  Errors difference_;
+  std::vector<std::string> points_;  ///< whose displacements are judged
+  Errors scale_{}, difference_{};
 };
 
 }  // namespace mixbeam

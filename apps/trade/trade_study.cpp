@@ -1,17 +1,13 @@
-#include "apps/trade/trade_study.hpp"
-
+// The trade between accuracy and cost: every order on every mesh of many benchmarks, and what the program makes of
+// wanted accuracies on them and on the scenes of the gallery. Which order is the best for what tells
+// apps/plots/trade_page.py.
 #include "apps/common/run/expected_quantity.hpp"
-#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/studies/study.hpp"
 #include "apps/common/tables/convergence_table.hpp"
-#include "apps/common/tables/csv_table.hpp"
-#include "apps/trade/estimate_check.hpp"
-#include "apps/trade/matrix.hpp"
-#include "apps/trade/trade_page.hpp"
-#include "apps/trade/trade_tables.hpp"
+#include "apps/trade/cell.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <ostream>
 
 namespace mixbeam {
@@ -22,38 +18,54 @@ constexpr double kMostElements = 100000.0;
 
 /// The references agree to this: a tenth of the smallest accuracy that every benchmark is judged by.
 constexpr double kReferencesAgree = 1e-10;
+// Confirm the references of the scenes of the gallery: another order, one and a half times as many elements.
+constexpr int kConfirmingOrder = 6;
+constexpr std::pair<int, int> kConfirmingElements{3, 2};
 
 // Theory: polynomials of degree k. Higher orders reach round-off on meshes too coarse to tell a rate.
 constexpr int kHighestRatedOrder = 4;
 constexpr double kRateTolerance = 0.2;
 constexpr double kRateRoundOff = 1e-10;
 
-// Confirm the references of the scenes of the gallery: another order, one and a half times as many elements.
-constexpr int kConfirmingOrder = 6;
-constexpr std::pair<int, int> kConfirmingElements{3, 2};
+// Estimates are judged where the true error is neither that of a mesh that says little nor that of rounding, and known
+// to a tenth by the references.
+constexpr double kLargestError = 1e-2, kSmallestError = 1e-10, kAboveDifference = 10.0;
+constexpr double kFactor = 5.0, kShareBeyond = 0.05, kMostBelow = 10.0;
 
-constexpr double kShareBeyond = 0.05, kMostBelow = 10.0;
+/// A mesh is as exact as rounding allows when all errors are this small or those of the reference ...
+constexpr double kRoundOff = 1e-12;
+/// ... and two meshes in a row tell it, so that one lucky error does not end a row.
+constexpr int kRoundedMeshes = 2;
+/// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
+constexpr double kGrowth = 2.0;
+/// From a mesh that is worse than this nothing is guessed: it has followed a path of its own.
+constexpr double kNoSolution = 0.01;
+/// Times scatter: a cell that costs more than this many times a better one is no candidate.
+constexpr double kClearlyDearer = 1.3;
+/// Elements of a member of the file are halved at most so often.
+constexpr int kMostHalvings = 4;
 
-std::vector<int> counts_of(Application& app, const char* name) {
-  std::vector<int> counts = app.study().get<Teuchos::Array<int>>(name).toVector();
-  std::sort(counts.begin(), counts.end());
-  return counts;
-}
+/// Which cells, against which reference.
+struct MatrixPlan {
+  std::vector<int> orders, elements;  ///< ascending
+  Discretization reference, confirmation;
+  TimingPlan timing;
+  std::vector<double> accuracies;  ///< that the program is asked for
+};
 
 MatrixPlan plan_of(Application& app) {
+  const auto integers = [&app](const char* name) { return study_list<int>(app, name); };
+  const auto mesh = [&](const char* name) { return Discretization{integers(name)[0], integers(name)[1]}; };
   Teuchos::ParameterList& study = app.study();
-  const auto reference = study.get<Teuchos::Array<int>>("Reference");
-  const auto confirmation = study.get<Teuchos::Array<int>>("Confirmation");
-  MatrixPlan plan;
-  plan.orders = counts_of(app, "Orders");
-  plan.elements = counts_of(app, "Elements");
-  plan.reference = {reference[0], reference[1]};
-  plan.confirmation = {confirmation[0], confirmation[1]};
-  plan.accuracies = study.get<Teuchos::Array<double>>("Accuracies").toVector();
-  plan.timing.threads = study.get<Teuchos::Array<int>>("Threads").toVector();
-  plan.timing.repetitions = study.get<int>("Repetitions");
-  plan.timing.budget = study.get<double>("Seconds");
-  plan.timing.most_seconds = study.get<double>("Most Seconds");
+  MatrixPlan plan{integers("Orders"),
+                  integers("Elements"),
+                  mesh("Reference"),
+                  mesh("Confirmation"),
+                  {integers("Threads"), study.get<int>("Repetitions"), study.get<double>("Seconds"),
+                   study.get<double>("Most Seconds")},
+                  study_list<double>(app, "Accuracies")};
+  std::sort(plan.orders.begin(), plan.orders.end());
+  std::sort(plan.elements.begin(), plan.elements.end());
   return plan;
 }
 
@@ -62,7 +74,7 @@ void check_reference(Application& app, const BenchmarkProblem& problem, const Re
   const std::string& name = problem.about.name;
   const Errors& difference = reference.difference();
   app.summary.check_upper_bound(name + ": difference of the references",
-                                problem.about.in_gallery ? motion_error(difference) : difference.largest(),
+                                problem.about.in_gallery ? motion_error(difference) : largest_error(difference),
                                 kReferencesAgree, "another order on another mesh");
   if (problem.about.file.empty()) return app.check_expected(reference.simulation());
   for (const ExpectedValue& value : problem.expected) {
@@ -78,101 +90,244 @@ void check_reference(Application& app, const BenchmarkProblem& problem, const Re
 
 /// The error of the centerline falls with the power k + 1 of the element length.
 void check_rates(Application& app, const BenchmarkResult& result, const MatrixPlan& plan) {
-  if (!result.problem.about.rates) return;
   for (const int order : plan.orders) {
-    if (order > kHighestRatedOrder) continue;
     std::vector<int> elements;
     std::vector<double> errors;
     for (const CellResult& cell : result.cells) {
       if (cell.cell.order != order || cell.cell.integration != ForceIntegration::both_reduced || !cell.converged())
         continue;
       elements.push_back(cell.cell.elements);
-      errors.push_back(cell.errors.centerline);
+      errors.push_back(cell.errors[kCenterline]);
     }
     const auto rate = observed_rate(elements, errors, kRateRoundOff);
-    if (!rate) continue;
+    if (order > kHighestRatedOrder || !rate) continue;
     app.summary.check_absolute(result.problem.about.name + " k=" + std::to_string(order) + ": rate of the centerline",
                                *rate, order + 1, kRateTolerance,
                                "Humer, Steinbrecher, Pechstein: polynomials of degree k, optimal rate k + 1");
   }
 }
 
+bool is_judged(const BenchmarkResult& result, const CellResult& cell, int quantity) {
+  const double error = cell.errors[quantity];
+  return cell.converged() && cell.cell.integration == ForceIntegration::both_reduced && error >= kSmallestError &&
+         error <= kLargestError && error >= kAboveDifference * result.difference[quantity];
+}
+
 /// Promised of displacements and moments; the energy is told beside.
 void check_estimates(Application& app, const std::vector<BenchmarkResult>& results) {
-  for (const EstimateJudgement& judgement : judge_estimates(results)) {
-    if (judgement.cells == 0 || judgement.quantity == "energy") continue;
-    const std::string name = "estimate of the " + judgement.quantity;
-    app.summary.check_upper_bound(name + ": cells beyond a factor of 5", 1.0 - judgement.share(), kShareBeyond,
-                                  "goal of mixbeam: 95 % of all cells within a factor of 5");
-    app.summary.check_upper_bound(name + ": largest true error over estimate", 1.0 / judgement.least, kMostBelow,
+  for (const int quantity : {kDisplacement, kCenterline, kMoment}) {
+    int cells = 0, within = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const BenchmarkResult& result : results)
+      for (const CellResult& cell : result.cells) {
+        if (!is_judged(result, cell, quantity)) continue;
+        const double ratio = cell.estimated[quantity] / cell.errors[quantity];
+        ++cells;
+        within += ratio >= 1.0 / kFactor && ratio <= kFactor ? 1 : 0;
+        least = std::fmin(least, ratio);
+      }
+    if (cells == 0) continue;
+    const std::string name = std::string("estimate of the ") + kErrorNames[quantity];
+    app.summary.check_upper_bound(name + ": cells beyond a factor of 5", 1.0 - static_cast<double>(within) / cells,
+                                  kShareBeyond, "goal of mixbeam: 95 % of all cells within a factor of 5");
+    app.summary.check_upper_bound(name + ": largest true error over estimate", 1.0 / least, kMostBelow,
                                   "goal of mixbeam: never less than a tenth");
   }
 }
 
-/// What the program promises for a wanted accuracy, where the references tell so small errors.
-void check_accuracies(Application& app, const BenchmarkResult& result) {
-  for (const AccurateCell& cell : result.accurate)
-    if (cell.wanted >= result.floor())
-      app.summary.check_upper_bound(
-          result.problem.about.name + ": error for a wanted accuracy of " + accuracy_text(cell.wanted),
-          motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
+/// Cells that are not computed are among them, with the reason.
+void measure_row(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                 ForceIntegration integration, int order, const Communicator& communicator) {
+  const double rounded = std::max(kRoundOff, largest_error(reference.difference()));
+  int rounded_meshes = 0;
+  double last_seconds = 0.0;
+  for (const int elements : plan.elements) {
+    CellResult cell{{integration, order, elements}};
+    if (rounded_meshes >= kRoundedMeshes) {
+      cell.status = CellStatus::past_round_off;
+    } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
+      cell.status = CellStatus::too_long;
+    } else {
+      cell = measure_cell(result.problem, reference, cell.cell, plan.timing, communicator);
+      const double error = largest_error(cell.errors);
+      last_seconds = error < kNoSolution ? cell.times.at(plan.timing.threads.front()).processor_seconds : 0.0;
+      rounded_meshes = error <= rounded ? rounded_meshes + 1 : 0;
+    }
+    result.cells.push_back(std::move(cell));
+  }
 }
 
-void count_work(Application& app, const BenchmarkResult& result) {
+/// The matrix of a benchmark: all orders on all meshes.
+void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                    const Communicator& communicator) {
+  for (const ForceIntegration integration : {ForceIntegration::both_reduced, ForceIntegration::full})
+    for (const int order : plan.orders)
+      if (integration == ForceIntegration::both_reduced || result.problem.about.integrations)
+        measure_row(result, reference, plan, integration, order, communicator);
+}
+
+/// Elements of the finest member: those of the file, halved and doubled.
+std::vector<int> meshes_of(const BenchmarkProblem& problem) {
+  std::vector<int> meshes;
+  const int own = problem.own_elements();
+  for (int part = 1 << kMostHalvings; part >= 1; part /= 2)
+    if (own >= part) meshes.push_back((own + part - 1) / part);
+  for (int factor = 2; factor <= problem.about.refinement; factor *= 2) meshes.push_back(own * factor);
+  return meshes;
+}
+
+/// A scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest order down.
+void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                   const Communicator& communicator) {
+  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
+  TimingPlan timing = plan.timing;
+  timing.threads.resize(1);  // more of them are left to the accuracies
+  const int threads = timing.threads.front();
+  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
+    for (const int elements : meshes_of(result.problem)) {
+      const Cell cell{ForceIntegration::both_reduced, *order, elements};
+      result.cells.push_back(measure_cell(result.problem, reference, cell, timing, communicator));
+      const CellResult& last = result.cells.back();
+      const double error = motion_error(last.errors);
+      if (last.status == CellStatus::too_long || error <= smallest) break;
+      const auto best = result.cheapest(smallest, threads);
+      if (error < kNoSolution && !best.empty() &&
+          last.times.at(threads).processor_seconds > kClearlyDearer * best.front()->times.at(threads).processor_seconds)
+        break;
+    }
+}
+
+/// Cells, then accuracies, and what is promised of them.
+BenchmarkResult compute(Application& app, const Benchmark& benchmark, const MatrixPlan& plan) {
+  BenchmarkResult result{read_benchmark(app, benchmark), plan.reference, plan.confirmation};
+  const BenchmarkProblem& problem = result.problem;
+  if (benchmark.in_gallery) {
+    const int finest = problem.own_elements() * benchmark.refinement;
+    result.reference = {kMaximumOrder, finest};
+    result.confirmation = {kConfirmingOrder, finest * kConfirmingElements.first / kConfirmingElements.second};
+  }
+  const Reference reference(problem, app.communicator, result.reference, result.confirmation);
+  result.difference = reference.difference();
+  check_reference(app, problem, reference);
+  (benchmark.in_gallery ? measure_front : measure_matrix)(result, reference, plan, app.communicator);
+  for (const double wanted : plan.accuracies)
+    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
+  if (benchmark.rates) check_rates(app, result, plan);
+  for (const AccurateCell& cell : result.accurate) {
+    char accuracy[20];
+    std::snprintf(accuracy, sizeof accuracy, "%.0e", cell.wanted);
+    if (cell.wanted >= result.floor())
+      app.summary.check_upper_bound(benchmark.name + ": error for a wanted accuracy of " + accuracy,
+                                    motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
+  }
   for (const CellResult& cell : result.cells) {
     app.summary.load_steps += cell.load_steps;
     app.summary.newton_iterations += cell.iterations;
   }
-}
-
-BenchmarkResult compute(Application& app, const Benchmark& benchmark, const MatrixPlan& plan) {
-  const BenchmarkProblem problem = read_benchmark(app, benchmark);
-  const Reference reference(problem, app.communicator, plan.reference, plan.confirmation);
-  check_reference(app, problem, reference);
-  BenchmarkResult result = measure_matrix(problem, reference, plan, app.communicator);
-  for (const double wanted : plan.accuracies)
-    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
-  check_rates(app, result, plan);
-  check_accuracies(app, result);
-  count_work(app, result);
-  print_matrix(app.out(), result, plan.timing.threads.front());
   return result;
 }
 
-/// A scene of the gallery.
-BenchmarkResult compute_scene(Application& app, const Benchmark& scene, const MatrixPlan& plan) {
-  const BenchmarkProblem problem = read_benchmark(app, scene);
-  const int finest = problem.own_elements() * scene.refinement;
-  const Discretization confirmation{kConfirmingOrder, finest * kConfirmingElements.first / kConfirmingElements.second};
-  const Reference reference(problem, app.communicator, {kMaximumOrder, finest}, confirmation);
-  check_reference(app, problem, reference);
-  BenchmarkResult result = measure_front(problem, reference, plan, app.communicator);
-  for (const double wanted : plan.accuracies)
-    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
-  check_accuracies(app, result);
-  count_work(app, result);
-  return result;
+std::string mesh_text(const Discretization& mesh) {
+  return std::to_string(mesh.order) + " x " + std::to_string(mesh.elements);
 }
 
-using Compute = BenchmarkResult (*)(Application&, const Benchmark&, const MatrixPlan&);
-
-/// Those of a list that the parameter `name` of the study names.
-std::vector<BenchmarkResult> compute_chosen(Application& app, const std::vector<Benchmark>& list, const char* name,
-                                            Compute compute_one, const MatrixPlan& plan) {
-  const auto chosen = app.study().get<Teuchos::Array<std::string>>(name);
-  std::vector<BenchmarkResult> results;
-  for (const Benchmark& benchmark : list)
-    if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end())
-      results.push_back(compute_one(app, benchmark, plan));
-  return results;
+/// "5 x 4, 7 x 6": order and elements of the members, those of the finest member where they differ; mesh after mesh,
+/// with a star where the solution was carried over.
+std::string meshes_text(const AccurateCell& cell) {
+  std::string text;
+  for (const MeshRound& round : cell.rounds) {
+    const auto work = [](const MemberMesh& mesh) { return (mesh.order + 1) * mesh.elements; };
+    const MemberMesh finest = *std::max_element(round.mesh.begin(), round.mesh.end(),
+                                                [&](const auto& a, const auto& b) { return work(a) < work(b); });
+    text += (text.empty() ? "" : ", ") + mesh_text({finest.order, finest.elements}) +
+            (round.followed || &round == &cell.rounds.front() ? "" : "*");
+  }
+  return text;
 }
 
-void write_machine(const Application& app) {
-  CsvTable machine(app.output / "machine.csv", {"name", "value"});
-  for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
-}
+/// The tables of the study, row by row.
+class TradeTables {
+ public:
+  TradeTables(const Application& app, const MatrixPlan& plan)
+      : plan_(plan),
+        benchmarks_(app, "benchmarks.csv",
+                    {"benchmark", "set", "kind", "members", "point", "floor", "displacement_difference",
+                     "centerline_difference", "moment_difference", "energy_difference", "values_checked", "reference",
+                     "confirmation"}),
+        cells_(app, "trade.csv", columns_of_cells(plan.timing.threads)),
+        accuracies_(app, "accuracy.csv",
+                    {"benchmark", "wanted", "outcome", "meshes", "estimated_error", "displacement_error",
+                     "centerline_error", "path_error", "threads", "seconds", "best_order", "best_elements",
+                     "best_seconds", "ratio", "set", "rounds"},
+                    14) {}
 
-}  // namespace
+  void add(const BenchmarkResult& result) {
+    const BenchmarkProblem& problem = result.problem;
+    const Benchmark& about = problem.about;
+    const char* set = about.in_gallery ? "gallery" : "matrix";
+    const Errors& d = result.difference;
+    benchmarks_.add_row({about.name, set, about.kind, problem.scene.members.size(), about.point, result.floor(), d[0],
+                         d[1], d[2], d[3], problem.expected.size(), mesh_text(result.reference),
+                         mesh_text(result.confirmation)});
+    for (const CellResult& cell : result.cells) cells_.add_row(row_of(about.name, set, cell));
+    for (const AccurateCell& cell : result.accurate)
+      for (const auto& [threads, price] : cell.prices)
+        accuracies_.add_row({about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.back().error,
+                             cell.errors[kDisplacement], cell.errors[kCenterline], cell.path_error, threads,
+                             price.seconds, price.best ? price.best->order : 0, price.best ? price.best->elements : 0,
+                             price.best_seconds, price.seconds / price.best_seconds, set, cell.rounds.size()});
+  }
+
+ private:
+  static std::vector<std::string> columns_of_cells(const std::vector<int>& threads) {
+    std::vector<std::string> columns = {"benchmark",    "integration",     "order",
+                                        "elements",     "status",          "set",
+                                        "flops",        "global_unknowns", "interior_unknowns",
+                                        "load_steps",   "failed_steps",    "newton_iterations",
+                                        "largest_error"};
+    for (const char* what : {"_error", "_estimate"})
+      for (const char* quantity : kErrorNames) columns.push_back(quantity + std::string(what));
+    columns.emplace_back("estimate_seconds");
+    for (const int n : threads)
+      for (const char* what : {"seconds_", "setup_seconds_", "processor_seconds_"})
+        columns.push_back(what + std::to_string(n));
+    return columns;
+  }
+
+  std::vector<CsvCell> row_of(const std::string& name, const char* set, const CellResult& cell) const {
+    const bool full = cell.cell.integration == ForceIntegration::full;
+    std::vector<CsvCell> row = {name,
+                                full ? "full" : "both reduced",
+                                cell.cell.order,
+                                cell.cell.elements,
+                                name_of(cell.status),
+                                set,
+                                cell.flops,
+                                cell.global_unknowns,
+                                cell.interior_unknowns,
+                                cell.load_steps,
+                                cell.failed_steps,
+                                cell.iterations,
+                                largest_error(cell.errors)};
+    for (const Errors& errors : {cell.errors, cell.estimated}) row.insert(row.end(), errors.begin(), errors.end());
+    row.emplace_back(cell.estimate_seconds);
+    for (const int n : plan_.timing.threads) {
+      const auto found = cell.times.find(n);
+      const RunTimes times = found == cell.times.end() ? RunTimes{} : found->second;
+      for (const double value : {times.seconds, times.setup_seconds, times.processor_seconds}) row.emplace_back(value);
+    }
+    return row;
+  }
+
+  const MatrixPlan& plan_;
+  StudyTable benchmarks_, cells_, accuracies_;
+};
+
+std::vector<std::string> names_of(const std::vector<Benchmark>& list) {
+  std::vector<std::string> names;
+  for (const Benchmark& benchmark : list) names.push_back(benchmark.name);
+  return names;
+}
 
 ListSpec trade_spec() {
   const auto counts = [](const char* name, const std::vector<int>& by_default, double most, const char* meaning,
@@ -215,19 +370,31 @@ ListSpec trade_spec() {
 
 void run_trade_study(Application& app) {
   const MatrixPlan plan = plan_of(app);
-  const auto results = compute_chosen(app, all_benchmarks(), "Benchmarks", compute, plan);
-  const auto gallery = compute_chosen(app, all_scenes(), "Gallery", compute_scene, plan);
-  print_recommendation(app.out(), results, plan.timing.threads.front());
-  print_judgements(app.out(), results);
+  TradeTables tables(app, plan);
+  std::vector<BenchmarkResult> results;
+  const auto run_chosen = [&](const std::vector<Benchmark>& list, const char* parameter) {
+    const auto chosen = study_list<std::string>(app, parameter);
+    for (const Benchmark& benchmark : list)
+      if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end()) {
+        results.push_back(compute(app, benchmark, plan));
+        tables.add(results.back());
+      }
+  };
+  run_chosen(all_benchmarks(), "Benchmarks");
   check_estimates(app, results);
-  print_accuracies(app.out(), results);
-  print_accuracies(app.out(), gallery);
-  if (!app.writes_files()) return;
-  write_tables(app.output, results, gallery, plan.timing.threads);
-  write_estimates(app.output / "estimates.csv", results);
+  run_chosen(all_scenes(), "Gallery");
   write_machine(app);
-  std::ofstream page(app.output / "trade.md");
-  write_page(page, results, gallery, plan);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "trade";
+  definition.purpose = "what each digit costs: error against time for every element order and mesh, on many scenes.";
+  definition.study = mixbeam::trade_spec();
+  definition.run_study = mixbeam::run_trade_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

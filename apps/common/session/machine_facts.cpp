@@ -19,6 +19,14 @@ std::string processor_name() {
   return "unknown";
 }
 
+/// Year-month-day, UTC.
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d", std::gmtime(&now));
+  return text.data();
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::string>> machine_facts() {
@@ -28,13 +36,6 @@ std::vector<std::pair<std::string, std::string>> machine_facts() {
           {"compiler", kCompiler},
           {"date", today()},
           {"flags", kFlags}};
-}
-
-std::string today() {
-  const std::time_t now = std::time(nullptr);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%d", std::gmtime(&now));
-  return text.data();
 }
 
 }  // namespace mixbeam

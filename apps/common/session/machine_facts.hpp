@@ -10,7 +10,4 @@ namespace mixbeam {
 /// Pairs of name and value: processor, cores, version, compiler, date, flags.
 std::vector<std::pair<std::string, std::string>> machine_facts();
 
-/// Of the measurements: year-month-day, UTC.
-std::string today();
-
 }  // namespace mixbeam

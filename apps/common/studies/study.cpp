@@ -14,8 +14,9 @@ namespace {
 
 constexpr std::size_t kLeastWidth = 10, kNameWidth = 20;  ///< of a column; of the first one
 
-/// A number with four digits, right-aligned; a text as it is.
-std::string shown_text(const std::string& text, std::size_t width) {
+/// A number with four digits, right-aligned; a text as it is, without quotes.
+std::string shown_text(std::string text, std::size_t width) {
+  text.erase(std::remove(text.begin(), text.end(), '"'), text.end());
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   char line[200];
