@@ -1,11 +1,10 @@
-#include "apps/arc_segment/arc_study.hpp"
-
+// The paper's third example: a circular arc under a force out of its plane.
 #include "apps/arc_segment/arc_scene.hpp"
 #include "apps/arc_segment/displacement_field.hpp"
 #include "apps/arc_segment/reference_values.hpp"
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "discretization/text/errors.hpp"
@@ -38,11 +37,6 @@ constexpr double kRoundOff = 1e-12;
 
 const std::vector<const char*> kComponentNames = {"u1", "u2", "u3"};
 
-template <class Number>
-std::vector<Number> list_of(Application& app, const char* name) {
-  return app.study().get<Teuchos::Array<Number>>(name).toVector();
-}
-
 std::string short_text(double number) {
   std::ostringstream text;
   text << number;
@@ -68,7 +62,7 @@ void record_shapes(Application& app, const ArcScene& arc) {
   constexpr int kSamples = 17;  // of each element
   app.check_expected(app.solve_and_record(app.scene, app.solver, "single", kSamples));
   const Member& member = app.scene.members.front();
-  for (double slenderness : list_of<double>(app, "Slenderness"))
+  for (double slenderness : study_list<double>(app, "Slenderness"))
     app.solve_and_record(arc.variant({slenderness, member.order, member.elements}), app.solver,
                          "single_rho" + short_text(slenderness), kSamples);
 }
@@ -92,10 +86,9 @@ std::vector<TipResult> compute_paper_table(Application& app, const ArcScene& arc
 }
 
 void write_table(const Application& app, const std::vector<TipResult>& results) {
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / "table.csv",
-               {"slenderness", "order", "elements", "u1", "u2", "u3", "u1_paper_measure", "u2_paper_measure",
-                "u3_paper_measure", "paper_u1", "paper_u2", "paper_u3", "iterations"});
+  StudyTable csv(app, "table.csv",
+                 {"slenderness", "order", "elements", "u1", "u2", "u3", "u1_paper_measure", "u2_paper_measure",
+                  "u3_paper_measure", "paper_u1", "paper_u2", "paper_u3", "iterations"});
   for (const TipResult& result : results) {
     const PaperRow& row = result.paper;
     const auto& [u, measured] = std::tie(result.u, result.in_paper_measure);
@@ -170,15 +163,15 @@ void compare_with_independent_values(Application& app, const ArcScene& arc) {
 void report_iterations(Application& app, const ArcScene& arc) {
   constexpr double rigid = std::numeric_limits<double>::infinity();
   const int elements = app.study().get<int>("Iteration Elements");
-  auto slendernesses = list_of<double>(app, "Iteration Slenderness");
+  auto slendernesses = study_list<double>(app, "Iteration Slenderness");
   slendernesses.push_back(rigid);
   app.out() << "\nNewton iterations in one load step, " << elements << " elements\n  slenderness";
-  for (int order : list_of<int>(app, "Orders")) app.out() << padded("k=" + std::to_string(order), 6);
+  for (int order : study_list<int>(app, "Orders")) app.out() << padded("k=" + std::to_string(order), 6);
   for (double slenderness : slendernesses) {
     const bool is_rigid = slenderness == rigid;
     const std::string name = is_rigid ? "rigid" : short_text(slenderness);
     app.out() << "\n" << padded(name, 13);
-    for (int order : list_of<int>(app, "Orders")) {
+    for (int order : study_list<int>(app, "Orders")) {
       const ArcVariant variant{is_rigid ? arc.slenderness() : slenderness, order, elements, 1.0, is_rigid, is_rigid};
       const Simulation simulation = app.solve(arc.variant(variant), with_fixed_steps(app.solver, 1), "");
       const int iterations = simulation.result().newton_iterations;
@@ -192,7 +185,7 @@ void report_iterations(Application& app, const ArcScene& arc) {
 }
 
 std::vector<int> meshes_that_divide(Application& app, int reference_elements) {
-  const auto elements = list_of<int>(app, "Elements");
+  const auto elements = study_list<int>(app, "Elements");
   for (int n : elements)
     if (reference_elements % n != 0)
       throw InputError("list \"Study\": \"Reference Elements\" = " + std::to_string(reference_elements) +
@@ -207,24 +200,21 @@ void report_convergence(Application& app, const ArcScene& arc) {
   const auto elements = meshes_that_divide(app, reference_elements);
   SolverParameters solver = app.solver;
   solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "convergence.csv",
-                                     std::vector<std::string>{"order", "slenderness", "elements", "l2_error"});
+  StudyTable csv(app, "convergence.csv", {"order", "slenderness", "elements", "l2_error"});
   ConvergenceTable table("\nError of the displacement, 1/R sqrt(1/L int |u - u_ref|^2 ds), against " +
                              std::to_string(reference_elements) + " elements of order " +
                              std::to_string(reference_order),
                          elements, kRoundOff);
-  for (double slenderness : list_of<double>(app, "Slenderness")) {
+  for (double slenderness : study_list<double>(app, "Slenderness")) {
     table.add_group("slenderness " + short_text(slenderness));
     const DisplacementField reference(
         app.solve(arc.variant({slenderness, reference_order, reference_elements}), solver, ""));
-    for (int order : list_of<int>(app, "Orders")) {
+    for (int order : study_list<int>(app, "Orders")) {
       std::vector<double> errors;
       for (int n : elements) {
         const DisplacementField field(app.solve(arc.variant({slenderness, order, n}), solver, ""));
         errors.push_back(l2_difference(field, reference) / arc.radius());
-        if (csv) csv->add_row({order, slenderness, n, errors.back()});
+        csv.add_row({order, slenderness, n, errors.back()});
       }
       const auto rate = table.add_row(order, errors);
       if (rate)
@@ -235,8 +225,6 @@ void report_convergence(Application& app, const ArcScene& arc) {
   }
   table.print(app.out());
 }
-
-}  // namespace
 
 ListSpec arc_spec() {
   const auto whole = [](const char* name) { return array(name, ParameterType::integer_array).at_least(1); };
@@ -268,6 +256,9 @@ ListSpec arc_spec() {
   return spec;
 }
 
+/// Records the arc at three slendernesses (single_rho*.h5), compares with the paper's table (table.csv) and with
+/// independent values, checks Newton's iterations up to the rigid limit, and the rates of convergence
+/// (convergence.csv).
 void run_arc_study(Application& app) {
   const ArcScene arc(app.scene);
   record_shapes(app, arc);
@@ -280,4 +271,16 @@ void run_arc_study(Application& app) {
   report_convergence(app, arc);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "arc_segment";
+  definition.purpose =
+      "45 degree arc clamped at one end under a force out of its plane; the paper's table, convergence.";
+  definition.study = mixbeam::arc_spec();
+  definition.run_study = mixbeam::run_arc_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

@@ -1,3 +1,4 @@
+// Fork under a force couple: table, representations of its semicircle, and independence of the order of loading.
 #include "apps/fork/fork_study.hpp"
 
 #include <algorithm>
@@ -41,8 +42,6 @@ void record_shapes(Application& app) {
                        });
 }
 
-}  // namespace
-
 ListSpec fork_study_spec() {
   ListSpec spec(
       "The paper's table and load-displacement curves, and convergence for two representations of the semicircle.");
@@ -69,9 +68,7 @@ ListSpec fork_study_spec() {
   return spec;
 }
 
-std::vector<int> integers(Application& app, const std::string& name) {
-  return app.study().get<Teuchos::Array<int>>(name).toVector();
-}
+}  // namespace
 
 ForkSolution solve_fork(Application& app, const Scene& scene) {
   ForkSolution solution;
@@ -85,6 +82,9 @@ ForkSolution solve_fork(Application& app, const Scene& scene) {
   return solution;
 }
 
+namespace {
+
+/// All of these, and the scene as it stands in single.h5.
 void run_fork_study(Application& app) {
   check_scene(app);
   compare_with_table(app);
@@ -93,4 +93,15 @@ void run_fork_study(Application& app) {
   record_shapes(app);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "fork";
+  definition.purpose = "a shaft that branches into a semicircle, whose tips are pulled apart one after the other.";
+  definition.study = mixbeam::fork_study_spec();
+  definition.run_study = mixbeam::run_fork_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

@@ -1,7 +1,7 @@
 /// The paper's study of the fork structure, in four parts.
 #pragma once
 
-#include "apps/common/run/application.hpp"
+#include "apps/common/studies/study.hpp"
 
 namespace mixbeam {
 
@@ -14,12 +14,6 @@ struct ForkSolution {
 /// The scene with the program's own choice of load steps.
 ForkSolution solve_fork(Application& app, const Scene& scene);
 
-/// Declaration of the list "Study".
-ListSpec fork_study_spec();
-
-/// Integers of an array of the list "Study".
-std::vector<int> integers(Application& app, const std::string& name);
-
 /// Orders and meshes beside the paper's table; table.csv.
 void compare_with_table(Application& app);
 
@@ -28,8 +22,5 @@ void compare_representations(Application& app);
 
 /// Both orders of loading are mirror images on the way and agree at the end; load_displacement.csv.
 void compare_load_orders(Application& app);
-
-/// All of these, and the scene as it stands in single.h5.
-void run_fork_study(Application& app);
 
 }  // namespace mixbeam

@@ -1,11 +1,9 @@
 // Path independence: the two forces in either order.
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/fork/fork_study.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -29,16 +27,15 @@ Scene reversed(Scene scene) {
   return scene;
 }
 
-std::vector<Displacements> follow(Application& app, const Scene& scene, const std::string& path, CsvTable* csv) {
+std::vector<Displacements> follow(Application& app, const Scene& scene, const std::string& path, StudyTable& csv) {
   std::vector<Displacements> found;
   const auto note = [&](const Simulation& simulation, const StepReport& report) {
     found.push_back({report.load_factor, simulation.displacement("P1"), simulation.displacement("P2"),
                      simulation.displacement("PB")});
-    if (csv == nullptr) return;
     std::vector<CsvCell> cells{path, report.load_factor};
     for (const Vector3& u : {found.back().p1, found.back().p2, found.back().branching})
       for (const double component : u) cells.emplace_back(component);
-    csv->add_row(cells);
+    csv.add_row(cells);
   };
   app.solve(scene, with_fixed_steps(app.solver, app.study().get<int>("Curve Steps")), "", note);
   return found;
@@ -76,13 +73,11 @@ void check(Application& app, const std::string& name, double deviation, const st
 }  // namespace
 
 void compare_load_orders(Application& app) {
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "load_displacement.csv",
-                                     std::vector<std::string>{"path", "load_factor", "p1_u1", "p1_u2", "p1_u3", "p2_u1",
-                                                              "p2_u2", "p2_u3", "pb_u1", "pb_u2", "pb_u3"});
-  const auto forward = follow(app, app.scene, "forward", csv.get());
-  const auto reverse = follow(app, reversed(app.scene), "reverse", csv.get());
+  StudyTable csv(
+      app, "load_displacement.csv",
+      {"path", "load_factor", "p1_u1", "p1_u2", "p1_u3", "p2_u1", "p2_u2", "p2_u3", "pb_u1", "pb_u2", "pb_u3"});
+  const auto forward = follow(app, app.scene, "forward", csv);
+  const auto reverse = follow(app, reversed(app.scene), "reverse", csv);
   app.out() << "Both orders of loading, largest difference of a displacement of P1, P2 or the branching point:\n";
   check(app, "loads in reverse order: one path and the mirror image of the other, all steps",
         deviation_from_mirror(forward, reverse), kMirrorSource);

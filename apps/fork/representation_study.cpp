@@ -1,7 +1,6 @@
 // How the result depends on the representation of the semicircle, about which the paper is silent.
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/displacement_error.hpp"
 #include "apps/fork/fork_study.hpp"
@@ -9,7 +8,6 @@
 #include "apps/fork/polygon.hpp"
 
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <ostream>
 
@@ -60,7 +58,7 @@ Solution solve(Application& app, int order, int elements, const std::string& rep
 /// All meshes must have places in common with the reference.
 void check_meshes(Application& app) {
   const int reference = app.study().get<int>("Reference Elements per Member");
-  for (const int elements : integers(app, "Convergence Elements per Member")) {
+  for (const int elements : study_list<int>(app, "Convergence Elements per Member")) {
     if (reference * kIntervalsPerReferenceElement % elements == 0) continue;
     throw app.xml.source.error({"Study", "Convergence Elements per Member"},
                                "value " + std::to_string(elements) + "; allowed: divisors of " +
@@ -71,7 +69,7 @@ void check_meshes(Application& app) {
 
 Errors errors_of(Application& app, const std::string& representation, int order, const Solution& reference) {
   Errors errors;
-  for (const int elements : integers(app, "Convergence Elements per Member")) {
+  for (const int elements : study_list<int>(app, "Convergence Elements per Member")) {
     const Solution solution = solve(app, order, elements, representation);
     errors.fork.push_back(mean_difference(solution.field, reference.field, points_per_member(app), app.communicator));
     errors.p1.push_back(distance(solution.p1, reference.p1));
@@ -81,7 +79,7 @@ Errors errors_of(Application& app, const std::string& representation, int order,
 }
 
 std::vector<int> total_elements(Application& app) {
-  std::vector<int> totals = integers(app, "Convergence Elements per Member");
+  std::vector<int> totals = study_list<int>(app, "Convergence Elements per Member");
   for (int& elements : totals) elements *= static_cast<int>(app.scene.members.size());
   return totals;
 }
@@ -142,11 +140,11 @@ void check_limit(Application& app, const Vector3& limit) {
                                      std::string(kForkTableSource) + ", k=4, 30 elements");
 }
 
-void write_errors(Application& app, CsvTable* csv, const std::string& representation, int order, const Errors& errors) {
-  if (csv == nullptr) return;
+void write_errors(Application& app, StudyTable& csv, const std::string& representation, int order,
+                  const Errors& errors) {
   const std::vector<int> elements = total_elements(app);
   for (std::size_t i = 0; i < elements.size(); ++i)
-    csv->add_row({representation, order, elements[i], errors.fork[i], errors.p1[i]});
+    csv.add_row({representation, order, elements[i], errors.fork[i], errors.p1[i]});
 }
 
 }  // namespace
@@ -158,11 +156,7 @@ void compare_representations(Application& app) {
             elements = app.study().get<int>("Reference Elements per Member");
   const Solution reference = solve(app, order, elements, kExact);
   check_limit(app, reference.p1);
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(
-        app.output / "convergence.csv",
-        std::vector<std::string>{"representation", "order", "elements", "error", "p1_error"});
+  StudyTable csv(app, "convergence.csv", {"representation", "order", "elements", "error", "p1_error"});
   ConvergenceTable of_fork("Fork: error of the displacement, mean over the fork, both forces, relative to L",
                            total_elements(app), kSmallestError);
   ConvergenceTable of_p1("Fork: error of the displacement of P1, both forces, relative to L", total_elements(app),
@@ -170,12 +164,12 @@ void compare_representations(Application& app) {
   for (const std::string& representation : {kExact, kPolygon}) {
     of_fork.add_group("semicircle: " + representation);
     of_p1.add_group("semicircle: " + representation);
-    for (const int k : integers(app, "Convergence Orders")) {
+    for (const int k : study_list<int>(app, "Convergence Orders")) {
       const Errors errors = errors_of(app, representation, k, reference);
       check_rate(app, representation, k, of_fork.add_row(k, errors.fork));
       of_p1.add_row(k, errors.p1);
       if (representation == kPolygon) check_polygon_limit(app, k, errors, reference.p1);
-      write_errors(app, csv.get(), representation, k, errors);
+      write_errors(app, csv, representation, k, errors);
     }
   }
   of_fork.print(app.out());

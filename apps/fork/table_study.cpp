@@ -1,13 +1,11 @@
 // The paper's table, row by row.
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/fork_study.hpp"
 #include "apps/fork/paper_table.hpp"
 
 #include <cmath>
-#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -48,7 +46,7 @@ void check_cost(Application& app, const std::string& label, const ForkSolution& 
                                 app.study().get<int>("Most Iterations"), kIterationSource);
 }
 
-void add_table_row(Application& app, int order, int elements, std::array<TablePrinter, 2>& tables, CsvTable* csv) {
+void add_table_row(Application& app, int order, int elements, std::array<TablePrinter, 2>& tables, StudyTable& csv) {
   const int total = elements * static_cast<int>(app.scene.members.size());
   const std::string label = "k=" + std::to_string(order) + ", " + std::to_string(total) + " elements";
   const ForkSolution solution = solve_fork(app, with_mesh(app.scene, order, elements));
@@ -63,8 +61,7 @@ void add_table_row(Application& app, int order, int elements, std::array<TablePr
                        std::to_string(solution.iterations)},
                       cells);
     const Vector3& u = solution.p1[c];
-    if (csv != nullptr)
-      csv->add_row({static_cast<int>(c) + 1, order, total, u[0], u[1], u[2], paper[c][0], paper[c][1], paper[c][2]});
+    csv.add_row({static_cast<int>(c) + 1, order, total, u[0], u[1], u[2], paper[c][0], paper[c][1], paper[c][2]});
   }
   check_cost(app, label, solution);
 }
@@ -78,14 +75,11 @@ TablePrinter table_of(const std::string& configuration) {
 
 void compare_with_table(Application& app) {
   std::array<TablePrinter, 2> tables{table_of("(1), force at P1"), table_of("(2), forces at P1 and P2")};
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "table.csv",
-                                     std::vector<std::string>{"configuration", "order", "elements", "u1", "u2", "u3",
-                                                              "paper_u1", "paper_u2", "paper_u3"});
-  for (const int elements : integers(app, "Elements per Member")) {
+  StudyTable csv(app, "table.csv",
+                 {"configuration", "order", "elements", "u1", "u2", "u3", "paper_u1", "paper_u2", "paper_u3"});
+  for (const int elements : study_list<int>(app, "Elements per Member")) {
     for (TablePrinter& table : tables) table.add_group(std::to_string(elements) + " elements in each member");
-    for (const int order : integers(app, "Orders")) add_table_row(app, order, elements, tables, csv.get());
+    for (const int order : study_list<int>(app, "Orders")) add_table_row(app, order, elements, tables, csv);
   }
   for (const TablePrinter& table : tables) table.print(app.out());
   app.out()

@@ -1,7 +1,6 @@
-#include "apps/helical_rod/helical_rod_study.hpp"
-
+// Rod bent to helical shape: ten turns under a moment and a force that keep their directions in space.
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/helical_rod/paper_table.hpp"
 
@@ -9,7 +8,6 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
-#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -57,17 +55,15 @@ const PaperRow* paper_row(int order, int elements) {
 
 void write_shape(const Application& app, const Simulation& simulation, int order) {
   const MemberSamples rod = simulation.samples(kPointsPerElement).front();
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / ("shape_k" + std::to_string(order) + ".csv"), {"s", "x", "y", "z"});
+  StudyTable csv(app, ("shape_k" + std::to_string(order) + ".csv"), {"s", "x", "y", "z"});
   for (size_t i = 0; i < rod.size(); ++i)
     csv.add_row({rod.arc_length[i], rod.position[i][0], rod.position[i][1], rod.position[i][2]});
 }
 
 void write_strains(const Application& app, const Simulation& simulation, int order) {
   const MemberSamples rod = simulation.samples(kStrainPoints).front();
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / ("strains_k" + std::to_string(order) + ".csv"),
-               {"s", "gamma1", "gamma2", "gamma3", "kappa1", "kappa2", "kappa3"});
+  StudyTable csv(app, ("strains_k" + std::to_string(order) + ".csv"),
+                 {"s", "gamma1", "gamma2", "gamma3", "kappa1", "kappa2", "kappa3"});
   for (size_t i = 0; i < rod.size(); ++i) {
     const Vector3 &gamma = rod.force_strain[i], &kappa = rod.moment_strain[i];
     csv.add_row({rod.arc_length[i], gamma[0], gamma[1], gamma[2], kappa[0], kappa[1], kappa[2]});
@@ -165,14 +161,11 @@ std::array<double, 2> largest_difference(const std::vector<std::array<double, 6>
 
 /// The tip over the load factor, in steps small enough for a smooth curve.
 Simulation record_evolution(Application& app, const Scene& scene, int steps) {
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "load_displacement.csv",
-                                     std::vector<std::string>{"load_factor", "r1", "r2", "r3"});
+  StudyTable csv(app, "load_displacement.csv", {"load_factor", "r1", "r2", "r3"});
   return app.solve(scene, with_fixed_steps(app.solver, steps), "",
                    [&](const Simulation& simulation, const StepReport& report) {
                      const Tip tip = simulation.position(tip_of(simulation.scene()));
-                     if (csv != nullptr) csv->add_row({report.load_factor, tip[0], tip[1], tip[2]});
+                     csv.add_row({report.load_factor, tip[0], tip[1], tip[2]});
                    });
 }
 
@@ -208,8 +201,6 @@ void report_path_independence(Application& app, const Settings& settings) {
   report(record_evolution(app, scene, settings.evolution_steps));
 }
 
-}  // namespace
-
 ListSpec helical_rod_study_spec() {
   const auto orders = [](const char* name, const Teuchos::Array<int>& by_default, const char* meaning) {
     return array(name, ParameterType::integer_array).at_least(1).at_most(8).by_default(by_default).means(meaning);
@@ -243,6 +234,8 @@ ListSpec helical_rod_study_spec() {
   return spec;
 }
 
+/// Prints and checks the paper's table; writes load_displacement.csv, strains_k*.csv, shape_k*.csv,
+/// path_independence.csv.
 void run_helical_rod_study(Application& app) {
   const Settings settings = read_settings(app);
   const auto runs = run_orders(app, settings);
@@ -253,4 +246,16 @@ void run_helical_rod_study(Application& app) {
   report_path_independence(app, settings);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "helical_rod";
+  definition.purpose =
+      "straight rod that a dead moment and a dead force at its tip wind to ten turns (rod bent to helical shape).";
+  definition.study = mixbeam::helical_rod_study_spec();
+  definition.run_study = mixbeam::run_helical_rod_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

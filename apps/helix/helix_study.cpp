@@ -1,8 +1,7 @@
-#include "apps/helix/helix_study.hpp"
-
+// Helix experiment: a straight rod bent and twisted into an exact helix by a moment at its tip.
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/helix/exact_helix.hpp"
 #include "apps/helix/helix_scenes.hpp"
@@ -59,11 +58,6 @@ struct HelixRun {
   int order = 0, elements = 0, load_steps = 0, iterations = 0;
   HelixErrors errors;
 };
-
-template <class Number>
-std::vector<Number> list_of(Application& app, const char* name) {
-  return app.study().get<Teuchos::Array<Number>>(name).toVector();
-}
 
 ExactHelix exact_helix(Application& app) {
   if (app.scene.members.size() != 1)
@@ -145,8 +139,8 @@ void compare_with_paper(Application& app, const ExactHelix& exact, const std::ve
 std::vector<HelixRun> run_all(Application& app, const ExactHelix& exact, const std::vector<double>& slendernesses) {
   std::vector<HelixRun> runs;
   for (double slenderness : slendernesses)
-    for (int order : list_of<int>(app, "Orders"))
-      for (int elements : list_of<int>(app, "Elements")) {
+    for (int order : study_list<int>(app, "Orders"))
+      for (int elements : study_list<int>(app, "Elements")) {
         const Simulation simulation =
             app.solve(with_mesh(with_slenderness(app.scene, slenderness, exact), order, elements));
         runs.push_back(measure(simulation, slenderness, exact));
@@ -155,10 +149,9 @@ std::vector<HelixRun> run_all(Application& app, const ExactHelix& exact, const s
 }
 
 void write_convergence(const Application& app, const std::vector<HelixRun>& runs) {
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / "convergence.csv",
-               {"slenderness", "order", "elements", "load_steps", "iterations", "l2_error", "tip_position",
-                "tip_rotation", "vertex_position", "vertex_rotation"});
+  StudyTable csv(app, "convergence.csv",
+                 {"slenderness", "order", "elements", "load_steps", "iterations", "l2_error", "tip_position",
+                  "tip_rotation", "vertex_position", "vertex_rotation"});
   for (const HelixRun& run : runs)
     csv.add_row({run.slenderness, run.order, run.elements, run.load_steps, run.iterations, run.errors.centerline,
                  run.errors.tip_position, run.errors.tip_rotation, run.errors.vertex_position,
@@ -189,7 +182,7 @@ void report_exact_values(Application& app, const std::vector<HelixRun>& runs,
                "angles in radians)\n"
             << "   slenderness  k   tip position   tip rotation   rotation of any vertex   load steps   iterations\n";
   for (double slenderness : slendernesses)
-    for (int order : list_of<int>(app, "Orders")) {
+    for (int order : study_list<int>(app, "Orders")) {
       const HelixRun worst = worst_of(runs, slenderness, order);
       std::snprintf(line, sizeof line, "%14g %2d %14.1e %14.1e %24.1e %12d %12d\n", slenderness, order,
                     worst.errors.tip_position, worst.errors.tip_rotation, worst.errors.vertex_rotation,
@@ -217,11 +210,11 @@ struct ErrorKind {
 /// Errors over the meshes of one slenderness; the rates are checked.
 void report_convergence(Application& app, const std::vector<HelixRun>& runs, double slenderness,
                         const ErrorKind& kind) {
-  ConvergenceTable table("\n" + kind.name, list_of<int>(app, "Elements"), kAboveRoundOff);
+  ConvergenceTable table("\n" + kind.name, study_list<int>(app, "Elements"), kAboveRoundOff);
   std::ostringstream heading;
   heading << "slenderness " << slenderness;
   table.add_group(heading.str());
-  for (int order : list_of<int>(app, "Orders")) {
+  for (int order : study_list<int>(app, "Orders")) {
     std::vector<double> errors;
     for (const HelixRun& run : runs)
       if (run.order == order && run.slenderness == slenderness) errors.push_back(run.errors.*kind.error);
@@ -245,8 +238,6 @@ void check_same_at_every_slenderness(Application& app, const std::vector<HelixRu
                                 kSameError, kPaper + ": no locking with reduced integration");
 }
 
-}  // namespace
-
 ListSpec helix_study_spec() {
   ListSpec spec("The exact helix, and the rods to compare with it.");
   spec.add(real("Radius").above(0.0).by_default(10.0).means("R0 of the helix that the scene's moment winds [length]."));
@@ -269,9 +260,10 @@ ListSpec helix_study_spec() {
   return spec;
 }
 
+/// Prints and checks the paper's statements, writes convergence.csv, order1.h5, order3.h5.
 void run_helix_study(Application& app) {
   const ExactHelix exact = exact_helix(app);
-  const auto slendernesses = list_of<double>(app, "Slenderness");
+  const auto slendernesses = study_list<double>(app, "Slenderness");
   compare_with_paper(app, exact, slendernesses);
   app.check_expected(app.solve(app.scene));
   for (const RodMesh& mesh : {RodMesh{1, 5}, RodMesh{3, 3}})
@@ -290,4 +282,15 @@ void run_helix_study(Application& app) {
   check_same_at_every_slenderness(app, runs);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "helix";
+  definition.purpose = "straight rod that a moment at its tip winds to an exact helix (helix experiment).";
+  definition.study = mixbeam::helix_study_spec();
+  definition.run_study = mixbeam::run_helix_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

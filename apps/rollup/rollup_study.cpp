@@ -1,8 +1,7 @@
-#include "apps/rollup/rollup_study.hpp"
-
+// The paper's first example: a rod bent to a double circle by a moment at its tip.
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/rollup/bent_rod.hpp"
 
@@ -62,11 +61,6 @@ struct RollupRun {
 };
 using Runs = std::vector<RollupRun>;
 
-template <class Number>
-std::vector<Number> list_of(Application& app, const char* name) {
-  return app.study().get<Teuchos::Array<Number>>(name).toVector();
-}
-
 std::string name_of(const char* integration, double slenderness, int order) {
   std::ostringstream text;
   text << integration << ", rho=" << slenderness << " k=" << order;
@@ -87,8 +81,8 @@ void check_exact_values(Application& app, const PureBending& bending) {
             << " elements, one load step (positions / L, angles in radians)\n"
                "   slenderness  k   iterations   tip position   rotation of    vertex from        vertex from\n"
                "                                                any vertex     k-point Gauss rule the circle\n";
-  for (double slenderness : list_of<double>(app, "Exact Slenderness"))
-    for (int order : list_of<int>(app, "Exact Orders")) {
+  for (double slenderness : study_list<double>(app, "Exact Slenderness"))
+    for (int order : study_list<int>(app, "Exact Orders")) {
       const BentRod rod{kBothReduced.integration, slenderness, order, elements};
       SolverParameters solver = with_fixed_steps(app.solver, 1);
       solver.newton.residual_tolerance = slenderness < kStiff ? kResidualTolerance : kResidualToleranceOfStiff;
@@ -114,20 +108,20 @@ void compute_all(Application& app, const PureBending& bending, const NamedIntegr
   solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
   for (double slenderness : slendernesses)
     for (int order : orders)
-      for (int elements : list_of<int>(app, "Elements"))
+      for (int elements : study_list<int>(app, "Elements"))
         runs.push_back(compute(app, bending, {how.integration, slenderness, order, elements}, solver));
 }
 
 Runs compute_all(Application& app, const PureBending& bending) {
-  const auto orders = list_of<int>(app, "Orders");
+  const auto orders = study_list<int>(app, "Orders");
   Runs runs;
   for (const NamedIntegration& how : kSelective) {
     const bool full = how.integration == ForceIntegration::full;
-    compute_all(app, bending, how, list_of<double>(app, full ? "Slenderness" : "Slenderness of Selective Reduction"),
+    compute_all(app, bending, how, study_list<double>(app, full ? "Slenderness" : "Slenderness of Selective Reduction"),
                 orders, runs);
   }
-  compute_all(app, bending, kBothReduced, list_of<double>(app, "Slenderness"), list_of<int>(app, "Orders Both Reduced"),
-              runs);
+  compute_all(app, bending, kBothReduced, study_list<double>(app, "Slenderness"),
+              study_list<int>(app, "Orders Both Reduced"), runs);
   return runs;
 }
 
@@ -138,9 +132,9 @@ const char* integration_name(ForceIntegration integration) {
 }
 
 void write_convergence(const Application& app, const Runs& runs) {
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / "convergence.csv", {"integration", "order", "slenderness", "elements", "l2_error",
-                                                "tip_error", "vertex_error", "iterations", "load_steps"});
+  StudyTable csv(app, "convergence.csv",
+                 {"integration", "order", "slenderness", "elements", "l2_error", "tip_error", "vertex_error",
+                  "iterations", "load_steps"});
   for (const RollupRun& run : runs)
     csv.add_row({integration_name(run.rod.integration), run.rod.order, run.rod.slenderness, run.rod.elements,
                  run.l2_error, run.vertices.tip, run.vertices.circle, run.iterations, run.load_steps});
@@ -148,7 +142,7 @@ void write_convergence(const Application& app, const Runs& runs) {
 
 /// Runs that differ in their mesh only follow each other. Checks the rates of those that cannot lock.
 void report_errors(Application& app, const Runs& runs) {
-  const auto elements = list_of<int>(app, "Elements");
+  const auto elements = study_list<int>(app, "Elements");
   ConvergenceTable table("\nError of the centerline, 1/L sqrt(1/L int |r - r_exact|^2 ds)", elements, kRoundOff);
   std::string group;
   for (std::size_t first = 0; first + elements.size() <= runs.size(); first += elements.size()) {
@@ -187,7 +181,7 @@ void report_locking(Application& app, const Runs& runs) {
     std::snprintf(cell, sizeof cell, "%16s", how.name);
     out << cell;
   }
-  for (int order : list_of<int>(app, "Orders")) {
+  for (int order : study_list<int>(app, "Orders")) {
     out << "\n  " << order << " ";
     for (const NamedIntegration& how : kSelective) {
       const RollupRun* run = find(runs, {how.integration, kLockingSlenderness, order, kLockingElements});
@@ -224,8 +218,6 @@ void compare_with_prototype(Application& app, const Runs& runs) {
   table.print(app.out());
 }
 
-}  // namespace
-
 ListSpec rollup_spec() {
   const auto slendernesses = [](const char* name, const std::vector<double>& by_default, const char* meaning) {
     const ParameterSpec list = array(name, ParameterType::real_array).above(0.0).at_most(1e10);
@@ -251,6 +243,8 @@ ListSpec rollup_spec() {
   return spec;
 }
 
+/// Records the scene as it stands (single.h5); checks what pure bending gives exactly, and in how many iterations;
+/// writes convergence.csv, prints the errors of the centerline, checks their rates and which elements lock.
 void run_rollup_study(Application& app) {
   const PureBending bending(app.scene);
   app.check_expected(app.solve_and_record(app.scene, app.solver, "single", kSmoothSamples));
@@ -262,4 +256,15 @@ void run_rollup_study(Application& app) {
   compare_with_prototype(app, runs);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "rollup";
+  definition.purpose = "a straight cantilever bent to a double circle by a moment at its tip; convergence and locking.";
+  definition.study = mixbeam::rollup_spec();
+  definition.run_study = mixbeam::run_rollup_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

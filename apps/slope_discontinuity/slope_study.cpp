@@ -1,14 +1,12 @@
-#include "apps/slope_discontinuity/slope_study.hpp"
-
+// Three rods joined at right angles: table, load-displacement curve and shapes of the paper's example.
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/slope_discontinuity/paper_table.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -30,16 +28,12 @@ int total_elements(const Application& app, int elements_per_member) {
   return elements_per_member * static_cast<int>(app.scene.members.size());
 }
 
-std::vector<int> integers(Application& app, const std::string& name) {
-  return app.study().get<Teuchos::Array<int>>(name).toVector();
-}
-
 double largest_difference(const Vector3& a, const Vector3& b) {
   return std::max({std::abs(a[0] - b[0]), std::abs(a[1] - b[1]), std::abs(a[2] - b[2])});
 }
 
 /// One row of the table: solved, checked, and ready to print.
-void add_table_row(Application& app, int order, int elements, TablePrinter& table, CsvTable* csv) {
+void add_table_row(Application& app, int order, int elements, TablePrinter& table, StudyTable& csv) {
   const int total = total_elements(app, elements);
   const std::string label = "k=" + std::to_string(order) + ", " + std::to_string(total) + " elements";
   const Simulation simulation = app.solve(with_mesh(app.scene, order, elements));
@@ -57,21 +51,17 @@ void add_table_row(Application& app, int order, int elements, TablePrinter& tabl
                                 kIterationSource);
   table.add_row({std::to_string(order), std::to_string(total), std::to_string(steps), std::to_string(iterations)},
                 cells);
-  if (csv != nullptr)
-    csv->add_row({order, total, steps, iterations, tip[0], tip[1], tip[2], paper[0], paper[1], paper[2]});
+  csv.add_row({order, total, steps, iterations, tip[0], tip[1], tip[2], paper[0], paper[1], paper[2]});
 }
 
 void compare_with_table(Application& app) {
   TablePrinter table("Structure with slope discontinuity: displacement of the free end",
                      {"k", "elements", "steps", "iterations"}, {"u1 / L", "u2 / L", "u3 / L"});
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(
-        app.output / "table.csv", std::vector<std::string>{"order", "elements", "steps", "iterations", "u1", "u2", "u3",
-                                                           "paper_u1", "paper_u2", "paper_u3"});
-  for (const int elements : integers(app, "Elements per Member")) {
+  StudyTable csv(app, "table.csv",
+                 {"order", "elements", "steps", "iterations", "u1", "u2", "u3", "paper_u1", "paper_u2", "paper_u3"});
+  for (const int elements : study_list<int>(app, "Elements per Member")) {
     table.add_group(std::to_string(elements) + (elements == 1 ? " element" : " elements") + " in each member");
-    for (const int order : integers(app, "Orders")) add_table_row(app, order, elements, table, csv.get());
+    for (const int order : study_list<int>(app, "Orders")) add_table_row(app, order, elements, table, csv);
   }
   table.print(app.out());
 }
@@ -87,14 +77,11 @@ double full_force(const Scene& scene) {
 
 /// Displacement of the tip along the load path, from the unloaded state on.
 Vector3 trace_load_displacement(Application& app) {
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "load_displacement.csv",
-                                     std::vector<std::string>{"force", "u1", "u2", "u3"});
+  StudyTable csv(app, "load_displacement.csv", {"force", "u1", "u2", "u3"});
   const double force = full_force(app.scene);
   const auto add_row = [&](const Simulation& simulation, const StepReport& report) {
     const Vector3 tip = simulation.displacement(kTip);
-    if (csv) csv->add_row({report.load_factor * force, tip[0], tip[1], tip[2]});
+    csv.add_row({report.load_factor * force, tip[0], tip[1], tip[2]});
   };
   const int steps = app.study().get<int>("Curve Steps");
   return app.solve(app.scene, with_fixed_steps(app.solver, steps), "", add_row).displacement(kTip);
@@ -129,8 +116,6 @@ void check_scene(const Application& app) {
                                                       "(--single takes any scene)");
 }
 
-}  // namespace
-
 ListSpec slope_study_spec() {
   constexpr int kMostSteps = 10000;
   ListSpec spec("The paper's table, load-displacement curve and shapes; the point \"" + kTip +
@@ -159,6 +144,8 @@ ListSpec slope_study_spec() {
   return spec;
 }
 
+/// Table of orders and meshes beside the paper's; shapes under growing load (single.h5); load-displacement curve
+/// (load_displacement.csv); the fully loaded state must not depend on the number of load steps.
 void run_slope_study(Application& app) {
   check_scene(app);
   compare_with_table(app);
@@ -167,4 +154,15 @@ void run_slope_study(Application& app) {
   check_path_independence(app, in_shape_steps, in_curve_steps);
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "slope_discontinuity";
+  definition.purpose = "three straight rods joined at right angles, clamped, under a force at the free end.";
+  definition.study = mixbeam::slope_study_spec();
+  definition.run_study = mixbeam::run_slope_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

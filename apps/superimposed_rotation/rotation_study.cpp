@@ -1,7 +1,7 @@
-#include "apps/superimposed_rotation/rotation_study.hpp"
-
+// Superimposed rotation of a deformed cantilever: strains and energy of a bent rod must not notice ten turns of its
+// clamp.
+#include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "apps/common/tables/csv_table.hpp"
 #include "apps/superimposed_rotation/turned_rod.hpp"
 
 #include <cmath>
@@ -22,8 +22,10 @@ constexpr double kPreserved = 1e-12;
 /// The same for configurations turned back by up to 63 radians, whose sine and cosine carry the rounding of that angle.
 constexpr double kSameConfiguration = 1e-11;
 
+/// Quantity of the list "Expected": energy of the moment strains at the end of the run.
+constexpr const char* kMomentEnergy = "moment energy";
+
 constexpr int kPointsPerElement = 9;
-constexpr double kPi = 3.14159265358979323846;
 
 std::string tip_of(const Scene& scene) { return scene.members.front().end_point; }
 
@@ -39,27 +41,13 @@ void check(Summary& summary, const std::string& name, const TurnedRod& rod) {
                             kSameConfiguration, kPaper);
 }
 
-void print_increments(std::ostream& out, const TurnedRod& rod) {
-  char line[200];
-  out << "\nChange since the bent state, turned back (psi: prescribed rotation)\n"
-      << "   increment   psi / (2 pi)    u3(L) / L   moment energy   vertices / L   triads [rad]   iterations\n";
-  for (size_t i = 0; i < rod.deviations().size(); ++i) {
-    const Deviation& d = rod.deviations()[i];
-    std::snprintf(line, sizeof line, "%12zu %14.4f %12.1e %15.1e %14.1e %14.1e %12d\n", i, d.rotation / (2.0 * kPi),
-                  d.relative_u3, d.relative_energy, d.position, d.triad, d.iterations);
-    out << line;
-  }
-}
-
+/// Change since the bent state, turned back, at every increment.
 void write_deviations(const Application& app, const TurnedRod& rod) {
-  if (!app.writes_files()) return;
-  CsvTable csv(app.output / "deviation.csv",
-               {"rotation", "relative_u3", "relative_energy", "vertex_position", "vertex_triad", "iterations"});
+  StudyTable csv(app, "deviation.csv",
+                 {"rotation", "relative_u3", "relative_energy", "vertex_position", "vertex_triad", "iterations"}, 6);
   for (const Deviation& d : rod.deviations())
     csv.add_row({d.rotation, d.relative_u3, d.relative_energy, d.position, d.triad, d.iterations});
 }
-
-}  // namespace
 
 ListSpec rotation_study_spec() {
   ListSpec spec("Element orders to compare.");
@@ -71,24 +59,25 @@ ListSpec rotation_study_spec() {
   return spec;
 }
 
+/// The scene as it stands: prints and checks the deviations at every increment, writes deviation.csv and single.h5.
 void run_rotation(Application& app) {
   TurnedRod rod(app.scene, tip_of(app.scene));
   const Simulation simulation = app.solve_and_record(
       app.scene, app.solver, "single", kPointsPerElement,
       [&rod](const Simulation& running, const StepReport& report) { rod.observe(running, report); });
   app.check_expected(simulation, [&simulation](const ExpectedValue&) { return simulation.strain_energy().moment; });
-  print_increments(app.out(), rod);
   write_deviations(app, rod);
   check(app.summary, "scene", rod);
 }
 
+/// That, and the other element orders.
 void run_rotation_study(Application& app) {
   app.quiet = true;  // the table of increments says it all
   run_rotation(app);
   char line[200];
   app.out() << "\nLargest change of all increments, by order\n"
             << "   k    u3(L) / L   moment energy   vertices / L   triads [rad]   iterations of an increment\n";
-  for (int order : app.study().get<Teuchos::Array<int>>("Orders")) {
+  for (int order : study_list<int>(app, "Orders")) {
     const Scene scene = with_mesh(app.scene, order, app.scene.members.front().elements);
     TurnedRod rod(scene, tip_of(scene));
     app.solve(scene, app.solver, "",
@@ -101,4 +90,17 @@ void run_rotation_study(Application& app) {
   }
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "superimposed_rotation";
+  definition.purpose = "cantilever bent by a moment, then turned with its clamp (objectivity).";
+  definition.study = mixbeam::rotation_study_spec();
+  definition.own_quantities = {mixbeam::kMomentEnergy};
+  definition.single = mixbeam::run_rotation;
+  definition.run_study = mixbeam::run_rotation_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

@@ -1,6 +1,5 @@
-#include "apps/thread_scaling/scaling_study.hpp"
-
-#include "apps/common/session/machine_facts.hpp"
+// Median time of one Newton iteration, phase by phase, against the number of threads.
+#include "apps/common/studies/study.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
 #include "apps/thread_scaling/measure_case.hpp"
 #include "apps/thread_scaling/scaling_report.hpp"
@@ -45,21 +44,6 @@ std::string load_average() {
   return getloadavg(&load, 1) == 1 ? CsvCell(load).text : "unknown";
 }
 
-/// What the figures were measured with, beside them.
-void write_machine(Application& app) {
-  std::unique_ptr<CsvTable> csv;
-  if (app.writes_files())
-    csv = std::make_unique<CsvTable>(app.output / "machine.csv", std::vector<std::string>{"name", "value"});
-  auto facts = machine_facts();
-  facts.emplace_back("lanes", std::to_string(kLanes));
-  facts.emplace_back("BLAS of the unit", blas_library());
-  facts.emplace_back("load average before", load_average());
-  for (const auto& [name, value] : facts) {
-    app.out() << name << ": " << value << "\n";
-    if (csv != nullptr) csv->add_row({name, value});
-  }
-}
-
 /// The scene in that size; planar: its loads keep what acts in the plane of x and y.
 Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
   Scene changed = scene;
@@ -72,15 +56,13 @@ Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
   return changed;
 }
 
-std::vector<ScalingCase> cases_of(Teuchos::ParameterList& study) {
+std::vector<ScalingCase> cases_of(Application& app) {
   std::vector<ScalingCase> cases;
-  for (const std::string& kind : study.get<Teuchos::Array<std::string>>("Kinds"))
-    for (int elements : study.get<Teuchos::Array<int>>("Elements"))
-      for (int order : study.get<Teuchos::Array<int>>("Orders")) cases.push_back({kind, elements, order});
+  for (const std::string& kind : study_list<std::string>(app, "Kinds"))
+    for (int elements : study_list<int>(app, "Elements"))
+      for (int order : study_list<int>(app, "Orders")) cases.push_back({kind, elements, order});
   return cases;
 }
-
-}  // namespace
 
 ListSpec scaling_spec() {
   const auto counts = [](const char* name, const std::vector<int>& by_default, const char* meaning,
@@ -114,19 +96,24 @@ ListSpec scaling_spec() {
   return spec;
 }
 
+/// For each kind, size, order and number of threads: median wall time of the phases of an iteration, as a multiple of
+/// the unit of time (see ChainUnit), against the machine's ceilings, and memory. Each case has a process of its own.
+/// Writes machine.csv, ceilings.csv, thread_scaling.csv and cases.csv, prints the tables.
 void run_scaling_study(Application& app) {
   Teuchos::ParameterList& study = app.study();
   MeasuringPlan plan;
-  plan.threads = study.get<Teuchos::Array<int>>("Threads").toVector();
+  plan.threads = study_list<int>(app, "Threads");
   plan.repetitions = study.get<int>("Repetitions");
   plan.run_repetitions = study.get<int>("Repetitions of Runs");
   plan.seconds = study.get<double>("Seconds");
   plan.compare_sparse_solver = study.get<bool>("Compare with KLU2");
-  write_machine(app);
+  write_machine(app, {{"lanes", std::to_string(kLanes)},
+                      {"BLAS of the unit", blas_library()},
+                      {"load average before", load_average()}});
   std::optional<std::filesystem::path> folder;
   if (app.writes_files()) folder = app.output;
   ScalingReport report(app.out(), folder, ceilings_of(app, plan.threads));
-  for (const ScalingCase& of : cases_of(study)) {
+  for (const ScalingCase& of : cases_of(app)) {
     SolverParameters solver = app.solver;
     solver.planar = of.kind == kPlanar;
     const Scene scene = scene_of_case(app.scene, of);
@@ -137,4 +124,15 @@ void run_scaling_study(Application& app) {
   report.print_summary();
 }
 
+}  // namespace
+
 }  // namespace mixbeam
+
+int main(int argc, char** argv) {
+  mixbeam::ApplicationDefinition definition;
+  definition.name = "thread_scaling";
+  definition.purpose = "time of one Newton iteration on a chain of elements, split into phases, for 1, 2, .. threads.";
+  definition.study = mixbeam::scaling_spec();
+  definition.run_study = mixbeam::run_scaling_study;
+  return mixbeam::run_application(argc, argv, definition);
+}

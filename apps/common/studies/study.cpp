@@ -54,9 +54,10 @@ void StudyTable::add_row(const std::vector<CsvCell>& cells) {
   if (!widths_.empty()) out_ << std::endl;
 }
 
-void write_machine(const Application& app) {
-  StudyTable machine(app, "machine.csv", {"name", "value"});
-  for (const auto& [name, value] : machine_facts()) machine.add_row({name, value});
+void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more) {
+  StudyTable machine(app, "machine.csv", {"name", "value"}, 2);
+  for (const auto& facts : {machine_facts(), more})
+    for (const auto& [name, value] : facts) machine.add_row({name, value});
 }
 
 }  // namespace mixbeam

@@ -46,7 +46,7 @@ class StudyTable {
   std::vector<std::size_t> widths_;  ///< of the columns that are printed
 };
 
-/// What measurements were made with: machine.csv.
-void write_machine(const Application& app);
+/// What measurements were made with, and what else is to be known of them: machine.csv.
+void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more = {});
 
 }  // namespace mixbeam
