@@ -2,11 +2,13 @@
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
-#include "apps/fork/displacement_error.hpp"
 #include "apps/fork/fork_study.hpp"
 #include "apps/fork/paper_table.hpp"
-#include "apps/fork/polygon.hpp"
+#include "discretization/geometry/reference_curve.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <ostream>
@@ -44,6 +46,81 @@ struct Errors {
 };
 
 double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+Vector3 position_of(const Scene& scene, const std::string& point) {
+  const auto found = std::find_if(scene.points.begin(), scene.points.end(),
+                                  [&point](const Point& candidate) { return candidate.name == point; });
+  return found->position;  // a scene that was read names no other points
+}
+
+/// Corner `i` of the polygon in place of a member; the ends are points of the scene.
+std::string corner_name(const Member& member, int i) {
+  if (i == 0) return member.start_point;
+  return i == member.elements ? member.end_point : member.name + " corner " + std::to_string(i);
+}
+
+void replace_by_chain(const Member& arc, Scene& scene) {
+  const ReferenceCurve curve = make_reference_curve(arc, position_of(scene, arc.start_point), {});
+  for (int i = 0; i < arc.elements; ++i) {
+    if (i > 0) {
+      const Vec3<double> corner = curve.position(i * curve.length / arc.elements);
+      scene.points.push_back({corner_name(arc, i), {corner[0], corner[1], corner[2]}});
+    }
+    Member side = arc;
+    side.name += " side " + std::to_string(i + 1);
+    side.start_point = corner_name(arc, i);
+    side.end_point = corner_name(arc, i + 1);
+    side.curve = Curve{};
+    side.elements = 1;
+    scene.members.push_back(side);
+  }
+}
+
+/// Every circular arc replaced by straight members of one element each, between the vertices that the elements of the
+/// arc have. The corners are kinks of the undeformed structure.
+Scene with_polygons(const Scene& scene) {
+  Scene result = scene;
+  result.members.clear();
+  for (const Member& member : scene.members) {
+    if (member.curve.shape == CurveShape::circular_arc)
+      replace_by_chain(member, result);
+    else
+      result.members.push_back(member);
+  }
+  return result;
+}
+
+/// Displacement at equally spaced places of the whole structure, member after member: `points_per_member` places from
+/// start to end of each. `elements_per_member`: of the members before any of them was replaced by a polygon; it divides
+/// points_per_member - 1. Complete on rank 0, empty on the others. Collective.
+std::vector<Vector3> displacement_field(const Simulation& simulation, int elements_per_member, int points_per_member) {
+  const int intervals = (points_per_member - 1) / elements_per_member;
+  std::vector<Vector3> sampled;  // both ends of each element: vertices inside a member twice
+  for (const MemberSamples& member : simulation.samples(intervals + 1))
+    sampled.insert(sampled.end(), member.displacement.begin(), member.displacement.end());
+  std::vector<Vector3> field;
+  const int elements = static_cast<int>(sampled.size()) / (intervals + 1);
+  for (int element = 0; element < elements; ++element) {
+    const int first = element % elements_per_member == 0 ? 0 : 1;  // a vertex inside a member once
+    for (int i = first; i <= intervals; ++i) field.push_back(sampled[element * (intervals + 1) + i]);
+  }
+  return field;
+}
+
+/// Root of the mean square of the difference over all members, which have about the same length. The same on all ranks.
+double mean_difference(const std::vector<Vector3>& a, const std::vector<Vector3>& b, int points_per_member,
+                       const Communicator& communicator) {
+  double sum = 0.0, weights = 0.0;
+  for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
+    const auto place = static_cast<int>(i) % points_per_member;
+    const double weight = place == 0 || place == points_per_member - 1 ? 0.5 : 1.0;  // trapezoidal rule
+    sum += weight * std::pow(distance(a[i], b[i]), 2);
+    weights += weight;
+  }
+  double mean = std::sqrt(sum / weights);
+  Teuchos::broadcast(*communicator, 0, &mean);
+  return mean;
+}
 
 int points_per_member(Application& app) {
   return app.study().get<int>("Reference Elements per Member") * kIntervalsPerReferenceElement + 1;

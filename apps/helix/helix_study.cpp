@@ -4,7 +4,6 @@
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/helix/exact_helix.hpp"
-#include "apps/helix/helix_scenes.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <algorithm>
@@ -51,6 +50,40 @@ constexpr int kSmoothSamples = 65;  // of each element in order1.h5 and order3.h
 struct RodMesh {
   int order = 0, elements = 0;
 };
+
+/// L / (2 r) of a rod of circular section, for which EI / EA = r^2 / 4.
+double slenderness_of(const Scene& scene, const ExactHelix& exact) {
+  const Section& section = scene.sections.front();
+  return exact.length() / (4.0 * std::sqrt(section.bending_stiffness[1] / section.axial_stiffness));
+}
+
+/// The same rod of another slenderness: its radius changes, E and G stay, and the moment that winds it grows with EI.
+Scene with_slenderness(Scene scene, double slenderness, const ExactHelix& exact) {
+  const double radius = slenderness_of(scene, exact) / slenderness;  // new over old
+  const double area = std::pow(radius, 2), inertia = std::pow(radius, 4);
+  for (Section& section : scene.sections) {
+    section.axial_stiffness *= area;
+    section.torsional_stiffness *= inertia;
+    for (double& stiffness : section.shear_stiffness) stiffness *= area;
+    for (double& stiffness : section.bending_stiffness) stiffness *= inertia;
+  }
+  for (PointLoad& load : scene.point_loads)
+    for (double& component : load.moment) component *= inertia;
+  return scene;
+}
+
+/// As the paper has it: the rod lies along e1 and its clamp turns by -arctan(c) about e2 while the moment grows.
+Scene with_turned_clamp(Scene scene, const ExactHelix& exact) {
+  const Member& rod = scene.members.front();
+  const auto point = [&scene](const std::string& name) -> Vector3& {
+    return std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& p) { return p.name == name; })
+        ->position;
+  };
+  point(rod.end_point) = point(rod.start_point);
+  point(rod.end_point)[0] += exact.length();
+  scene.supports.front().prescribed_rotation = {0.0, -std::atan(exact.slope()), 0.0};
+  return scene;
+}
 
 /// One row of the study.
 struct HelixRun {

@@ -1,13 +1,12 @@
 #include "apps/thread_scaling/measure_case.hpp"
 
+#include "apps/common/studies/study.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
 #include "apps/thread_scaling/time_iteration.hpp"
 #include "kernels/execution/execution_space.hpp"
-#include "nonlinear/run/simulation.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
 namespace mixbeam {
@@ -16,12 +15,6 @@ namespace {
 
 /// A median of fewer rounds is none.
 constexpr int kLeastRounds = 3;
-
-using CaseClock = std::chrono::steady_clock;
-
-double seconds_since(CaseClock::time_point start) {
-  return std::chrono::duration<double>(CaseClock::now() - start).count();
-}
 
 /// One sample for each number of threads; `phases` runs what is measured.
 template <class Phases>
@@ -42,8 +35,8 @@ Round take_round(const std::vector<int>& threads, ChainUnit& unit, const Phases&
 template <class Phases>
 void take_rounds(const MeasuringPlan& plan, int least, int most, ChainUnit& unit, const Phases& phases,
                  std::vector<Round>& rounds) {
-  const auto start = CaseClock::now();
-  for (int taken = 0; taken < most && (taken < least || seconds_since(start) < plan.seconds); ++taken)
+  const RunWatch watch;
+  for (int taken = 0; taken < most && (taken < least || watch.seconds() < plan.seconds); ++taken)
     rounds.push_back(take_round(plan.threads, unit, phases));
 }
 
@@ -51,9 +44,9 @@ void take_rounds(const MeasuringPlan& plan, int least, int most, ChainUnit& unit
 PhaseSeconds time_run(const Scene& scene, SolverParameters parameters, const Communicator& communicator, int threads) {
   parameters.threads = threads;
   Simulation simulation(scene, parameters, communicator);
-  const auto start = CaseClock::now();
+  const RunWatch watch;
   const LoadPathResult& result = simulation.run();
-  const double seconds = seconds_since(start);
+  const double seconds = watch.seconds();
   if (result.newton_iterations == 0) return {};
   return {{kWholeRun, seconds / result.newton_iterations}};
 }

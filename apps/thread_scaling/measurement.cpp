@@ -1,7 +1,7 @@
 #include "apps/thread_scaling/measurement.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include "apps/common/studies/study.hpp"
+
 #include <limits>
 #include <set>
 #include <sstream>
@@ -10,13 +10,6 @@
 namespace mixbeam {
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
 
 const double* find_phase(const Round& round, int threads, const std::string& phase) {
   const auto sample = round.find(threads);

@@ -1,7 +1,8 @@
 #include "apps/common/studies/judged_path.hpp"
 
+#include "apps/common/studies/study.hpp"
+
 #include <algorithm>
-#include <ctime>
 
 namespace mixbeam {
 
@@ -69,7 +70,7 @@ const char* name_of(PathOutcome outcome) {
 
 FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm, bool plainly) {
   FollowedPath path;
-  const std::clock_t start = std::clock();
+  const RunWatch watch;
   Simulation simulation(scene, parameters, comm);
   const PathObserver keep = [&path](const StepReport& report, const State&) {
     path.critical_points += static_cast<int>(report.critical_points.size());
@@ -77,7 +78,7 @@ FollowedPath follow(const Scene& scene, const SolverParameters& parameters, cons
     if (report.step == 0) path.began_stable = path.negative == 0;
   };
   const LoadPathResult& result = plainly ? simulation.settle(State(simulation.state()), keep) : simulation.run(keep);
-  path.processor_seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  path.processor_seconds = watch.processor_seconds();
   path.finished = result.finished;
   path.displacements = displacements(simulation);
   path.steps = result.steps;
