@@ -11,6 +11,19 @@ namespace mixbeam {
 
 namespace {
 
+/// A mesh is as exact as rounding allows when all errors are this small or those of the reference ...
+constexpr double kRoundOff = 1e-12;
+/// ... and two meshes in a row tell it, so that one lucky error does not end a row.
+constexpr int kRoundedMeshes = 2;
+/// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
+constexpr double kGrowth = 2.0;
+/// From a mesh that is worse than this nothing is guessed: it has followed a path of its own.
+constexpr double kNoSolution = 0.01;
+/// Times scatter: a cell that costs more than this many times a better one is no candidate.
+constexpr double kClearlyDearer = 1.3;
+/// Elements of a member of the file are halved at most so often.
+constexpr int kMostHalvings = 4;
+
 /// A median of fewer is none.
 constexpr int kLeastRounds = 3;
 /// Seconds for the runs of one accuracy with one number of threads, where more than the least number of them are made.
@@ -153,6 +166,38 @@ AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads
   return price;
 }
 
+/// Cells that are not computed are among them, with the reason.
+void measure_row(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                 ForceIntegration integration, int order, const Communicator& communicator) {
+  const double rounded = std::max(kRoundOff, largest_error(reference.difference()));
+  int rounded_meshes = 0;
+  double last_seconds = 0.0;
+  for (const int elements : plan.elements) {
+    CellResult cell{{integration, order, elements}};
+    if (rounded_meshes >= kRoundedMeshes) {
+      cell.status = CellStatus::past_round_off;
+    } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
+      cell.status = CellStatus::too_long;
+    } else {
+      cell = measure_cell(result.problem, reference, cell.cell, plan.timing, communicator);
+      const double error = largest_error(cell.errors);
+      last_seconds = error < kNoSolution ? cell.times.at(plan.timing.threads.front()).processor_seconds : 0.0;
+      rounded_meshes = error <= rounded ? rounded_meshes + 1 : 0;
+    }
+    result.cells.push_back(std::move(cell));
+  }
+}
+
+/// Elements of the finest member: those of the file, halved and doubled.
+std::vector<int> meshes_of(const BenchmarkProblem& problem) {
+  std::vector<int> meshes;
+  const int own = problem.own_elements();
+  for (int part = 1 << kMostHalvings; part >= 1; part /= 2)
+    if (own >= part) meshes.push_back((own + part - 1) / part);
+  for (int factor = 2; factor <= problem.about.refinement; factor *= 2) meshes.push_back(own * factor);
+  return meshes;
+}
+
 }  // namespace
 
 const char* name_of(CellStatus status) {
@@ -223,6 +268,34 @@ AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Referenc
   if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace(), reference.displacement());
   for (const int threads : plan.threads) cell.prices[threads] = price_of(result, wanted, threads, plan, communicator);
   return cell;
+}
+
+void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                    const Communicator& communicator) {
+  for (const ForceIntegration integration : {ForceIntegration::both_reduced, ForceIntegration::full})
+    for (const int order : plan.orders)
+      if (integration == ForceIntegration::both_reduced || result.problem.about.integrations)
+        measure_row(result, reference, plan, integration, order, communicator);
+}
+
+void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                   const Communicator& communicator) {
+  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
+  TimingPlan timing = plan.timing;
+  timing.threads.resize(1);  // more of them are left to the accuracies
+  const int threads = timing.threads.front();
+  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
+    for (const int elements : meshes_of(result.problem)) {
+      const Cell cell{ForceIntegration::both_reduced, *order, elements};
+      result.cells.push_back(measure_cell(result.problem, reference, cell, timing, communicator));
+      const CellResult& last = result.cells.back();
+      const double error = motion_error(last.errors);
+      if (last.status == CellStatus::too_long || error <= smallest) break;
+      const auto best = result.cheapest(smallest, threads);
+      if (error < kNoSolution && !best.empty() &&
+          last.times.at(threads).processor_seconds > kClearlyDearer * best.front()->times.at(threads).processor_seconds)
+        break;
+    }
 }
 
 }  // namespace mixbeam

@@ -50,6 +50,14 @@ struct TimingPlan {
   double most_seconds = 0.0;  ///< of the processor: a run that takes longer is stopped at the end of its load step
 };
 
+/// Which cells, against which reference.
+struct MatrixPlan {
+  std::vector<int> orders, elements;  ///< ascending
+  Discretization reference, confirmation;
+  TimingPlan timing;
+  std::vector<double> accuracies;  ///< that the program is asked for
+};
+
 /// The first run with each number of threads warms up; it counts only where it is the only one that the budget allows.
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
                         const TimingPlan& plan, const Communicator& communicator);
@@ -90,5 +98,13 @@ struct BenchmarkResult {
 /// Scenes that ask for a path have it followed on the last mesh too. `result`: with its cells.
 AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
                                    const TimingPlan& plan, const Communicator& communicator);
+
+/// Fills in the cells of a benchmark: all orders on all meshes.
+void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                    const Communicator& communicator);
+/// Those of a scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest
+/// order down. Elements are those of the file, halved and doubled.
+void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+                   const Communicator& communicator);
 
 }  // namespace mixbeam

@@ -32,27 +32,6 @@ constexpr double kRateRoundOff = 1e-10;
 constexpr double kLargestError = 1e-2, kSmallestError = 1e-10, kAboveDifference = 10.0;
 constexpr double kFactor = 5.0, kShareBeyond = 0.05, kMostBelow = 10.0;
 
-/// A mesh is as exact as rounding allows when all errors are this small or those of the reference ...
-constexpr double kRoundOff = 1e-12;
-/// ... and two meshes in a row tell it, so that one lucky error does not end a row.
-constexpr int kRoundedMeshes = 2;
-/// Time for twice as many elements, at least: how long a finer mesh takes is guessed from the last one.
-constexpr double kGrowth = 2.0;
-/// From a mesh that is worse than this nothing is guessed: it has followed a path of its own.
-constexpr double kNoSolution = 0.01;
-/// Times scatter: a cell that costs more than this many times a better one is no candidate.
-constexpr double kClearlyDearer = 1.3;
-/// Elements of a member of the file are halved at most so often.
-constexpr int kMostHalvings = 4;
-
-/// Which cells, against which reference.
-struct MatrixPlan {
-  std::vector<int> orders, elements;  ///< ascending
-  Discretization reference, confirmation;
-  TimingPlan timing;
-  std::vector<double> accuracies;  ///< that the program is asked for
-};
-
 MatrixPlan plan_of(Application& app) {
   const auto integers = [&app](const char* name) { return study_list<int>(app, name); };
   const auto mesh = [&](const char* name) { return Discretization{integers(name)[0], integers(name)[1]}; };
@@ -133,68 +112,6 @@ void check_estimates(Application& app, const std::vector<BenchmarkResult>& resul
     app.summary.check_upper_bound(name + ": largest true error over estimate", 1.0 / least, kMostBelow,
                                   "goal of mixbeam: never less than a tenth");
   }
-}
-
-/// Cells that are not computed are among them, with the reason.
-void measure_row(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                 ForceIntegration integration, int order, const Communicator& communicator) {
-  const double rounded = std::max(kRoundOff, largest_error(reference.difference()));
-  int rounded_meshes = 0;
-  double last_seconds = 0.0;
-  for (const int elements : plan.elements) {
-    CellResult cell{{integration, order, elements}};
-    if (rounded_meshes >= kRoundedMeshes) {
-      cell.status = CellStatus::past_round_off;
-    } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
-      cell.status = CellStatus::too_long;
-    } else {
-      cell = measure_cell(result.problem, reference, cell.cell, plan.timing, communicator);
-      const double error = largest_error(cell.errors);
-      last_seconds = error < kNoSolution ? cell.times.at(plan.timing.threads.front()).processor_seconds : 0.0;
-      rounded_meshes = error <= rounded ? rounded_meshes + 1 : 0;
-    }
-    result.cells.push_back(std::move(cell));
-  }
-}
-
-/// The matrix of a benchmark: all orders on all meshes.
-void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                    const Communicator& communicator) {
-  for (const ForceIntegration integration : {ForceIntegration::both_reduced, ForceIntegration::full})
-    for (const int order : plan.orders)
-      if (integration == ForceIntegration::both_reduced || result.problem.about.integrations)
-        measure_row(result, reference, plan, integration, order, communicator);
-}
-
-/// Elements of the finest member: those of the file, halved and doubled.
-std::vector<int> meshes_of(const BenchmarkProblem& problem) {
-  std::vector<int> meshes;
-  const int own = problem.own_elements();
-  for (int part = 1 << kMostHalvings; part >= 1; part /= 2)
-    if (own >= part) meshes.push_back((own + part - 1) / part);
-  for (int factor = 2; factor <= problem.about.refinement; factor *= 2) meshes.push_back(own * factor);
-  return meshes;
-}
-
-/// A scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest order down.
-void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                   const Communicator& communicator) {
-  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
-  TimingPlan timing = plan.timing;
-  timing.threads.resize(1);  // more of them are left to the accuracies
-  const int threads = timing.threads.front();
-  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
-    for (const int elements : meshes_of(result.problem)) {
-      const Cell cell{ForceIntegration::both_reduced, *order, elements};
-      result.cells.push_back(measure_cell(result.problem, reference, cell, timing, communicator));
-      const CellResult& last = result.cells.back();
-      const double error = motion_error(last.errors);
-      if (last.status == CellStatus::too_long || error <= smallest) break;
-      const auto best = result.cheapest(smallest, threads);
-      if (error < kNoSolution && !best.empty() &&
-          last.times.at(threads).processor_seconds > kClearlyDearer * best.front()->times.at(threads).processor_seconds)
-        break;
-    }
 }
 
 /// Cells, then accuracies, and what is promised of them.
