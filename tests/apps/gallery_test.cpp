@@ -207,7 +207,7 @@ std::vector<std::string> words_of(const std::string& script, const std::string& 
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-TEST(RunScript, DrawsTheFiguresOfEveryBenchmarkThatHasSome) {
+TEST(RunScript, DrawsWhatEveryBenchmarkHas) {
   const std::string script = text_of(root() / "run.sh");
   const std::string plots = text_of(apps() / "plots" / "plot_all.py");
   std::vector<std::string> benchmarks = words_of(script, "default_benchmarks");
@@ -215,11 +215,12 @@ TEST(RunScript, DrawsTheFiguresOfEveryBenchmarkThatHasSome) {
   EXPECT_FALSE(benchmarks.empty());
   EXPECT_FALSE(named.empty());
   benchmarks.insert(benchmarks.end(), named.begin(), named.end());
-  EXPECT_FALSE(without.empty());
+  EXPECT_GT(benchmarks.size(), without.size());
   for (const std::string& name : benchmarks) {
-    const bool has_figures = plots.find('"' + name + '"') != std::string::npos;
-    EXPECT_EQ(has_figures, std::find(without.begin(), without.end(), name) == without.end()) << name;
+    const bool is_known = plots.find('"' + name + '"') != std::string::npos;
+    EXPECT_TRUE(is_known || std::find(without.begin(), without.end(), name) != without.end()) << name;
   }
+  EXPECT_EQ(plots.find("\"mixbeam\""), std::string::npos) << "a name that is found whatever is looked for";
 }
 
 }  // namespace
