@@ -9,7 +9,6 @@ source .ci/setup.sh
 readonly default_benchmarks=(rollup superimposed_rotation arc_segment helix helical_rod slope_discontinuity fork extremes)
 readonly when_named=(trade economies) # a quarter of an hour
 readonly all_benchmarks=("${default_benchmarks[@]}" "${when_named[@]}")
-readonly tables_only=(economies) # no pictures
 readonly all_scene_groups=(verification gallery)
 readonly default_names=("${default_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
@@ -107,7 +106,7 @@ if [[ -f $plot_script ]]; then
   say "Draw the figures"
   drawn=()
   for benchmark in "${all_benchmarks[@]}"; do
-    [[ " ${names[*]} " == *" $benchmark "* && " ${tables_only[*]} " != *" $benchmark "* ]] && drawn+=("$benchmark")
+    [[ " ${names[*]} " == *" $benchmark "* ]] && drawn+=("$benchmark")
   done
   [[ ${#drawn[@]} -eq 0 ]] ||
     MPLBACKEND=Agg "$python" "$plot_script" "$results" --only "${drawn[@]}" || failed+=("figures")
