@@ -5,7 +5,7 @@
 /// neighbours: it is as stiff as one link, however long the chain is.
 #pragma once
 
-#include "kernels/element/condensed_layout.hpp"
+#include "kernels/condensation/condensed_layout.hpp"
 #include "kernels/execution/pack.hpp"
 
 namespace mixbeam {

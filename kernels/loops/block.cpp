@@ -1,7 +1,7 @@
 #include "kernels/loops/block.hpp"
 
+#include "kernels/condensation/tangent.hpp"
 #include "kernels/element/kinematics.hpp"
-#include "kernels/element/tangent.hpp"
 #include "kernels/loops/cap_defect.hpp"
 #include "kernels/loops/dispatch.hpp"
 

@@ -1,8 +1,8 @@
 /// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the
-/// mathematics is in element/gradient.hpp and element/tangent.hpp.
+/// mathematics is in element/gradient.hpp and condensation/tangent.hpp.
 #pragma once
 
-#include "kernels/element/condensed_layout.hpp"
+#include "kernels/condensation/condensed_layout.hpp"
 #include "kernels/element/layout.hpp"
 #include "kernels/element/row_scales.hpp"
 #include "kernels/execution/execution_space.hpp"

@@ -1,7 +1,7 @@
 /// What the loops over elements read: Views become named values, of as many elements at once as there are lanes.
 #pragma once
 
-#include "kernels/element/condensation.hpp"
+#include "kernels/condensation/condensation.hpp"
 #include "kernels/loops/block.hpp"
 
 namespace mixbeam {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/loops/planar_block.hpp"
-#include "kernels/planar/element.hpp"
+#include "kernels/planar/condensation.hpp"
 
 namespace mixbeam {
 

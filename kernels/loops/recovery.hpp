@@ -1,7 +1,7 @@
 /// Increments of the interiors of the elements of a block, of one order and kind of section.
 #pragma once
 
-#include "kernels/element/recovery.hpp"
+#include "kernels/condensation/recovery.hpp"
 #include "kernels/loops/gather.hpp"
 
 namespace mixbeam {

@@ -1,7 +1,8 @@
 /// The condensed tangents of the elements of a block, of one order and kind of section.
 #pragma once
 
-#include "kernels/element/line_fields_tangent.hpp"
+#include "kernels/condensation/interior_factor.hpp"
+#include "kernels/condensation/line_fields_tangent.hpp"
 #include "kernels/loops/gather.hpp"
 
 namespace mixbeam {

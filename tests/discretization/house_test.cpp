@@ -100,7 +100,7 @@ struct Folder {
 };
 const std::vector<Folder>& folders() {
   static const std::vector<Folder> all = {
-      {"kernels", {"execution", "math", "element", "planar", "loops", "chains"}},
+      {"kernels", {"execution", "math", "element", "condensation", "planar", "loops", "chains"}},
       {"discretization",
        {"text", "parameters", "geometry", "scene", "mesh", "checks", "reading", "constraints", "linear_system",
         "assembly", "state", "results"}},

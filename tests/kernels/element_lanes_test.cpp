@@ -1,5 +1,5 @@
 /// Elements side by side in the lanes of packs give what elements one by one give.
-#include "kernels/element/reduced_system.hpp"
+#include "kernels/condensation/interior_factor.hpp"
 #include "kernels/loops/dispatch.hpp"
 #include "kernels/loops/recovery.hpp"
 #include "kernels/loops/residual.hpp"

@@ -1,5 +1,5 @@
 // Stability of equilibria against closed forms, and the inertia of the reduced tangent against LAPACK.
-#include "kernels/element/reduced_system.hpp"
+#include "kernels/condensation/row_pivoting.hpp"
 #include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"
 

@@ -3,8 +3,8 @@
 /// and dead forces do not depend on the state: no tangent.
 #pragma once
 
+#include "kernels/condensation/tangent.hpp"
 #include "kernels/element/line_fields.hpp"
-#include "kernels/element/tangent.hpp"
 
 namespace mixbeam {
 

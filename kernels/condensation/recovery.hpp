@@ -1,7 +1,7 @@
 /// Increments of the interior unknowns of an element from those of its vertices: theory (33).
 #pragma once
 
-#include "kernels/element/tangent.hpp"
+#include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
 

@@ -6,8 +6,8 @@
 /// compliances alone where forces are eliminated, so that stiff and rigid sections cost no digits.
 #pragma once
 
+#include "kernels/condensation/moment_elimination.hpp"
 #include "kernels/element/line_fields.hpp"
-#include "kernels/element/moment_elimination.hpp"
 
 #include <type_traits>
 

@@ -3,8 +3,8 @@
 /// theory (30).
 #pragma once
 
+#include "kernels/condensation/reduced_system.hpp"
 #include "kernels/element/gradient.hpp"
-#include "kernels/element/reduced_system.hpp"
 
 namespace mixbeam {
 

@@ -2,7 +2,7 @@
 /// M is left with a dense matrix A, and its rows D reach the slopes too.
 #pragma once
 
-#include "kernels/element/tangent.hpp"
+#include "kernels/condensation/tangent.hpp"
 
 namespace mixbeam {
 

@@ -1,0 +1,201 @@
+/// The symmetric reduced system solved for the interior unknowns, several elements side by side.
+#pragma once
+
+#include "kernels/condensation/row_pivoting.hpp"
+
+#include <limits>
+
+namespace mixbeam {
+
+/// A pivot that is not above this multiple of the entry that was on the diagonal before the elimination may owe its
+/// sign to rounding. As long as all pivots are above it the interior matrix is positive definite, and elimination
+/// without pivoting then loses no more than one with it, whatever the condition number (Higham, Accuracy and Stability
+/// of Numerical Algorithms, theorem 10.3): about the rounding of as many products as the largest matrix has rows.
+constexpr double kSmallestPivot = 50 * std::numeric_limits<double>::epsilon();
+
+/// c -= a b^T
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void subtract_product_transposed(const Mat3<Real>& a, const Mat3<Real>& b, Mat3<Real>& c) {
+  c = {{{c(0, 0) - a(0, 0) * b(0, 0) - a(0, 1) * b(0, 1) - a(0, 2) * b(0, 2),
+         c(0, 1) - a(0, 0) * b(1, 0) - a(0, 1) * b(1, 1) - a(0, 2) * b(1, 2),
+         c(0, 2) - a(0, 0) * b(2, 0) - a(0, 1) * b(2, 1) - a(0, 2) * b(2, 2)},
+        {c(1, 0) - a(1, 0) * b(0, 0) - a(1, 1) * b(0, 1) - a(1, 2) * b(0, 2),
+         c(1, 1) - a(1, 0) * b(1, 0) - a(1, 1) * b(1, 1) - a(1, 2) * b(1, 2),
+         c(1, 2) - a(1, 0) * b(2, 0) - a(1, 1) * b(2, 1) - a(1, 2) * b(2, 2)},
+        {c(2, 0) - a(2, 0) * b(0, 0) - a(2, 1) * b(0, 1) - a(2, 2) * b(0, 2),
+         c(2, 1) - a(2, 0) * b(1, 0) - a(2, 1) * b(1, 1) - a(2, 2) * b(1, 2),
+         c(2, 2) - a(2, 0) * b(2, 0) - a(2, 1) * b(2, 1) - a(2, 2) * b(2, 2)}}};
+}
+/// c -= a^T b
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void subtract_transposed_product(const Mat3<Real>& a, const Mat3<Real>& b, Mat3<Real>& c) {
+  c = {{{c(0, 0) - a(0, 0) * b(0, 0) - a(1, 0) * b(1, 0) - a(2, 0) * b(2, 0),
+         c(0, 1) - a(0, 0) * b(0, 1) - a(1, 0) * b(1, 1) - a(2, 0) * b(2, 1),
+         c(0, 2) - a(0, 0) * b(0, 2) - a(1, 0) * b(1, 2) - a(2, 0) * b(2, 2)},
+        {c(1, 0) - a(0, 1) * b(0, 0) - a(1, 1) * b(1, 0) - a(2, 1) * b(2, 0),
+         c(1, 1) - a(0, 1) * b(0, 1) - a(1, 1) * b(1, 1) - a(2, 1) * b(2, 1),
+         c(1, 2) - a(0, 1) * b(0, 2) - a(1, 1) * b(1, 2) - a(2, 1) * b(2, 2)},
+        {c(2, 0) - a(0, 2) * b(0, 0) - a(1, 2) * b(1, 0) - a(2, 2) * b(2, 0),
+         c(2, 1) - a(0, 2) * b(0, 1) - a(1, 2) * b(1, 1) - a(2, 2) * b(2, 1),
+         c(2, 2) - a(0, 2) * b(0, 2) - a(1, 2) * b(1, 2) - a(2, 2) * b(2, 2)}}};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void subtract_product(const Mat3<Real>& a, const Vec3<Real>& b, Vec3<Real>& c) {
+  c = {{c[0] - a(0, 0) * b[0] - a(0, 1) * b[1] - a(0, 2) * b[2],
+        c[1] - a(1, 0) * b[0] - a(1, 1) * b[1] - a(1, 2) * b[2],
+        c[2] - a(2, 0) * b[0] - a(2, 1) * b[1] - a(2, 2) * b[2]}};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void subtract_transposed_product(const Mat3<Real>& a, const Vec3<Real>& b, Vec3<Real>& c) {
+  c = {{c[0] - a(0, 0) * b[0] - a(1, 0) * b[1] - a(2, 0) * b[2],
+        c[1] - a(0, 1) * b[0] - a(1, 1) * b[1] - a(2, 1) * b[2],
+        c[2] - a(0, 2) * b[0] - a(1, 2) * b[1] - a(2, 2) * b[2]}};
+}
+
+/// H_ii = L D L^T without pivoting, in lanes, on the triangle alone. The factor takes the place of the matrix: L in the
+/// blocks below the diagonal and below the diagonal of the diagonal blocks, D^-1 on the diagonal.
+template <int K, int W>
+class InteriorFactor {
+  using Real = Pack<W>;
+  static constexpr int kInterior = ReducedBlocks<K>::kInterior, kCount = ReducedBlocks<K>::kCount;
+
+ public:
+  typename Real::Mask suspicious;  ///< lanes with a pivot that is not above kSmallestPivot; also those with NaN
+
+  /// Factors the interior and leaves the condensed system.
+  KOKKOS_FORCEINLINE_FUNCTION InteriorFactor(ReducedSystem<K, Real>& system, VertexSystem<Real>& condensed)
+      : suspicious(Real(0.0) > Real(0.0)), factor_(system) {
+    Mat3<Real> unscaled[kInterior];  // row I of L D
+    for (int I = 0; I < kCount; ++I) {
+      const int last = I < kInterior ? I : kInterior;
+      for (int J = 0; J < last; ++J) {
+        Mat3<Real> rest = remainder(unscaled, I, J, J);
+        solve_right(factor_(J, J), rest);
+        unscaled[J] = rest;
+        scale_columns(factor_(J, J), rest);
+        factor_(I, J) = rest;
+      }
+      if (I < kInterior)
+        factor_diagonal(remainder(unscaled, I, I, I), factor_(I, I));
+      else
+        for (int J = kInterior; J <= I; ++J)
+          condensed.matrix[I - kInterior][J - kInterior] = remainder(unscaled, I, J, kInterior);
+    }
+    solve_gradient(condensed);
+  }
+
+  /// Response -H_ii^-1 [H_ir | R_i].
+  KOKKOS_FORCEINLINE_FUNCTION void solve(InteriorResponse<K, Real>& response) const {
+    for (int J = kInterior - 1; J >= 0; --J) {
+      for (int c = 0; c < 3; ++c) {
+        Mat3<Real> x = -1.0 * transpose(factor_(kInterior + c, J));
+        for (int k = J + 1; k < kInterior; ++k) subtract_transposed_product(factor_(k, J), response.by[k][c], x);
+        const Mat3<Real>& l = factor_(J, J);
+        for (int j = 0; j < 3; ++j) {
+          x(1, j) -= l(2, 1) * x(2, j);
+          x(0, j) -= l(1, 0) * x(1, j) + l(2, 0) * x(2, j);
+        }
+        response.by[J][c] = x;
+      }
+      const Mat3<Real>& l = factor_(J, J);
+      const Vec3<Real>& y = gradient_[J];
+      Vec3<Real> x{{-y[0] * l(0, 0), -y[1] * l(1, 1), -y[2] * l(2, 2)}};
+      for (int k = J + 1; k < kInterior; ++k) subtract_transposed_product(factor_(k, J), response.constant[k], x);
+      x[1] -= l(2, 1) * x[2];
+      x[0] -= l(1, 0) * x[1] + l(2, 0) * x[2];
+      response.constant[J] = x;
+    }
+  }
+
+ private:
+  ReducedSystem<K, Real>& factor_;
+  Vec3<Real> gradient_[kInterior];  ///< L^-1 R_i
+
+  /// H_IJ - sum over the blocks before `end` of (L D)_I L_J^T
+  KOKKOS_FORCEINLINE_FUNCTION Mat3<Real> remainder(const Mat3<Real>* unscaled, int I, int J, int end) const {
+    Mat3<Real> rest = factor_(I, J);
+    for (int k = 0; k < end; ++k) subtract_product_transposed(unscaled[k], factor_(J, k), rest);
+    return rest;
+  }
+  /// rest L_JJ^-T
+  KOKKOS_FORCEINLINE_FUNCTION static void solve_right(const Mat3<Real>& l, Mat3<Real>& rest) {
+    for (int i = 0; i < 3; ++i) {
+      rest(i, 1) -= rest(i, 0) * l(1, 0);
+      rest(i, 2) -= rest(i, 0) * l(2, 0) + rest(i, 1) * l(2, 1);
+    }
+  }
+  KOKKOS_FORCEINLINE_FUNCTION static void scale_columns(const Mat3<Real>& l, Mat3<Real>& rest) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) rest(i, j) *= l(j, j);
+  }
+  /// `diagonal` holds the block of the matrix on entry.
+  KOKKOS_FORCEINLINE_FUNCTION void factor_diagonal(const Mat3<Real>& rest, Mat3<Real>& diagonal) {
+    const Real d0 = rest(0, 0), inverse0 = 1.0 / d0, l10 = rest(1, 0) * inverse0, l20 = rest(2, 0) * inverse0;
+    const Real d1 = rest(1, 1) - l10 * rest(1, 0), inverse1 = 1.0 / d1, u21 = rest(2, 1) - l20 * rest(1, 0);
+    const Real l21 = u21 * inverse1, d2 = rest(2, 2) - l20 * rest(2, 0) - l21 * u21;
+    suspicious |= ~(d0 > kSmallestPivot * fabs(diagonal(0, 0)));
+    suspicious |= ~(d1 > kSmallestPivot * fabs(diagonal(1, 1)));
+    suspicious |= ~(d2 > kSmallestPivot * fabs(diagonal(2, 2)));
+    diagonal(0, 0) = inverse0;
+    diagonal(1, 0) = l10;
+    diagonal(2, 0) = l20;
+    diagonal(1, 1) = inverse1;
+    diagonal(2, 1) = l21;
+    diagonal(2, 2) = 1.0 / d2;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void solve_gradient(VertexSystem<Real>& condensed) {
+    for (int I = 0; I < kCount; ++I) {
+      Vec3<Real> rest = factor_.rhs[I];
+      for (int k = 0; k < (I < kInterior ? I : kInterior); ++k) subtract_product(factor_(I, k), gradient_[k], rest);
+      if (I < kInterior) {
+        const Mat3<Real>& l = factor_(I, I);
+        rest[1] -= l(1, 0) * rest[0];
+        rest[2] -= l(2, 0) * rest[0] + l(2, 1) * rest[1];
+        gradient_[I] = rest;
+      } else {
+        condensed.gradient[I - kInterior] = rest;
+      }
+    }
+  }
+};
+
+/// Response and condensed system of one lane, by a system of its own, with row pivoting.
+template <int K, int W>
+KOKKOS_FUNCTION __attribute__((noinline)) void solve_one_lane(const FullSystem<K>& system, int lane,
+                                                              InteriorResponse<K, Pack<W>>& response,
+                                                              VertexSystem<Pack<W>>& condensed) {
+  InteriorResponse<K> one;
+  VertexSystem<> one_condensed;
+  solve_with_row_pivoting(system, one, one_condensed);
+  for (int b = 0; b < ReducedBlocks<K>::kInterior; ++b)
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 9; ++c) response.by[b][c / 3](i, c % 3).set(lane, one.by[b][c / 3](i, c % 3));
+      response.constant[b][i].set(lane, one.constant[b][i]);
+    }
+  for (int I = 0; I < 3; ++I)
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 9; ++c)
+        condensed.matrix[I][c / 3](i, c % 3).set(lane, one_condensed.matrix[I][c / 3](i, c % 3));
+      condensed.gradient[I][i].set(lane, one_condensed.gradient[I][i]);
+    }
+}
+
+/// As solve_with_row_pivoting for symmetric systems side by side: without pivoting, but for the lanes that need it.
+/// `signs` (null, or W of them): of those lanes; all others are positive definite.
+template <int K, int W>
+KOKKOS_FORCEINLINE_FUNCTION void solve_in_lanes(const ReducedSystem<K, Pack<W>>& system,
+                                                InteriorResponse<K, Pack<W>>& response,
+                                                VertexSystem<Pack<W>>& condensed, InteriorSigns* signs = nullptr) {
+  ReducedSystem<K, Pack<W>> factored = system;
+  const InteriorFactor<K, W> factor(factored, condensed);
+  factor.solve(response);
+  if (any<W>(factor.suspicious))
+    for (int lane = 0; lane < W; ++lane)
+      if (factor.suspicious[lane] != 0) {
+        const FullSystem<K> one(system, lane);
+        solve_one_lane(one, lane, response, condensed);
+        if (signs != nullptr) signs[lane] = interior_signs(one, true);
+      }
+}
+
+}  // namespace mixbeam
