@@ -149,29 +149,25 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
   std::vector<std::string> quantities = common_quantities();
   quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
   ListSpec one("A value that the run must reproduce.");
-  one.add(choice("Quantity", quantities).required().means("What is compared."));
-  one.add(text("Point").means("Name of the point, for a quantity of a point; for a reaction: a supported one."));
-  one.add(text("Member").means("Name of the member, for a material force or moment."));
-  one.add(real("Position")
-              .at_least(0.0)
-              .at_most(1.0)
-              .means("Where along the member: arc length from its start over its length; between two elements the "
-                     "value of the second "
-                     "one counts."));
-  one.add(choice("Component", kComponents)
-              .means("For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment "
-                     "in the axes of the section, or the norm."));
-  one.add(text("Case").means("Load case in which it is compared; needed where the scene has load cases."));
-  one.add(real("Load Factor").at_least(0.0).means("When it is compared; at the end of the run if absent."));
-  one.add(integer("Critical Point")
-              .at_least(1)
-              .means("The value belongs to the state at the critical point (limit point or bifurcation) of this number "
-                     "on the path, counted from 1."));
-  one.add(real("Value").or_one_of(kVerdicts).required().means(
-      "The expected value, in the scene's units; a word for the quantity stable."));
-  one.add(real("Absolute Tolerance").above(0.0).means("Largest difference, in the units of the value."));
-  one.add(real("Relative Tolerance").above(0.0).means("Largest difference, as a share of the value."));
-  one.add(text("Source").required().means("Where the value comes from: paper and table, formula, other program."));
+  one.add(choice("Quantity", quantities).required(), "What is compared.");
+  one.add(text("Point"), "Name of the point, for a quantity of a point; for a reaction: a supported one.");
+  one.add(text("Member"), "Name of the member, for a material force or moment.");
+  one.add(real("Position").at_least(0.0).at_most(1.0),
+          "Where along the member: arc length from its start over its length; between two elements the value of the "
+          "second one counts.");
+  one.add(choice("Component", kComponents),
+          "For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment in the axes "
+          "of the section, or the norm.");
+  one.add(text("Case"), "Load case in which it is compared; needed where the scene has load cases.");
+  one.add(real("Load Factor").at_least(0.0), "When it is compared; at the end of the run if absent.");
+  one.add(integer("Critical Point").at_least(1),
+          "The value belongs to the state at the critical point (limit point or bifurcation) of this number on the "
+          "path, counted from 1.");
+  one.add(real("Value").or_one_of(kVerdicts).required(),
+          "The expected value, in the scene's units; a word for the quantity stable.");
+  one.add(real("Absolute Tolerance").above(0.0), "Largest difference, in the units of the value.");
+  one.add(real("Relative Tolerance").above(0.0), "Largest difference, as a share of the value.");
+  one.add(text("Source").required(), "Where the value comes from: paper and table, formula, other program.");
   return ListSpec("Expected answers; the run fails if one is missed.").with_named_lists("check", one);
 }
 

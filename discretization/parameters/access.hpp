@@ -19,9 +19,9 @@ inline std::vector<std::string> names_of(const Teuchos::ParameterList& list) {
   return names;
 }
 
-/// Whether the user gave this parameter, as opposed to its default.
+/// Whether the user gave this parameter, as opposed to its default; or this list.
 inline bool is_given(const Teuchos::ParameterList& list, const std::string& name) {
-  return list.isParameter(name) && !list.getEntry(name).isDefault();
+  return list.isSublist(name) || (list.isParameter(name) && !list.getEntry(name).isDefault());
 }
 
 inline Vector3 get_vector(const Teuchos::ParameterList& list, const std::string& name) {

@@ -4,26 +4,10 @@
 #include "discretization/text/number_text.hpp"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 namespace mixbeam {
 namespace {
-
-std::string element_text(bool value) { return value ? "true" : "false"; }
-std::string element_text(int value) { return std::to_string(value); }
-std::string element_text(double value) { return shortest(value); }
-std::string element_text(const std::string& value) { return "\"" + value + "\""; }
-std::string element_text(std::monostate) { return ""; }
-
-template <typename T>
-std::string element_text(const Teuchos::Array<T>& values) {
-  std::string text = "{";
-  for (Teuchos::Ordinal i = 0; i < values.size(); ++i) {
-    text += (i == 0 ? "" : ", ") + element_text(values[i]);
-  }
-  return text + "}";
-}
 
 /// Whole numbers without exponent: 10000000, not 1e+07.
 std::string bound_text(double bound) {
@@ -58,32 +42,6 @@ ParameterSpec make(const std::string& name, ParameterType type) {
 
 }  // namespace
 
-std::string xml_name(ParameterType type) {
-  switch (type) {
-    case ParameterType::boolean:
-      return "bool";
-    case ParameterType::integer:
-      return "int";
-    case ParameterType::real:
-      return "double";
-    case ParameterType::text:
-      return "string";
-    case ParameterType::integer_array:
-      return "Array(int)";
-    case ParameterType::real_array:
-      return "Array(double)";
-    case ParameterType::text_array:
-      return "Array(string)";
-  }
-  throw std::logic_error("xml_name: a parameter type without a name");
-}
-
-ParameterSpec ParameterSpec::required() const {
-  ParameterSpec spec = *this;
-  spec.presence = Presence::required;
-  return spec;
-}
-
 ParameterSpec ParameterSpec::by_default(const ParameterValue& value) const {
   ParameterSpec spec = *this;
   spec.presence = Presence::defaulted;
@@ -91,54 +49,6 @@ ParameterSpec ParameterSpec::by_default(const ParameterValue& value) const {
   if (type == ParameterType::real && std::holds_alternative<int>(value)) {
     spec.default_value = static_cast<double>(std::get<int>(value));
   }
-  return spec;
-}
-
-ParameterSpec ParameterSpec::at_least(double minimum) const {
-  ParameterSpec spec = *this;
-  spec.range.minimum = minimum;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::at_most(double maximum) const {
-  ParameterSpec spec = *this;
-  spec.range.maximum = maximum;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::above(double minimum) const {
-  ParameterSpec spec = at_least(minimum);
-  spec.range.minimum_excluded = true;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::below(double maximum) const {
-  ParameterSpec spec = at_most(maximum);
-  spec.range.maximum_excluded = true;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::or_infinite() const {
-  ParameterSpec spec = *this;
-  spec.range.infinity_allowed = true;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::or_empty() const {
-  ParameterSpec spec = *this;
-  spec.empty_allowed = true;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::or_one_of(const std::vector<std::string>& allowed) const {
-  ParameterSpec spec = *this;
-  spec.words = allowed;
-  return spec;
-}
-
-ParameterSpec ParameterSpec::means(const std::string& sentence) const {
-  ParameterSpec spec = *this;
-  spec.meaning = sentence;
   return spec;
 }
 
@@ -194,6 +104,13 @@ ListSpec& ListSpec::with_named_lists(const std::string& placeholder_name, const 
   return *this;
 }
 
+ListSpec& ListSpec::with_forms(const std::string& parameter,
+                               const std::map<std::string, std::vector<Form>>& forms_of_words) {
+  form_parameter = parameter;
+  forms = forms_of_words;
+  return *this;
+}
+
 ListSpec& ListSpec::without_checks() {
   unchecked = true;
   return *this;
@@ -235,10 +152,6 @@ std::string allowed_values(const ParameterSpec& parameter) {
   }
   if (!parameter.words.empty()) text += ", or string, one of " + quoted_list(parameter.words);
   return text;
-}
-
-std::string to_text(const ParameterValue& value) {
-  return std::visit([](const auto& held) { return element_text(held); }, value);
 }
 
 }  // namespace mixbeam

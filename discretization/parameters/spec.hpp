@@ -7,21 +7,15 @@
 ///     Presence::required);
 #pragma once
 
-#include <Teuchos_Array.hpp>
+#include "discretization/parameters/value.hpp"
 
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 namespace mixbeam {
-
-/// No array of booleans: Teuchos cannot store one.
-enum class ParameterType { boolean, integer, real, text, integer_array, real_array, text_array };
-
-/// `Array(double)`: the type as written in XML.
-std::string xml_name(ParameterType type);
 
 enum class Presence {
   required,   ///< absent: an error
@@ -38,9 +32,6 @@ struct Range {
   bool infinity_allowed = false;
 };
 
-using ParameterValue = std::variant<std::monostate, bool, int, double, std::string, Teuchos::Array<int>,
-                                    Teuchos::Array<double>, Teuchos::Array<std::string>>;
-
 struct ParameterSpec {
   std::string name;
   ParameterType type = ParameterType::real;
@@ -49,21 +40,41 @@ struct ParameterSpec {
   Range range;
   int length = 0;                    ///< arrays: how many values; 0: any number
   bool empty_allowed = false;        ///< arrays: no value at all is allowed too
+  double shortest = 0.0;             ///< vectors: smallest Euclidean norm, below which there is no direction
   std::vector<std::string> choices;  ///< strings and arrays of strings: the only ones allowed; none given: any
   std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) that may stand in their place
   std::string meaning;               ///< one sentence, with units and frame
 
   // The declaration reads as a sentence: real("EA").above(0.0).required().means("axial stiffness, force").
-  ParameterSpec required() const;
+  ParameterSpec required() const { return with(&ParameterSpec::presence, Presence::required); }
   ParameterSpec by_default(const ParameterValue& value) const;
-  ParameterSpec at_least(double minimum) const;
-  ParameterSpec at_most(double maximum) const;
-  ParameterSpec above(double minimum) const;
-  ParameterSpec below(double maximum) const;
-  ParameterSpec or_infinite() const;
-  ParameterSpec or_empty() const;
-  ParameterSpec or_one_of(const std::vector<std::string>& words) const;
-  ParameterSpec means(const std::string& sentence) const;
+  /// The default is the initial value of the field that the parameter is bound to (binding.hpp).
+  ParameterSpec by_default() const { return with(&ParameterSpec::presence, Presence::defaulted); }
+  ParameterSpec at_least(double minimum) const { return with_range(&Range::minimum, minimum); }
+  ParameterSpec at_most(double maximum) const { return with_range(&Range::maximum, maximum); }
+  ParameterSpec above(double minimum) const { return at_least(minimum).with_range(&Range::minimum_excluded, true); }
+  ParameterSpec below(double maximum) const { return at_most(maximum).with_range(&Range::maximum_excluded, true); }
+  ParameterSpec or_infinite() const { return with_range(&Range::infinity_allowed, true); }
+  ParameterSpec or_empty() const { return with(&ParameterSpec::empty_allowed, true); }
+  ParameterSpec longer_than(double norm) const { return with(&ParameterSpec::shortest, norm); }
+  ParameterSpec or_one_of(const std::vector<std::string>& allowed) const {
+    return with(&ParameterSpec::words, allowed);
+  }
+  ParameterSpec means(const std::string& sentence) const { return with(&ParameterSpec::meaning, sentence); }
+
+ private:
+  template <class Value>
+  ParameterSpec with(Value ParameterSpec::*member, const Value& value) const {
+    ParameterSpec spec = *this;
+    spec.*member = value;
+    return spec;
+  }
+  template <class Value>
+  ParameterSpec with_range(Value Range::*bound, Value value) const {
+    ParameterSpec spec = *this;
+    spec.range.*bound = value;
+    return spec;
+  }
 };
 
 ParameterSpec boolean(const std::string& name);
@@ -79,6 +90,11 @@ ParameterSpec subset(const std::string& name, const std::vector<std::string>& ch
 
 struct SublistSpec;
 
+/// One way to fill a list.
+struct Form {
+  std::vector<std::string> needed, optional{};
+};
+
 /// What a list may contain: parameters and lists of fixed names, and either parameters or lists of free names.
 struct ListSpec {
   ListSpec() = default;
@@ -87,6 +103,8 @@ struct ListSpec {
   std::string meaning;
   std::vector<ParameterSpec> parameters;
   std::vector<SublistSpec> sublists;
+  std::string form_parameter;                      ///< the word that decides which forms are allowed
+  std::map<std::string, std::vector<Form>> forms;  ///< by that word; names in none of them are always allowed
   std::vector<std::string> removed;  ///< parameters of earlier versions: validate() warns and goes on without them
   std::shared_ptr<const ParameterSpec> named_parameter;  ///< what every parameter of a free name must be
   std::shared_ptr<const ListSpec> named_list;            ///< what every list of a free name must be
@@ -95,9 +113,12 @@ struct ListSpec {
   bool unchecked = false;                                ///< anything goes: somebody else checks this list
 
   ListSpec& add(const ParameterSpec& parameter);
+  ListSpec& add(const ParameterSpec& parameter, const std::string& sentence) { return add(parameter.means(sentence)); }
   ListSpec& add_list(const std::string& name, const ListSpec& list, Presence presence = Presence::defaulted);
   ListSpec& with_named_parameters(const std::string& placeholder_name, const ParameterSpec& parameter, int minimum = 0);
   ListSpec& with_named_lists(const std::string& placeholder_name, const ListSpec& list, int minimum = 0);
+  /// Which other entries of the list are needed or allowed depends on the word that `parameter` says.
+  ListSpec& with_forms(const std::string& parameter, const std::map<std::string, std::vector<Form>>& forms_of_words);
   ListSpec& without_checks();
   /// A parameter that earlier versions had, and that no result depends on.
   ListSpec& had_once(const std::string& name);
@@ -116,8 +137,5 @@ struct SublistSpec {
 
 /// `double, value > 0, or inf`: what may be written for this parameter.
 std::string allowed_values(const ParameterSpec& parameter);
-
-/// `"text"`, `0.5`, `true`, `{1, 2, 3}`.
-std::string to_text(const ParameterValue& value);
 
 }  // namespace mixbeam

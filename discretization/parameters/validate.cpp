@@ -1,5 +1,6 @@
 #include "discretization/parameters/validate.hpp"
 
+#include "discretization/parameters/access.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/nearest_name.hpp"
 
@@ -14,25 +15,8 @@ namespace {
 using Teuchos::ParameterEntry;
 using Teuchos::ParameterList;
 
-template <typename T>
-bool take(const ParameterEntry& entry, ParameterValue& value) {
-  if (!entry.isType<T>()) return false;
-  value = Teuchos::getValue<T>(entry);
-  return true;
-}
-
-/// The value of an entry; empty for a type that XML cannot express (a list that the program made itself).
-ParameterValue value_of(const ParameterEntry& entry) {
-  ParameterValue value;
-  static_cast<void>(take<bool>(entry, value) || take<int>(entry, value) || take<double>(entry, value) ||
-                    take<std::string>(entry, value) || take<Teuchos::Array<int>>(entry, value) ||
-                    take<Teuchos::Array<double>>(entry, value) || take<Teuchos::Array<std::string>>(entry, value));
-  return value;
-}
-
-/// The alternatives of ParameterValue stand in the order of ParameterType, after the empty one.
-bool has_type(const ParameterValue& value, ParameterType type) {
-  return value.index() == static_cast<std::size_t>(type) + 1;
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 std::string type_of(const ParameterValue& value) {
@@ -84,17 +68,70 @@ int array_length(const ParameterValue& value) {
   return std::holds_alternative<std::string>(value) ? 1 : std::visit(length, value);
 }
 
-void set_value(ParameterList& list, const std::string& name, const ParameterValue& value, bool as_default) {
-  const auto set = [&](const auto& held) {
-    if constexpr (!std::is_same_v<std::decay_t<decltype(held)>, std::monostate>) {
-      if (as_default) {
-        list.get(name, held);  // remembers that this value is a default
-      } else {
-        list.set(name, held);
-      }
-    }
-  };
-  std::visit(set, value);
+std::string described(const ParameterSpec& spec) {
+  if (spec.meaning.empty()) return allowed_values(spec);
+  const bool full_stop = spec.meaning.back() == '.';
+  return allowed_values(spec) + " (" + spec.meaning.substr(0, spec.meaning.size() - (full_stop ? 1 : 0)) + ")";
+}
+
+bool is_long_enough(const ParameterValue& value, double shortest) {
+  if (shortest == 0.0) return true;
+  double norm = 0.0;
+  for (const double component : std::get<Teuchos::Array<double>>(value)) norm = std::hypot(norm, component);
+  return norm >= shortest;
+}
+
+/// Of words that must be among the choices, each at most once.
+Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec) {
+  Teuchos::Array<std::string> words;
+  if (std::holds_alternative<std::string>(value)) words.push_back(std::get<std::string>(value));
+  if (std::holds_alternative<Teuchos::Array<std::string>>(value)) words = std::get<Teuchos::Array<std::string>>(value);
+  const std::string seen = "value " + excerpt(to_text(value)), allowed = "; allowed: " + described(spec);
+  std::set<std::string> earlier;
+  for (const std::string& word : words) {
+    if (!contains(spec.choices, word)) return seen + allowed + did_you_mean(word, spec.choices);
+    if (!earlier.insert(word).second) return seen + " says \"" + word + "\" twice" + allowed;
+  }
+  return "";
+}
+
+/// What keeps a list from being of some form.
+struct Misfits {
+  std::vector<std::string> missing, too_many;
+  std::size_t size() const { return missing.size() + too_many.size(); }
+};
+
+/// All names that some form speaks of.
+std::vector<std::string> names_of_forms(const ListSpec& spec) {
+  std::vector<std::string> names;
+  for (const std::string& name : spec.fixed_names())
+    for (const auto& [word, forms] : spec.forms)
+      for (const Form& form : forms)
+        if ((contains(form.needed, name) || contains(form.optional, name)) && !contains(names, name))
+          names.push_back(name);
+  return names;
+}
+
+Misfits misfits(const ParameterList& list, const ListSpec& spec, const Form& form) {
+  Misfits found;
+  for (const std::string& name : form.needed)
+    if (!list.isParameter(name) && !list.isSublist(name)) found.missing.push_back(name);
+  for (const std::string& name : names_of_forms(spec))
+    if (is_given(list, name) && !contains(form.needed, name) && !contains(form.optional, name))
+      found.too_many.push_back(name);
+  return found;
+}
+
+/// `"Center", "Axis", "Angle"; or "Through"`
+std::string described_forms(const ListSpec& spec, const std::vector<Form>& forms) {
+  std::string text;
+  for (const Form& form : forms) {
+    std::vector<std::string> names = form.needed;
+    names.insert(names.end(), form.optional.begin(), form.optional.end());
+    text += (text.empty() ? "" : "; or ") +
+            (names.empty() ? "none of " + quoted_list(names_of_forms(spec)) : quoted_list(names));
+  }
+  return text;
 }
 
 /// One walk over a list and its sublists; `path_` follows the walk.
@@ -117,6 +154,7 @@ class Validator {
       path_.pop_back();
     }
     check_named_entries(list, spec);
+    if (list.isParameter(spec.form_parameter)) check_form(list, spec, list.get<std::string>(spec.form_parameter));
   }
 
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -170,8 +208,8 @@ class Validator {
     std::string word;
     if (std::holds_alternative<bool>(given)) word = to_text(given);
     if (std::holds_alternative<std::string>(given)) word = std::get<std::string>(given);
-    if (std::find(spec.words.begin(), spec.words.end(), word) == spec.words.end()) return false;
-    set_value(list, name, word, false);
+    if (!contains(spec.words, word)) return false;
+    set_value(list, name, word);
     return true;
   }
 
@@ -185,44 +223,8 @@ class Validator {
     if (is_allowed_word(list, spec, name)) return;
     const ParameterValue given = value_of(*entry);
     const ParameterValue value = widened(given, spec.type);
-    check_value(value, spec);
-    if (value.index() != given.index()) set_value(list, name, value, false);
-  }
-
-  void check_value(const ParameterValue& value, const ParameterSpec& spec) const {
-    const auto seen = [&] { return "value " + excerpt(to_text(value)); };
-    if (!has_type(value, spec.type)) throw error(seen() + " of " + type_of(value) + "; allowed: " + described(spec));
-    const int length = array_length(value);
-    if (spec.length > 0 && length != spec.length) {
-      throw error(seen() + " has " + std::to_string(length) + " entries; allowed: " + described(spec));
-    }
-    if (length == 0 && !spec.empty_allowed) throw error(seen() + " is empty; allowed: " + described(spec));
-    if (!numbers_in_range(value, spec.range)) throw error(seen() + "; allowed: " + described(spec));
-    if (!spec.choices.empty()) check_choices(value, spec);
-  }
-
-  void check_choices(const ParameterValue& value, const ParameterSpec& spec) const {
-    if (std::holds_alternative<std::string>(value)) check_choice(std::get<std::string>(value), value, spec);
-    if (!std::holds_alternative<Teuchos::Array<std::string>>(value)) return;
-    std::set<std::string> seen;
-    for (const std::string& word : std::get<Teuchos::Array<std::string>>(value)) {
-      check_choice(word, value, spec);
-      if (!seen.insert(word).second) {
-        throw error("value " + excerpt(to_text(value)) + " says \"" + word + "\" twice; allowed: " + described(spec));
-      }
-    }
-  }
-
-  void check_choice(const std::string& word, const ParameterValue& value, const ParameterSpec& spec) const {
-    if (std::find(spec.choices.begin(), spec.choices.end(), word) != spec.choices.end()) return;
-    throw error("value " + excerpt(to_text(value)) + "; allowed: " + described(spec) +
-                did_you_mean(word, spec.choices));
-  }
-
-  static std::string described(const ParameterSpec& spec) {
-    if (spec.meaning.empty()) return allowed_values(spec);
-    const bool full_stop = spec.meaning.back() == '.';
-    return allowed_values(spec) + " (" + spec.meaning.substr(0, spec.meaning.size() - (full_stop ? 1 : 0)) + ")";
+    if (const Problem problem = problem_of(value, spec); !problem.empty()) throw error(problem);
+    if (value.index() != given.index()) set_value(list, name, value);
   }
 
   void check_sublist(ParameterList& list, const SublistSpec& spec) {
@@ -255,12 +257,38 @@ class Validator {
     }
   }
 
+  /// Against the form of this word that is nearest to what was given.
+  void check_form(const ParameterList& list, const ListSpec& spec, const std::string& word) const {
+    const std::vector<Form>& forms = spec.forms.at(word);
+    Misfits nearest = misfits(list, spec, forms.front());
+    for (const Form& form : forms)
+      if (Misfits other = misfits(list, spec, form); other.size() < nearest.size()) nearest = std::move(other);
+    if (nearest.size() == 0) return;
+    const bool missing = !nearest.missing.empty();
+    const std::string& name = missing ? nearest.missing.front() : nearest.too_many.front();
+    const std::string what = spec.find_list(name) != nullptr ? "missing ParameterList" : "missing";
+    throw source_.error(child(path_, name), (missing ? what + "; needed" : "given, but has no meaning") + " for \"" +
+                                                spec.form_parameter + "\" = \"" + word +
+                                                "\"; allowed with it: " + described_forms(spec, forms));
+  }
+
   const ParameterSource& source_;
   ParameterPath path_;
   std::vector<std::string> warnings_;
 };
 
 }  // namespace
+
+Problem problem_of(const ParameterValue& value, const ParameterSpec& spec) {
+  const std::string seen = "value " + excerpt(to_text(value)), allowed = "; allowed: " + described(spec);
+  if (!has_type(value, spec.type)) return seen + " of " + type_of(value) + allowed;
+  const int length = array_length(value);
+  if (spec.length > 0 && length != spec.length) return seen + " has " + std::to_string(length) + " entries" + allowed;
+  if (length == 0 && !spec.empty_allowed) return seen + " is empty" + allowed;
+  if (!numbers_in_range(value, spec.range)) return seen + allowed;
+  if (!is_long_enough(value, spec.shortest)) return seen + " has no direction" + allowed;
+  return spec.choices.empty() ? "" : problem_of_words(value, spec);
+}
 
 std::vector<std::string> validate(ParameterList& list, const ListSpec& spec, const ParameterSource& source,
                                   const ParameterPath& path) {

@@ -1,9 +1,8 @@
 #include "discretization/parameters/xml_reader.hpp"
 
-#include "discretization/parameters/spec.hpp"
+#include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/nearest_name.hpp"
-#include "discretization/text/number_text.hpp"
 
 #include <libxml/SAX2.h>
 #include <libxml/parserInternals.h>
@@ -26,83 +25,6 @@ constexpr std::size_t kMaximumBytes = std::size_t{256}
                                       << 20U;  // some million members; keeps a wrong file from eating memory
 constexpr std::size_t kMaximumDepth = 64;      // nested lists; real files need less than ten
 
-Problem parse_text(const std::string& text, bool& value) {
-  const std::string word = trimmed(text);
-  if (word != "true" && word != "false") return "value \"" + excerpt(word) + R"("; allowed: "true", "false")";
-  value = word == "true";
-  return "";
-}
-Problem parse_text(const std::string& text, int& value) { return parse_number(text, value); }
-Problem parse_text(const std::string& text, double& value) { return parse_number(text, value); }
-Problem parse_text(const std::string& text, std::string& value) {
-  value = text;
-  return "";
-}
-
-/// Where the entries of an array end: at its commas and at its end. A comma inside parentheses belongs to the entry,
-/// like in max(x, 1), unless the parentheses do not match.
-std::vector<std::size_t> ends_of_entries(const std::string& text) {
-  std::vector<std::size_t> all, outside;
-  int depth = 0;
-  bool match = true;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (text[i] == '(') ++depth;
-    if (text[i] == ')') match = --depth >= 0 && match;
-    if (text[i] != ',') continue;
-    all.push_back(i);
-    if (depth == 0) outside.push_back(i);
-  }
-  std::vector<std::size_t>& ends = match && depth == 0 ? outside : all;
-  ends.push_back(text.size());
-  return ends;
-}
-
-template <typename T>
-Problem parse_text(const std::string& text, Teuchos::Array<T>& values) {
-  const std::string braced = trimmed(text);
-  if (braced.size() < 2 || braced.front() != '{' || braced.back() != '}' || braced.find('{', 1) != std::string::npos) {
-    return "value \"" + excerpt(braced) + "\" is not an array; allowed: values between braces, like {1, 2, 3}";
-  }
-  const std::string inside = braced.substr(1, braced.size() - 2);
-  if (trimmed(inside).empty()) return "";
-  std::size_t begin = 0;
-  for (const std::size_t end : ends_of_entries(inside)) {
-    const std::string entry = trimmed(inside.substr(begin, end - begin));
-    if (entry.empty()) return "value \"" + excerpt(braced) + "\" has an empty entry; allowed: values between commas";
-    T value{};
-    if (Problem problem = parse_text(entry, value); !problem.empty()) return "in an array: " + problem;
-    values.push_back(value);
-    begin = end + 1;
-  }
-  return "";
-}
-
-template <typename T>
-Problem set_parsed(Teuchos::ParameterList& list, const std::string& name, const std::string& text) {
-  T value{};
-  Problem problem = parse_text(text, value);
-  if (problem.empty()) list.set(name, value);
-  return problem;
-}
-
-using Setter = Problem (*)(Teuchos::ParameterList&, const std::string&, const std::string&);
-
-Setter setter_for(const std::string& type) {
-  static const std::unordered_map<std::string, Setter> setters = {
-      {xml_name(ParameterType::boolean), set_parsed<bool>},
-      {xml_name(ParameterType::integer), set_parsed<int>},
-      {xml_name(ParameterType::real), set_parsed<double>},
-      {xml_name(ParameterType::text), set_parsed<std::string>},
-      {xml_name(ParameterType::integer_array), set_parsed<Teuchos::Array<int>>},
-      {xml_name(ParameterType::real_array), set_parsed<Teuchos::Array<double>>},
-      {xml_name(ParameterType::text_array), set_parsed<Teuchos::Array<std::string>>},
-  };
-  const auto found = setters.find(type);
-  return found == setters.end() ? nullptr : found->second;
-}
-
-const std::vector<std::string> kTypes = {"bool",       "int",           "double",       "string",
-                                         "Array(int)", "Array(double)", "Array(string)"};
 const std::vector<std::string> kTags = {"ParameterList", "Parameter"};
 // Teuchos writes the last four of each itself; they say nothing that is needed here.
 const std::vector<std::string> kListAttributes = {"name", "id", "docString", "isDefault", "isUsed"};
@@ -247,13 +169,16 @@ class ListBuilder {
     const std::string& value = attribute(attributes, "value", "Parameter", line_number);
     path_.push_back(name);
     claim_path(line_number);
-    const Setter set = setter_for(type);
-    if (set == nullptr) {
-      throw result_.source.error(path_, "unknown type \"" + excerpt(type) + "\"; allowed: " + quoted_list(kTypes) +
-                                            did_you_mean(type, kTypes));
+    const std::vector<std::string>& types = xml_names();
+    const auto known = std::find(types.begin(), types.end(), type);
+    if (known == types.end()) {
+      throw result_.source.error(
+          path_, "unknown type \"" + excerpt(type) + "\"; allowed: " + quoted_list(types) + did_you_mean(type, types));
     }
-    const Problem problem = set(*open_.back(), name, value);
+    ParameterValue parsed;
+    const Problem problem = parse_value(value, static_cast<ParameterType>(known - types.begin()), parsed);
     if (!problem.empty()) throw result_.source.error(path_, problem);
+    set_value(*open_.back(), name, parsed);
     path_.pop_back();
     inside_parameter_ = true;
   }

@@ -1,6 +1,7 @@
 #include "discretization/reading/comparison.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/reading/members.hpp"
 #include "discretization/scene/division.hpp"
 
 #include <algorithm>
@@ -74,13 +75,9 @@ std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMembe
 
 std::string difference_between(const PlacedMember& a, const PlacedMember& b, SameLine direction) {
   const Member &m = a.member, &n = b.member;
-  if (m.section != n.section) return "section";
-  if (m.end_section != n.end_section || m.taper != n.taper) return "taper";
+  const std::string parameter = member_parameters().difference(m, n);
+  if (!parameter.empty()) return "\"" + parameter + "\"";
   if (!m.end_section.empty() && direction == SameLine::backward) return "direction of the taper";
-  if (m.order != n.order) return "order";
-  if (m.elements != n.elements) return "number of elements";
-  if (m.force_integration != n.force_integration) return "force integration";
-  if (std::abs(m.twist - n.twist) > kSameAngle) return "twist";
   if (!same_inner_points(m, n, direction)) return "inner points or stations";
   if (!same_axes(a, b, direction)) return "direction of axis 2";
   return "";

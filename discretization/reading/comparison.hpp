@@ -24,7 +24,8 @@ enum class SameLine { forward, backward };  ///< direction of the second member 
 /// Whether the centerlines of two members that share both points coincide up to `tolerance` [length], and how.
 std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMember& b, double tolerance);
 
-/// What two members on the same centerline do not agree in: "section", ...; empty if they are the same beam.
+/// What two members on the same centerline do not agree in, a parameter like "Section" or more; empty if they are the
+/// same beam.
 std::string difference_between(const PlacedMember& a, const PlacedMember& b, SameLine direction);
 
 }  // namespace mixbeam

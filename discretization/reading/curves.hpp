@@ -2,8 +2,8 @@
 #pragma once
 
 #include "discretization/geometry/arc_construction.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/source.hpp"
-#include "discretization/parameters/spec.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -14,9 +14,6 @@
 
 namespace mixbeam {
 
-/// Declaration of the list "Curve".
-ListSpec curve_spec();
-
 /// A curve as it was written; some follow only when the positions of their ends are known.
 struct CurveDraft {
   Curve curve;
@@ -25,6 +22,9 @@ struct CurveDraft {
   std::vector<Vector3> corners{};           ///< polyline: positions of its inner corners ...
   std::vector<std::string> corner_names{};  ///< ... or their names
 };
+
+/// Parameters of the list "Curve".
+const BoundList<CurveDraft>& curve_parameters();
 
 /// Reads the validated list "Curve" that stands at `path`. Throws InputError for parameters that do not belong
 /// together, and for formulas that are none.

@@ -1,7 +1,7 @@
 #include "discretization/reading/import.hpp"
 
-#include "discretization/parameters/access.hpp"
-#include "discretization/reading/read_scene.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/reading/members.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/nearest_name.hpp"
@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <utility>
 
@@ -19,7 +18,6 @@ namespace {
 
 const std::string kNameColumn = "name";
 const std::string kPointsFile = "Points File", kMembersFile = "Members File";
-constexpr int kLargestOrder = 8;
 
 std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -49,34 +47,41 @@ CsvFile table_of(const Teuchos::ParameterList& list, const std::string& paramete
   return {beside_scene(name, source).string(), kept->second};
 }
 
-std::string imported_name(const ImportTable& table, const CsvRecord& record, const std::string& column) {
-  const std::string& name = table.cell(record, column);
-  if (name.empty()) throw table.error(record, column, "missing " + column + "; allowed: a name");
+std::string imported_name(const ImportTable& table, const CsvRecord& record) {
+  const std::string& name = table.cell(record, kNameColumn);
   const bool has_control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; });
-  if (has_control) throw table.error(record, column, "value \"" + excerpt(name) + "\" has control characters");
+  if (has_control) throw table.error(record, kNameColumn, "value \"" + excerpt(name) + "\" has control characters");
   const Problem problem = result_name_problem(name);
-  if (!problem.empty()) throw table.error(record, column, problem);
+  if (!problem.empty()) throw table.error(record, kNameColumn, problem);
   return name;
 }
 
-double imported_coordinate(const ImportTable& table, const CsvRecord& record, const std::string& column) {
-  double value = 0.0;
-  const Problem problem = parse_number(table.cell(record, column), value);
+/// Of a cell that is not empty.
+ParameterValue cell_value(const ImportTable& table, const CsvRecord& record, const ParameterSpec& spec) {
+  const std::string column = lower_case(spec.name);
+  ParameterValue value;
+  Problem problem = parse_value(table.cell(record, column), spec.type, value);
+  if (problem.empty()) problem = problem_of(value, spec);
   if (!problem.empty()) throw table.error(record, column, column + ": " + problem);
-  if (std::abs(value) <= kLargestCoordinate) return value;  // false for nan
-  throw table.error(record, column,
-                    column + ": value " + shortest(value) + "; allowed: up to " + shortest(kLargestCoordinate));
+  return value;
 }
 
-int imported_count(const ImportTable& table, const CsvRecord& record, const std::string& column, int absent, int most) {
-  const std::string& text = table.cell(record, column);
-  if (text.empty()) return absent;
-  int value = 0;
-  const Problem problem = parse_number(text, value);
-  if (!problem.empty()) throw table.error(record, column, column + ": " + problem);
-  if (value >= 1 && value <= most) return value;
-  throw table.error(record, column,
-                    column + ": value " + std::to_string(value) + "; allowed: 1 to " + std::to_string(most));
+/// Columns of the table of members: those that every record fills, then those with a default in the list "Import".
+std::vector<std::string> member_columns(bool with_default) {
+  std::vector<std::string> columns;
+  for (const BoundParameter<Member>& parameter : member_parameters().parameters)
+    if (parameter.is_column && parameter.column_default.empty() != with_default)
+      columns.push_back(lower_case(parameter.spec.name));
+  return columns;
+}
+
+std::string meaning_of_members_file() {
+  static const std::vector<std::string> counts = {"none", "one", "two", "three", "four", "five", "six", "seven"};
+  std::string text = "Table of straight members: " + kNameColumn;
+  for (const bool with_default : {false, true})
+    for (const std::string& column : member_columns(with_default)) text += ", " + column;
+  return text + "; empty or absent cells of the last " + counts.at(member_columns(true).size()) +
+         " take the values below.";
 }
 
 }  // namespace
@@ -86,13 +91,14 @@ ListSpec import_spec() {
       "Points and lines from tables (CSV), beside those of Points and Members. Cells are separated by commas, "
       "semicolons or tabulators; lines that begin with # do not count; a first line may name the columns, which may "
       "then stand in any order.");
-  spec.add(text(kPointsFile).means("Table of points: name, x, y, z; relative to the folder of the scene."));
-  spec.add(text(kMembersFile)
-               .means("Table of straight members: name, start, end, section, order, elements; empty or absent cells of "
-                      "the last three take the values below."));
-  spec.add(text("Section").means("Section of the members whose record names none."));
-  spec.add(integer("Order").at_least(1).at_most(kLargestOrder).by_default(2).means("Order of their elements."));
-  spec.add(integer("Elements").at_least(1).at_most(kMostElements).by_default(1).means("Number of their elements."));
+  spec.add(text(kPointsFile), "Table of points: name, x, y, z; relative to the folder of the scene.");
+  spec.add(text(kMembersFile), meaning_of_members_file());
+  for (const BoundParameter<Member>& parameter : member_parameters().parameters) {
+    if (parameter.column_default.empty()) continue;
+    ParameterSpec in_all_records = parameter.spec.means(parameter.column_default);
+    if (in_all_records.presence == Presence::required) in_all_records.presence = Presence::optional;
+    spec.add(in_all_records);
+  }
   return spec;
 }
 
@@ -183,30 +189,37 @@ ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSour
 
 ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source,
                           const ParameterPath& path) {
-  return {table_of(list, kMembersFile, source, path), {kNameColumn, "start", "end", "section", "order", "elements"}, 3};
+  std::vector<std::string> columns = member_columns(false);
+  columns.insert(columns.begin(), kNameColumn);
+  const std::size_t required = columns.size();
+  for (std::string& column : member_columns(true)) columns.push_back(std::move(column));
+  return {table_of(list, kMembersFile, source, path), columns, required};
 }
 
 Point imported_point(const ImportTable& table, const CsvRecord& record) {
+  const auto coordinate = [](const char* name) {
+    return real(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+  };
+  static const std::array<ParameterSpec, 3> coordinates = {coordinate("x"), coordinate("y"), coordinate("z")};
   Point point;
-  point.name = imported_name(table, record, kNameColumn);
-  point.position = {imported_coordinate(table, record, "x"), imported_coordinate(table, record, "y"),
-                    imported_coordinate(table, record, "z")};
+  point.name = imported_name(table, record);
+  for (std::size_t i = 0; i < 3; ++i) point.position[i] = std::get<double>(cell_value(table, record, coordinates[i]));
   return point;
 }
 
 Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list) {
   Member member;
-  member.name = imported_name(table, record, kNameColumn);
-  member.start_point = imported_name(table, record, "start");
-  member.end_point = imported_name(table, record, "end");
-  member.section = table.cell(record, "section");
-  if (member.section.empty()) member.section = get_text_or_empty(list, "Section");
-  if (member.section.empty())
-    throw table.error(record, "section", "missing section; allowed: a name here, or \"Section\" of \"Import\"");
-  member.order = imported_count(table, record, "order", list.get<int>("Order"), kLargestOrder);
-  member.elements = imported_count(table, record, "elements", list.get<int>("Elements"), kMostElements);
-  member.keeps_order = is_given(list, "Order") || !table.cell(record, "order").empty();
-  member.keeps_elements = is_given(list, "Elements") || !table.cell(record, "elements").empty();
+  member.name = imported_name(table, record);
+  for (const BoundParameter<Member>& parameter : member_parameters().parameters) {
+    if (!parameter.is_column) continue;
+    const std::string column = lower_case(parameter.spec.name);
+    if (!table.cell(record, column).empty())
+      parameter.give(member, cell_value(table, record, parameter.spec));
+    else if (!parameter.read(list, member) && parameter.spec.presence == Presence::required)
+      throw table.error(
+          record, column,
+          "missing " + column + "; allowed: a value here, or \"" + parameter.spec.name + "\" of \"Import\"");
+  }
   return member;
 }
 

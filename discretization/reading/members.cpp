@@ -1,11 +1,14 @@
 /// The part of SceneReader that reads members, apart from where they are.
 
+#include "discretization/reading/members.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula.hpp"
+#include "discretization/reading/curves.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/division.hpp"
+#include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -17,15 +20,87 @@ namespace {
 
 using namespace vector_algebra;
 
-const std::map<std::string, ForceIntegration> kForceIntegrations = {{"full", ForceIntegration::full},
-                                                                    {"axial reduced", ForceIntegration::axial_reduced},
-                                                                    {"shear reduced", ForceIntegration::shear_reduced},
-                                                                    {"both reduced", ForceIntegration::both_reduced}};
+constexpr int kLargestOrder = 8;
+constexpr double kSameAngle = 1e-6;  // of twists, which are written with six digits. [radian]
+
+void bind_section_along(BoundList<Member>& member) {
+  member.bind(&Member::section, text("Section").required(), "Name of its section.")
+      .column("Section of the members whose record names none.");
+  member.bind(&Member::end_section, text("End Section"),
+              "Name of the section at its end: the section changes from start to end.");
+  member.bind(&Member::taper, text("Taper"),
+              "with End Section: its weight as a formula of x = arc length over length of the member, 0 for the "
+              "section of the start, 1 for that of the end; x itself if absent.");
+}
+
+void bind_division(BoundList<Member>& member) {
+  member
+      .bind(&Member::order, integer("Order").at_least(1).at_most(kLargestOrder).by_default(),
+            "Polynomial order k of its elements.")
+      .marks(&Member::keeps_order)
+      .column("Order of their elements.");
+  member
+      .bind(&Member::elements, integer("Elements").at_least(1).at_most(kMostElements).by_default(),
+            "Number of elements: of equal length, or as equal as the inner points permit, at least one between two of "
+            "them; a polyline shares them out by length, at least one for each line.")
+      .marks(&Member::keeps_elements)
+      .column("Number of their elements.");
+  member
+      .bind(&Member::stations, array("Stations", ParameterType::real_array).at_least(0.0).at_most(1.0),
+            "Ends of all elements as arc length over length of the member, from 0 to 1, instead of Elements; inner "
+            "points must be among them.")
+      .marks(&Member::keeps_elements)
+      .not_compared();
+  member.spec.add_list(
+      "Inner Points",
+      ListSpec("Points inside the member, where other members may join and supports and loads may act.")
+          .with_named_parameters("point", real("").above(0.0).below(1.0).required().means(
+                                              "Arc length over length of the member; the name may be new.")),
+      Presence::optional);
+}
+
+BoundList<Member> declared_member_parameters() {
+  BoundList<Member> member("A beam between two points, rigidly joined to all members that share a point with it.");
+  member.bind(&Member::start_point, text("Start").required(), "Name of the point where the member starts.")
+      .column()
+      .not_compared();
+  member
+      .bind(&Member::end_point, text("End").required(),
+            "Name of the point where it ends; a new name is allowed where the position follows from the curve: helix, "
+            "parametric, arc by Angle.")
+      .column()
+      .not_compared();
+  bind_section_along(member);
+  bind_division(member);
+  member.bind(&Member::force_integration, text("Force Integration").by_default(),
+              "Which part of the force-strain energy takes k instead of k + 1 Gauss points; only 'both reduced' is "
+              "free of locking.",
+              {{"full", ForceIntegration::full},
+               {"axial reduced", ForceIntegration::axial_reduced},
+               {"shear reduced", ForceIntegration::shear_reduced},
+               {"both reduced", ForceIntegration::both_reduced}});
+  member
+      .bind(&Member::second_axis, direction("Second Axis"),
+            "Direction that section axis 2 takes at the start, as nearly as the tangent permits; the program chooses "
+            "one if it is absent.")
+      .not_compared();
+  member
+      .bind(&Member::twist, real("Twist").at_least(-kLargestAngle).at_most(kLargestAngle),
+            "Pre-twist: angle by which the section turns about the tangent from start to end [radian].")
+      .compared_within(kSameAngle);
+  member.spec.add_list("Curve", curve_parameters().spec, Presence::optional);
+  return member;
+}
 
 /// `frame[2]`
 std::string numbered(const std::string& name, std::size_t number) { return name + "[" + std::to_string(number) + "]"; }
 
 }  // namespace
+
+const BoundList<Member>& member_parameters() {
+  static const BoundList<Member> parameters = declared_member_parameters();
+  return parameters;
+}
 
 void SceneReader::read_members() {
   const List& members = list_.sublist("Members");
@@ -50,33 +125,17 @@ void SceneReader::read_members() {
 }
 
 Member SceneReader::read_member(const std::string& name, const List& list, const ParameterPath& path) const {
-  Member member;
+  Member member = member_parameters().read(list);
   member.name = name;
-  member.start_point = list.get<std::string>("Start");
-  member.end_point = list.get<std::string>("End");
-  member.section = list.get<std::string>("Section");
-  member.order = list.get<int>("Order");
-  member.elements = list.get<int>("Elements");
-  member.keeps_order = is_given(list, "Order");
-  member.keeps_elements = is_given(list, "Elements") || list.isParameter("Stations");
-  member.force_integration = translated(list, "Force Integration", kForceIntegrations);
-  member.second_axis = get_vector_or_zero(list, "Second Axis");
-  if (list.isParameter("Second Axis") && norm(member.second_axis) < kShortestLength) {
-    throw source_.error(child(path, "Second Axis"),
-                        "value " + to_text(member.second_axis) + "; allowed: any vector but zero");
-  }
-  if (list.isParameter("Twist")) member.twist = list.get<double>("Twist");
-  read_taper(member, list, path);
+  check_taper(member, path);
   if (list.isSublist("Inner Points"))
     read_inner_points(member, list.sublist("Inner Points"), child(path, "Inner Points"));
   if (list.isParameter("Stations")) read_stations(member, list, path);
   return member;
 }
 
-void SceneReader::read_taper(Member& member, const List& list, const ParameterPath& path) const {
-  member.end_section = get_text_or_empty(list, "End Section");
-  member.taper = get_text_or_empty(list, "Taper");
-  if (!list.isParameter("Taper")) return;
+void SceneReader::check_taper(const Member& member, const ParameterPath& path) const {
+  if (member.taper.empty()) return;
   const ParameterPath taper = child(path, "Taper");
   if (member.end_section.empty())
     throw source_.error(taper,
@@ -105,8 +164,6 @@ void SceneReader::read_inner_points(Member& member, const List& list, const Para
 }
 
 void SceneReader::read_stations(Member& member, const List& list, const ParameterPath& path) const {
-  const auto& values = list.get<Teuchos::Array<double>>("Stations");
-  member.stations.assign(values.begin(), values.end());
   const int elements = static_cast<int>(member.stations.size()) - 1;
   if (is_given(list, "Elements") && member.elements != elements) {
     throw source_.error(child(path, "Elements"), "value " + std::to_string(member.elements) +
@@ -118,7 +175,8 @@ void SceneReader::read_stations(Member& member, const List& list, const Paramete
   try {
     divide(member);
   } catch (const std::invalid_argument& problem) {
-    throw source_.error(child(path, "Stations"), "value " + excerpt(to_text(values)) + ": " + problem.what());
+    throw source_.error(child(path, "Stations"),
+                        "value " + excerpt(to_text(binding::value_from(member.stations))) + ": " + problem.what());
   }
 }
 

@@ -4,6 +4,7 @@
 #include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/reading/comparison.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/limits.hpp"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
@@ -30,35 +32,50 @@ constexpr double kMostCopiedBytes = 4e9;  // keeps copies of large members from 
 constexpr std::size_t kNoPoint = ~std::size_t{0};
 
 enum class PatternKind { repeat, rotate, mirror };
-const std::map<std::string, PatternKind> kKinds = {
-    {"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}};
-const std::map<PatternKind, std::vector<std::string>> kNeeded = {{PatternKind::repeat, {"Vector", "Count"}},
-                                                                 {PatternKind::rotate, {"Center", "Axis", "Count"}},
-                                                                 {PatternKind::mirror, {"Point", "Normal"}}};
 
-ListSpec pattern_spec() {
-  ListSpec spec("Copies of members with their points; acts on the copies of the patterns before it too.");
-  spec.add(array("Members", ParameterType::text_array)
-               .by_default(Teuchos::tuple<std::string>("*"))
-               .means("Names of the members, where * stands for any characters."));
-  spec.add(choice("Kind", {"repeat", "rotate", "mirror"})
-               .required()
-               .means("repeat: shifted by Vector again and again; rotate: about an axis; mirror: reflected in a plane. "
-                      "Points and members of copies that coincide with what is there become one."));
-  spec.add(integer("Count")
-               .at_least(2)
-               .at_most(kMostElements)
-               .means("repeat, rotate: how often the members are there in the end, the original counted."));
-  spec.add(bounded_vector("Vector").means("repeat: from each copy to the next [length]."));
-  spec.add(bounded_vector("Center").means("rotate: a point of the axis [length]."));
-  spec.add(bounded_vector("Axis").means("rotate: direction of the axis; right-handed (any length)."));
-  spec.add(real("Angle")
-               .at_least(-kLargestAngle)
-               .at_most(kLargestAngle)
-               .means("rotate: from each copy to the next [radian]; a whole turn over Count if absent."));
-  spec.add(bounded_vector("Point").means("mirror: a point of the plane [length]."));
-  spec.add(bounded_vector("Normal").means("mirror: normal of the plane (any length)."));
-  return spec;
+struct Pattern {
+  std::vector<std::string> members{"*"};
+  PatternKind kind = PatternKind::repeat;
+  int count = 2;  // mirror: the original and its image
+  Vector3 vector{}, center{}, axis{}, point{}, normal{};
+  std::optional<double> angle{};
+};
+
+BoundList<Pattern> pattern_parameters() {
+  BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
+  pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
+               "Names of the members, where * stands for any characters.");
+  pattern.bind(&Pattern::kind, text("Kind").required(),
+               "repeat: shifted by Vector again and again; rotate: about an axis; mirror: reflected in a plane. Points "
+               "and members of copies that coincide with what is there become one.",
+               {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
+  pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
+               "repeat, rotate: how often the members are there in the end, the original counted.");
+  pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
+  pattern.bind(&Pattern::center, bounded_vector("Center"), "rotate: a point of the axis [length].");
+  pattern.bind(&Pattern::axis, direction("Axis"), "rotate: direction of the axis; right-handed (any length).");
+  pattern.bind(&Pattern::angle, real("Angle").at_least(-kLargestAngle).at_most(kLargestAngle),
+               "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
+  pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
+  pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
+  pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
+                                   {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
+                                   {"mirror", {{{"Point", "Normal"}}}}});
+  return pattern;
+}
+
+const BoundList<Pattern> kPatternParameters = pattern_parameters();
+
+/// Of all copies, the original not counted.
+std::vector<Isometry> motions_of(const Pattern& pattern) {
+  if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
+  std::vector<Isometry> motions;
+  for (int i = 1; i < pattern.count; ++i) {
+    const double angle = pattern.angle ? i * *pattern.angle : kTurn * i / pattern.count;
+    motions.push_back(pattern.kind == PatternKind::repeat ? Isometry::shift(scaled(i, pattern.vector))
+                                                          : Isometry::rotation(pattern.center, pattern.axis, angle));
+  }
+  return motions;
 }
 
 /// Where a copy comes from: its name is that of the original and the numbers of the copies on the way.
@@ -86,7 +103,7 @@ class PatternScene {
  public:
   PatternScene(const ParameterSource& source, Scene& scene);
 
-  void apply(const ParameterList& list, const ParameterPath& path);
+  void apply(const Pattern& pattern, const ParameterPath& path);
 
  private:
   using Ends = std::array<std::size_t, 2>;
@@ -100,9 +117,7 @@ class PatternScene {
     double tolerance = 0.0;                        ///< [length]
   };
 
-  InputError error(const Work& work, const std::string& parameter, const std::string& problem) const {
-    return source_.error(parameter.empty() ? work.path : child(work.path, parameter), problem);
-  }
+  InputError error(const Work& work, const std::string& problem) const { return source_.error(work.path, problem); }
   static std::uint64_t between(const Ends& ends) {
     return (static_cast<std::uint64_t>(std::min(ends[0], ends[1])) << 32U) | std::max(ends[0], ends[1]);
   }
@@ -111,10 +126,7 @@ class PatternScene {
             scene_.sections[section_index_.at(member.section)]};
   }
 
-  void check_parameters(const ParameterList& list, const Work& work) const;
-  std::vector<Isometry> motions(const ParameterList& list, const Work& work) const;
-  Vector3 direction(const ParameterList& list, const std::string& name, const Work& work) const;
-  void select_members(const ParameterList& list, Work& work) const;
+  void select_members(const std::vector<std::string>& texts, Work& work) const;
   void select_points(Work& work) const;
   void check_size(const Work& work, int copies) const;
   PointGrid grid_of(Work& work, const std::vector<Isometry>& motions) const;
@@ -151,12 +163,11 @@ PatternScene::PatternScene(const ParameterSource& source, Scene& scene) : source
   }
 }
 
-void PatternScene::apply(const ParameterList& list, const ParameterPath& path) {
+void PatternScene::apply(const Pattern& pattern, const ParameterPath& path) {
   Work work{path};
-  check_parameters(list, work);
-  select_members(list, work);
-  check_size(work, list.isParameter("Count") ? list.get<int>("Count") - 1 : 1);
-  const std::vector<Isometry> copies = motions(list, work);
+  select_members(pattern.members, work);
+  check_size(work, pattern.count - 1);
+  const std::vector<Isometry> copies = motions_of(pattern);
   select_points(work);
   PointGrid grid = grid_of(work, copies);
   number_originals(work);
@@ -168,51 +179,11 @@ void PatternScene::apply(const ParameterList& list, const ParameterPath& path) {
   }
 }
 
-Vector3 PatternScene::direction(const ParameterList& list, const std::string& name, const Work& work) const {
-  const Vector3 vector = get_vector(list, name);
-  if (norm(vector) >= kShortestLength) return vector;
-  throw error(work, name, "value " + to_text(vector) + " has no direction; allowed: any vector but zero");
-}
-
-void PatternScene::check_parameters(const ParameterList& list, const Work& work) const {
-  const auto& word = list.get<std::string>("Kind");
-  const PatternKind kind = kKinds.at(word);
-  const std::vector<std::string>& needed = kNeeded.at(kind);
-  for (const std::string name : {"Vector", "Center", "Axis", "Angle", "Count", "Point", "Normal"}) {
-    const bool wanted = std::find(needed.begin(), needed.end(), name) != needed.end();
-    const bool may_be = kind == PatternKind::rotate && name == "Angle";
-    if (may_be || wanted == list.isParameter(name)) continue;
-    const std::string problem = wanted ? "missing; needed for" : "given, but has no meaning for";
-    throw error(work, name, problem + " \"Kind\" = \"" + word + "\"; needed with it: " + quoted_list(needed));
-  }
-}
-
-/// Of all copies, the original not counted.
-std::vector<Isometry> PatternScene::motions(const ParameterList& list, const Work& work) const {
-  const PatternKind kind = kKinds.at(list.get<std::string>("Kind"));
-  if (kind == PatternKind::mirror)
-    return {Isometry::reflection(get_vector(list, "Point"), direction(list, "Normal", work))};
-  const int count = list.get<int>("Count");
-  std::vector<Isometry> motions;
-  if (kind == PatternKind::repeat) {
-    const Vector3 vector = direction(list, "Vector", work);
-    for (int i = 1; i < count; ++i) motions.push_back(Isometry::shift(scaled(i, vector)));
-    return motions;
-  }
-  const Vector3 center = get_vector(list, "Center"), axis = direction(list, "Axis", work);
-  const bool by_angle = list.isParameter("Angle");
-  for (int i = 1; i < count; ++i) {
-    const double angle = by_angle ? i * list.get<double>("Angle") : kTurn * i / count;
-    motions.push_back(Isometry::rotation(center, axis, angle));
-  }
-  return motions;
-}
-
-void PatternScene::select_members(const ParameterList& list, Work& work) const {
+void PatternScene::select_members(const std::vector<std::string>& texts, Work& work) const {
   std::vector<bool> selected(scene_.members.size(), false);
   std::unordered_map<std::string, std::size_t> index;
   for (std::size_t i = 0; i < scene_.members.size(); ++i) index.emplace(scene_.members[i].name, i);
-  for (const std::string& text : list.get<Teuchos::Array<std::string>>("Members")) {
+  for (const std::string& text : texts) {
     bool found = false;
     const auto exact = index.find(text);
     if (exact != index.end()) {
@@ -258,10 +229,9 @@ void PatternScene::check_size(const Work& work, int copies) const {
                                          member.curve.formula[2].size() + 2 * member.taper.size());
   }
   if (elements <= kMostElements && bytes <= kMostCopiedBytes) return;
-  throw error(work, "",
-              std::to_string(copies) + " copies bring the scene to " + shortest(elements) + " elements and " +
-                  shortest(bytes) + " bytes; allowed: " + std::to_string(kMostElements) + " elements, " +
-                  shortest(kMostCopiedBytes) + " bytes");
+  throw error(work, std::to_string(copies) + " copies bring the scene to " + shortest(elements) + " elements and " +
+                        shortest(bytes) + " bytes; allowed: " + std::to_string(kMostElements) + " elements, " +
+                        shortest(kMostCopiedBytes) + " bytes");
 }
 
 /// Grid with all points of the scene, wide enough for all copies.
@@ -279,9 +249,8 @@ PointGrid PatternScene::grid_of(Work& work, const std::vector<Isometry>& motions
     for (const std::size_t point : work.points) include(motion.position(scene_.points[point].position));
   for (std::size_t i = 0; i < 3; ++i) {
     if (low[i] >= -kLargestCoordinate && high[i] <= kLargestCoordinate) continue;
-    throw error(work, "",
-                "copies have coordinates up to " + shortest(std::max(-low[i], high[i])) + "; allowed: up to " +
-                    shortest(kLargestCoordinate));
+    throw error(work, "copies have coordinates up to " + shortest(std::max(-low[i], high[i])) + "; allowed: up to " +
+                          shortest(kLargestCoordinate));
   }
   work.tolerance = std::max(kPointTolerance * norm(difference(high, low)), kShortestLength);
   const double reach = 2.0 * work.tolerance;
@@ -321,9 +290,8 @@ void PatternScene::copy_points(const Isometry& motion, int number, PointGrid& gr
     Label label = point_label_[point].copy(number);
     const std::string name = label.name();
     if (!point_index_.emplace(name, scene_.points.size()).second) {
-      throw error(work, "",
-                  "the copy of point \"" + excerpt(scene_.points[point].name) + "\" would be \"" + excerpt(name) +
-                      "\", which exists already; allowed: another name of that point");
+      throw error(work, "the copy of point \"" + excerpt(scene_.points[point].name) + "\" would be \"" + excerpt(name) +
+                            "\", which exists already; allowed: another name of that point");
     }
     grid.insert(position);
     scene_.points.push_back({name, position});
@@ -340,13 +308,12 @@ void PatternScene::copy_members(const Isometry& motion, int number, const Work& 
     copy.name = label.name();
     const Ends ends = {work.image[ends_[m][0]], work.image[ends_[m][1]]};
     if (ends[0] == ends[1] && ends_[m][0] != ends_[m][1])
-      throw error(work, "", "member \"" + excerpt(copy.name) + "\" would have no length");
+      throw error(work, "member \"" + excerpt(copy.name) + "\" would have no length");
     if (copy.curve.shape == CurveShape::parametric) placed(copy, ends).curve();  // formulas grow with every copy
     if (is_there(copy, ends, before, work)) continue;
     if (!member_names_.insert(copy.name).second) {
-      throw error(work, "",
-                  "the copy of member \"" + excerpt(scene_.members[m].name) + "\" would be \"" + excerpt(copy.name) +
-                      "\", which exists already; allowed: another name of that member");
+      throw error(work, "the copy of member \"" + excerpt(scene_.members[m].name) + "\" would be \"" +
+                            excerpt(copy.name) + "\", which exists already; allowed: another name of that member");
     }
     members_at_.emplace(between(ends), scene_.members.size());
     ends_.push_back(ends);
@@ -387,7 +354,7 @@ bool PatternScene::is_there(const Member& copy, const Ends& ends, std::size_t me
               "\" but differ from it in " + what + "; allowed: equal members, which become one";
   }
   if (problem.empty()) return false;
-  throw error(work, "", problem);
+  throw error(work, problem);
 }
 
 std::string PatternScene::mirrored_section(const std::string& name) {
@@ -410,7 +377,7 @@ std::string PatternScene::mirrored_section(const std::string& name) {
 }  // namespace
 
 ListSpec patterns_spec() {
-  return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", pattern_spec());
+  return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", kPatternParameters.spec);
 }
 
 void apply_patterns(const ParameterList& patterns, const ParameterSource& source, const ParameterPath& path,
@@ -420,7 +387,7 @@ void apply_patterns(const ParameterList& patterns, const ParameterSource& source
   PatternScene work(source, scene);
   for (const std::string& name : names) {
     try {
-      work.apply(patterns.sublist(name), child(path, name));
+      work.apply(kPatternParameters.read(patterns.sublist(name)), child(path, name));
     } catch (const std::invalid_argument& problem) {
       throw source.error(child(path, name), std::string("a copy cannot be made: ") + problem.what());
     }

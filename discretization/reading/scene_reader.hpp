@@ -58,7 +58,7 @@ class SceneReader {
   Member read_member(const std::string& name, const List& list, const ParameterPath& path) const;
   void read_inner_points(Member& member, const List& list, const ParameterPath& path) const;
   void read_stations(Member& member, const List& list, const ParameterPath& path) const;
-  void read_taper(Member& member, const List& list, const ParameterPath& path) const;
+  void check_taper(const Member& member, const ParameterPath& path) const;
   void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
   std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const ParameterPath& path);
   void check_plain(const List& list, const ParameterPath& path) const;

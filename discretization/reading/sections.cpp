@@ -40,37 +40,36 @@ const std::map<std::string, ShapeRule> kShapeRules = {
 
 ListSpec material_spec() {
   ListSpec spec("Material of a section given by its shape.");
-  spec.add(real("E").above(0.0).means("Young's modulus [force / length^2]."));
-  spec.add(real("nu").above(-1.0).at_most(0.5).means(
-      "Poisson's ratio; may be absent where G is given, and follows then from E and G."));
-  spec.add(real("G").above(0.0).means("Shear modulus [force / length^2]; E / (2 (1 + nu)) if absent."));
+  spec.add(real("E").above(0.0), "Young's modulus [force / length^2].");
+  spec.add(real("nu").above(-1.0).at_most(0.5),
+           "Poisson's ratio; may be absent where G is given, and follows then from E and G.");
+  spec.add(real("G").above(0.0), "Shear modulus [force / length^2]; E / (2 (1 + nu)) if absent.");
   return spec;
 }
 
 void add_stiffnesses(ListSpec& spec) {
-  spec.add(real("EA").above(0.0).or_infinite().means(
-      "Axial stiffness [force]; inf or the switch Inextensible for none of the strain."));
-  spec.add(real("GA2").above(0.0).or_infinite().means(
-      "Shear stiffness in direction 2 [force]; inf or the switch Shear Rigid for none of the strain."));
-  spec.add(real("GA3").above(0.0).or_infinite().means(
-      "Shear stiffness in direction 3 [force]; inf or the switch Shear Rigid for none of the strain."));
-  spec.add(real("GIt").above(0.0).means("Torsional stiffness [force * length^2]."));
-  spec.add(real("EI2").above(0.0).means("Bending stiffness about axis 2 [force * length^2]."));
-  spec.add(real("EI3").above(0.0).means("Bending stiffness about axis 3 [force * length^2]."));
+  spec.add(real("EA").above(0.0).or_infinite(),
+           "Axial stiffness [force]; inf or the switch Inextensible for none of the strain.");
+  spec.add(real("GA2").above(0.0).or_infinite(),
+           "Shear stiffness in direction 2 [force]; inf or the switch Shear Rigid for none of the strain.");
+  spec.add(real("GA3").above(0.0).or_infinite(),
+           "Shear stiffness in direction 3 [force]; inf or the switch Shear Rigid for none of the strain.");
+  spec.add(real("GIt").above(0.0), "Torsional stiffness [force * length^2].");
+  spec.add(real("EI2").above(0.0), "Bending stiffness about axis 2 [force * length^2].");
+  spec.add(real("EI3").above(0.0), "Bending stiffness about axis 3 [force * length^2].");
 }
 
 void add_shape(ListSpec& spec) {
-  spec.add(choice("Shape", {"circle", "tube", "rectangle", "ellipse", "I"})
-               .means("Shape of a section of one material, instead of stiffnesses; with its dimensions and Material."));
-  spec.add(real("Diameter").above(0.0).means("circle, tube: outer diameter [length]."));
-  spec.add(real("Wall").above(0.0).means("tube: thickness of the wall, at most half of the diameter [length]."));
-  spec.add(real("Width").above(0.0).means("rectangle, ellipse, I: whole width along axis 2 [length]."));
-  spec.add(real("Height").above(0.0).means("rectangle, ellipse, I: whole height along axis 3 [length]."));
-  spec.add(real("Flange").above(0.0).means("I: thickness of the flanges, which lie along axis 2 [length]."));
-  spec.add(real("Web").above(0.0).means("I: thickness of the web [length]."));
-  spec.add(array("Shear Correction", ParameterType::real_array, 2)
-               .above(0.0)
-               .means("Factors of G A in GA2 and GA3; absent: those of Cowper (1966) for the shape."));
+  spec.add(choice("Shape", {"circle", "tube", "rectangle", "ellipse", "I"}),
+           "Shape of a section of one material, instead of stiffnesses; with its dimensions and Material.");
+  spec.add(real("Diameter").above(0.0), "circle, tube: outer diameter [length].");
+  spec.add(real("Wall").above(0.0), "tube: thickness of the wall, at most half of the diameter [length].");
+  spec.add(real("Width").above(0.0), "rectangle, ellipse, I: whole width along axis 2 [length].");
+  spec.add(real("Height").above(0.0), "rectangle, ellipse, I: whole height along axis 3 [length].");
+  spec.add(real("Flange").above(0.0), "I: thickness of the flanges, which lie along axis 2 [length].");
+  spec.add(real("Web").above(0.0), "I: thickness of the web [length].");
+  spec.add(array("Shear Correction", ParameterType::real_array, 2).above(0.0),
+           "Factors of G A in GA2 and GA3; absent: those of Cowper (1966) for the shape.");
   spec.add_list("Material", material_spec(), Presence::optional);
 }
 
@@ -283,9 +282,10 @@ class SectionReader {
         } else if (rest > kSmallestPivot) {
           factor[i][i] = std::sqrt(rest);
         } else {
-          throw error("Matrix", "not positive definite: its upper left block of " + std::to_string(i + 1) +
-                                    " rows has a state of strain without energy or below; allowed: a symmetric "
-                                    "positive definite matrix");
+          throw error(
+              "Matrix",
+              "not positive definite: its upper left block of " + std::to_string(i + 1) +
+                  " rows has a state of strain without energy or below; allowed: a symmetric positive definite matrix");
         }
       }
     }
@@ -304,17 +304,14 @@ ListSpec section_spec() {
       "Material, or Matrix.");
   add_stiffnesses(spec);
   add_shape(spec);
-  spec.add(array("Matrix", ParameterType::real_array)
-               .at_least(-std::numeric_limits<double>::max())
-               .means("Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the "
-                      "21 of the upper triangle, row by row; symmetric and positive definite."));
-  spec.add(boolean("Inextensible")
-               .by_default(false)
-               .means("True: no axial strain; EA must then not be given, and its row of Matrix does not count."));
-  spec.add(boolean("Shear Rigid")
-               .by_default(false)
-               .means("True: no shear strain, sections stay normal to the axis; GA2 and GA3 must then not be given, "
-                      "and their rows of Matrix do not count."));
+  spec.add(array("Matrix", ParameterType::real_array).at_least(-std::numeric_limits<double>::max()),
+           "Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the 21 of the "
+           "upper triangle, row by row; symmetric and positive definite.");
+  spec.add(boolean("Inextensible").by_default(false),
+           "True: no axial strain; EA must then not be given, and its row of Matrix does not count.");
+  spec.add(boolean("Shear Rigid").by_default(false),
+           "True: no shear strain, sections stay normal to the axis; GA2 and GA3 must then not be given, and their "
+           "rows of Matrix do not count.");
   return spec;
 }
 

@@ -1,6 +1,7 @@
 /// Bounds of the numbers in a scene.
 #pragma once
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/spec.hpp"
 
 #include <string>
@@ -14,9 +15,14 @@ inline constexpr double kLargestAngle = 1e6;
 /// Below that relative errors of displacements are those of rounding.
 inline constexpr double kBestAccuracy = 1e-12;
 
-/// A position or a direction.
+/// A position.
 inline ParameterSpec bounded_vector(const std::string& name) {
   return vector3(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+}
+
+/// A direction of any length.
+inline ParameterSpec direction(const std::string& name) {
+  return bounded_vector(name).longer_than(vector_algebra::kShortestLength);
 }
 
 }  // namespace mixbeam

@@ -229,7 +229,7 @@ TEST(Joints, AreRefusedWithAPlace) {
   expect_refused(joint(hub + words("Members", "{leg 1}") + word("Kind", "hing")), {"did you mean \"hinge\"?"});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge), {"J / Axis", "missing"});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + numbers("Axis", "{0, 0, 0}")), {"no direction"});
-  expect_refused(joint(hub + words("Members", "{leg 1}") + ball + axis), {"J / Axis", "no meaning for a ball"});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + ball + axis), {"J / Axis", "no meaning for \"Kind\" = \"ball\""});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + axis + number("Stiffness", "-1")), {"value >= 0"});
 }
 

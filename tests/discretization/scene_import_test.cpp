@@ -90,7 +90,7 @@ TEST_F(SceneImport, ErrorsNameLineAndColumn) {
   refused("A,0,0,0\n# no\n\nB,1,0\n", {"points.csv:4:1: ", "missing \"z\""});
   refused("A,0,0,0,9\n", {"points.csv:1:9: ", "one cell too many"});
   refused("A,0,0,nan\n", {"points.csv:1:7: ", "z: value nan"});
-  refused("A,0,0,1e101\n", {"points.csv:1:7: ", "up to 1e+100"});
+  refused("A,0,0,1e101\n", {"points.csv:1:7: ", "<= 1e+100"});
   refused("A,0,0,0\nA,1,0,0\n", {"points.csv:2:1: ", "\"A\" is the name of another point"});
   refused("A,0,0,0\n..,1,0,0\n", {"points.csv:2:1: ", "\"..\"", "result file"});
   refused("\"A,0,0,0\n", {"points.csv:1:1: ", "not closed"});
@@ -112,7 +112,7 @@ TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
   refused("m,A,B,flat\nn,B,Q,flat\n", {"members.csv:2:5: ", "member \"n\"", "\"Q\" is not a point"});
   refused("m,A,B,flat\nn,B,C,flet\n", {"members.csv:2:7: ", "did you mean \"flat\"?"});
   refused("m,A,B\n", {"members.csv:1:1: ", "missing section"});
-  refused("m,A,B,flat,9\n", {"members.csv:1:12: ", "order: value 9", "1 to 8"});
+  refused("m,A,B,flat,9\n", {"members.csv:1:12: ", "order: value 9", "1 <= value <= 8"});
   refused("m,A,B,flat,2,0\n", {"members.csv:1:14: ", "elements: value 0"});
   refused("m,A,B,flat\nn/1,B,C,flat\n", {"members.csv:2:1: ", "\"n/1\"", "without \"/\""});
   refused("m,A,B,flat\nn,B,B,flat\n", {"members.csv:2:1: ", "no length"});

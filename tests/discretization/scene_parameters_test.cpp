@@ -190,7 +190,7 @@ TEST(SceneParameters, RefusesWrongLoads) {
   expect_scene_refused(with_load(follower + text_parameter("Member", "shaft")),
                        {"value \"shaft\"", "with one end at \"tip\""});
   expect_scene_refused(with_load(follower + text_parameter("Member", "arhc")), {"did you mean \"arch\"?"});
-  expect_scene_refused(with_load(text_parameter("Member", "arch")), {"no meaning for a dead load"});
+  expect_scene_refused(with_load(text_parameter("Member", "arch")), {"no meaning for \"Frame\" = \"dead\""});
   expect_refused(array_parameter("Force", "{0, 1, 0}"), "", {"\"Scene / Point Loads / pull\"", "loads nothing"});
   expect_refused("{0, 1, 0}\"/>\n      </ParameterList>\n    </ParameterList>\n    <ParameterList name=\"Dist",
                  "{0, 1}\"/>\n      </ParameterList>\n    </ParameterList>\n    <ParameterList name=\"Dist",

@@ -255,7 +255,7 @@ TEST(ScenePatterns, CoincidingMembersMustAgree) {
   expect_text_refused(
       scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + other,
                  patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})),
-      {"\"Scene / Patterns / p1\"", "\"along (1)\" would lie on member \"over\"", "number of elements"});
+      {"\"Scene / Patterns / p1\"", "\"along (1)\" would lie on member \"over\"", "differ from it in \"Elements\""});
   const Scene same = scene_from(scene_text(kCell + numbers("D", "{2, 0, 0}"), kCellMembers + member("over", "D", "B"),
                                            patterns({repeat("{1, 0, 0}", 2, words("Members", "{along}"))})));
   EXPECT_EQ(same.members.size(), 3U);

@@ -1,6 +1,8 @@
 /// The work behind read_conditions (reading/conditions/read_conditions.hpp).
 #pragma once
 
+#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/reading/conditions/read_conditions.hpp"
 #include "discretization/scene/names.hpp"
 
@@ -9,6 +11,30 @@
 #include <utility>
 
 namespace mixbeam {
+
+/// What follows the name of a point or member that may stand for many.
+inline const std::string kWildcard = "; * stands for any characters, and every match is meant.";
+
+/// Stage, amplitude and case of whatever acts.
+template <class Acting>
+void bind_schedule(BoundList<Acting>& list, const std::string& what) {
+  constexpr int kMostStages = 1000;
+  list.bind(&Acting::stage, integer("Stage").at_least(1).at_most(kMostStages).by_default(),
+            what +
+                " from zero to full while the load factor goes from stage - 1 to stage, and stays after that; with an "
+                "amplitude: the load factor runs at least up to this number.");
+  list.bind(
+      &Acting::amplitude, text("Amplitude"),
+      "Factor of all components as a formula of t = load factor, like sin(pi*t); instead of the growth in one stage.");
+  list.bind(&Acting::load_case, text("Case"),
+            "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
+}
+
+extern const BoundList<Support> kSupportParameters;
+extern const BoundList<Joint> kJointParameters;
+extern const BoundList<PointLoad> kPointLoadParameters;
+extern const BoundList<DistributedLoad> kDistributedLoadParameters;
+extern const BoundList<Eigenstrain> kEigenstrainParameters;
 
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
@@ -22,26 +48,19 @@ class ConditionReader {
  private:
   using List = Teuchos::ParameterList;
 
-  /// Stage, amplitude and case of one load, as declared.
-  struct Schedule {
-    Stage stage = 1;
-    std::string amplitude, load_case;
-
-    /// Gives it to a load, support or eigenstrain.
-    template <class Acting>
-    void assign_to(Acting& acting) const {
-      acting.stage = stage;
-      acting.amplitude = amplitude;
-      acting.load_case = load_case;
-    }
-  };
-
   /// A use of a stage: what acts with an amplitude acts in every stage up to its own.
   struct UsedStage {
     Stage first = 1, last = 1;
     std::string load_case;
     ParameterPath path;
   };
+
+  /// Calls `action` with name, list and place of each list inside the list `lists`.
+  template <class Action>
+  void for_each(const std::string& lists, const Action& action) const {
+    const List& all = scene_list_.sublist(lists);
+    for (const std::string& name : names_of(all)) action(name, all.sublist(name), child(child(path_, lists), name));
+  }
 
   void read_load_cases();
   void read_supports();
@@ -60,20 +79,24 @@ class ConditionReader {
 
   Joint read_joint(const List& list, const ParameterPath& path);
   void join(const std::string& text, Joint& joint, const ParameterPath& path);
-  void check_joint_axis(const List& list, const ParameterPath& path) const;
   void check_someone_is_left(const Joint& joint) const;
 
   std::string follower_member(const std::string& text, const std::string& point, const ParameterPath& path) const;
-  /// The constant of `name`, or the three formulas of `name` + " Formula", of which at most one may be given.
-  void read_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
-                  Vector3& constant, std::array<std::string, 3>& formula, const ParameterPath& path) const;
+  /// Instead of the constant `name`, the three formulas of `name` + " Formula" may be given.
+  void check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
+                   const std::array<std::string, 3>& formula, const ParameterPath& path) const;
   double length_of(const Member& member) const;
   void add_temperature(const List& list, Eigenstrain& strain, const ParameterPath& path) const;
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
                        const ParameterPath& path) const;
 
-  /// Reads, checks and remembers when something acts.
-  Schedule read_schedule(const List& list, const ParameterPath& path);
+  /// Checks and remembers when something acts.
+  template <class Acting>
+  void check_schedule(const Acting& acting, const List& list, const ParameterPath& path) {
+    check_schedule(acting.stage, acting.amplitude, acting.load_case, list, path);
+  }
+  void check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case, const List& list,
+                      const ParameterPath& path);
   void check_stages();
   void check_stages_of_case(const std::string& load_case) const;
   void check_amplitudes() const;

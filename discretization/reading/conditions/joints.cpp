@@ -1,33 +1,48 @@
 /// The part of ConditionReader that reads joints.
 
-#include "discretization/geometry/vector_algebra.hpp"
-#include "discretization/parameters/access.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/name_pattern.hpp"
 #include "discretization/text/nearest_name.hpp"
-#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 
 namespace mixbeam {
 namespace {
 
-using namespace vector_algebra;
-
-const std::map<std::string, JointKind> kKinds = {
-    {"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}};
+BoundList<Joint> joint_parameters() {
+  BoundList<Joint> joint(
+      "A connection that gives way: each listed member ends in its own joint with the rest of what meets at the point; "
+      "members not listed stay rigidly connected, and supports and loads of the point act on them.");
+  joint.bind(&Joint::point, text("Point").required(), "Name of the point.");
+  joint.bind(&Joint::members, array("Members", ParameterType::text_array).required(),
+             "Names of members that have one end at the point, like {strut 1, strut 2}" + kWildcard);
+  joint.bind(&Joint::kind, text("Kind").required(),
+             "hinge: free to turn about Axis; ball: free to turn about any axis; slider: free to move along Axis, not "
+             "to turn.",
+             {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}});
+  joint.bind(&Joint::axis, direction("Axis"),
+             "hinge, slider: direction in the undeformed structure, in global components, of any length; it turns with "
+             "the members not listed.");
+  joint.bind(&Joint::stiffness, real("Stiffness").at_least(0.0).by_default(),
+             "hinge, slider: of a spring against the free motion [force * length / radian, force / length].");
+  joint.bind(&Joint::together, boolean("Together").by_default(),
+             "Whether the listed members stay rigidly connected to each other and share one joint, like the halves of "
+             "a bar that crosses another one at a pin; otherwise each has its own.");
+  const Form about_axis{{"Axis"}, {"Stiffness"}};
+  joint.spec.with_forms("Kind", {{"hinge", {about_axis}}, {"slider", {about_axis}}, {"ball", {Form{}}}});
+  return joint;
+}
 
 }  // namespace
 
+const BoundList<Joint> kJointParameters = joint_parameters();
 void ConditionReader::read_joints() {
-  const List& joints = scene_list_.sublist("Joints");
-  for (const std::string& name : names_of(joints)) {
-    const List& list = joints.sublist(name);
-    Joint joint = read_joint(list, child(child(path_, "Joints"), name));
-    joint.name = name;
-    scene_.joints.push_back(joint);
-  }
+  for_each("Joints", [this](const std::string& name, const List& list, const ParameterPath& path) {
+    scene_.joints.push_back(read_joint(list, path));
+    scene_.joints.back().name = name;
+  });
   // Only now: several joints at a point must not take its last member.
   for (const Joint& joint : scene_.joints) check_someone_is_left(joint);
 }
@@ -36,45 +51,22 @@ void ConditionReader::check_someone_is_left(const Joint& joint) const {
   std::set<std::string> touching;
   for (const Member* member : *names_.members_at(joint.point)) touching.insert(member->name);
   if (joined_at_.at(joint.point).size() < touching.size()) return;
-  throw source_.error(child(child(child(path_, "Joints"), joint.name), "Members"),
-                      "all members at \"" + excerpt(joint.point) +
-                          "\" are in joints, and none is left that they could be joined to; allowed: at least one of "
-                          "them not listed");
+  throw source_.error(
+      child(child(child(path_, "Joints"), joint.name), "Members"),
+      "all members at \"" + excerpt(joint.point) +
+          "\" are in joints, and none is left that they could be joined to; allowed: at least one of them not listed");
 }
 
 Joint ConditionReader::read_joint(const List& list, const ParameterPath& path) {
-  Joint joint;
-  joint.point = list.get<std::string>("Point");
-  joint.kind = translated(list, "Kind", kKinds);
-  joint.stiffness = list.get<double>("Stiffness");
+  Joint joint = kJointParameters.read(list);
   if (names_.members_at(joint.point) == nullptr)
     throw unknown_name(source_, child(path, "Point"), "point with members", joint.point, names_.point_names());
-  check_joint_axis(list, path);
-  if (joint.kind != JointKind::ball) joint.axis = get_vector(list, "Axis");
-  for (const std::string& text : list.get<Teuchos::Array<std::string>>("Members")) join(text, joint, path);
-  joint.together = list.get<bool>("Together");
+  for (const std::string& text : std::exchange(joint.members, {})) join(text, joint, path);
   if (joint.together && joint.members.size() < 2)
     throw source_.error(child(path, "Together"), "value true, but \"Members\" names only \"" +
                                                      excerpt(joint.members.front()) +
                                                      "\"; allowed: for two members or more");
   return joint;
-}
-
-/// A ball has neither axis nor spring, the others need an axis.
-void ConditionReader::check_joint_axis(const List& list, const ParameterPath& path) const {
-  const bool ball = list.get<std::string>("Kind") == "ball";
-  for (const std::string parameter : {"Axis", "Stiffness"}) {
-    if (ball && is_given(list, parameter))
-      throw source_.error(child(path, parameter), "given, but has no meaning for a ball; allowed: hinge, slider");
-  }
-  if (ball) return;
-  if (!list.isParameter("Axis"))
-    throw source_.error(child(path, "Axis"),
-                        "missing; needed for \"Kind\" = \"" + list.get<std::string>("Kind") + "\"");
-  const Vector3 axis = get_vector(list, "Axis");
-  if (norm(axis) >= kShortestLength) return;
-  throw source_.error(child(path, "Axis"),
-                      "value " + to_text(axis) + " has no direction; allowed: any vector but zero");
 }
 
 /// Adds the members that `text` means.

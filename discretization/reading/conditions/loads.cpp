@@ -16,7 +16,8 @@
 namespace mixbeam {
 namespace {
 
-const std::map<std::string, LoadFrame> kFrames = {{"dead", LoadFrame::dead}, {"follower", LoadFrame::follower}};
+const std::vector<std::pair<std::string, LoadFrame>> kFrames = {{"dead", LoadFrame::dead},
+                                                                {"follower", LoadFrame::follower}};
 const std::vector<std::string> kAlongMember = {"s", "x"};
 constexpr int kSamplesPerMember = 4;  // intervals: ends, middle, quarters
 
@@ -30,33 +31,83 @@ std::vector<std::vector<double>> samples_along(double length) {
   return samples;
 }
 
+ParameterSpec formulas(const std::string& name) { return array(name, ParameterType::text_array, 3); }
+
+BoundList<PointLoad> point_load_parameters() {
+  BoundList<PointLoad> load("A concentrated force and moment.");
+  load.bind(&PointLoad::point, text("Point").required(), "Name of the point" + kWildcard);
+  load.bind(&PointLoad::force, vector3("Force").by_default(), "Force [force].");
+  load.bind(&PointLoad::moment, vector3("Moment").by_default(), "Moment [force * length].");
+  load.bind(&PointLoad::frame, text("Frame").by_default(),
+            "dead: components in global axes, direction kept; follower: components in the triad of Member at this "
+            "point, which turns with it.",
+            kFrames);
+  load.bind(&PointLoad::member, text("Member"),
+            "follower only: name of the member whose triad the components refer to; * stands for any characters, but "
+            "must leave one member at each point.");
+  bind_schedule(load, "The load grows");
+  load.spec.with_forms("Frame", {{"dead", {Form{}}}, {"follower", {Form{{}, {"Member"}}}}});
+  return load;
+}
+
+BoundList<DistributedLoad> distributed_load_parameters() {
+  BoundList<DistributedLoad> load("A load per unit of undeformed length along a whole member.");
+  load.bind(&DistributedLoad::member, text("Member").required(), "Name of the member" + kWildcard);
+  load.bind(&DistributedLoad::force, vector3("Force").by_default(), "Force per length [force / length].");
+  load.bind(&DistributedLoad::couple, vector3("Couple").by_default(), "Moment per length [force].");
+  load.bind(&DistributedLoad::force_formula, formulas("Force Formula"),
+            "Instead of Force: its components as formulas of s = arc length from the start of the member and x = s / "
+            "length, like {0, 0, -3*(1 - x)}.");
+  load.bind(&DistributedLoad::couple_formula, formulas("Couple Formula"),
+            "Instead of Couple: its components as formulas of s and x.");
+  load.bind(&DistributedLoad::frame, text("Frame").by_default(),
+            "dead: components in global axes, direction kept; follower: components in the triad of the section on "
+            "which the load acts, which turns with it.",
+            kFrames);
+  bind_schedule(load, "The load grows");
+  return load;
+}
+
+BoundList<Eigenstrain> eigenstrain_parameters() {
+  BoundList<Eigenstrain> strain(
+      "Strain of a whole member without any stress: temperature, growth, actuation; components in the axes 1 (along), "
+      "2, 3 of the section.");
+  strain.bind(&Eigenstrain::member, text("Member").required(), "Name of the member" + kWildcard);
+  strain.bind(&Eigenstrain::strain, vector3("Strain").by_default(),
+              "Axial strain and the shear strains in directions 2 and 3 [1].");
+  strain.bind(
+      &Eigenstrain::curvature, vector3("Curvature").by_default(),
+      "Twist and the curvatures about axes 2 and 3, on top of those of the undeformed member [radian / length].");
+  strain.bind(&Eigenstrain::strain_formula, formulas("Strain Formula"),
+              "Instead of Strain: its components as formulas of s = arc length from the start of the member and x = s "
+              "/ length.");
+  strain.bind(&Eigenstrain::curvature_formula, formulas("Curvature Formula"),
+              "Instead of Curvature: its components as formulas of s and x.");
+  strain.spec.add(real("Temperature"),
+                  "Change of temperature; adds itself times Expansion Coefficient to the axial strain [kelvin].");
+  strain.spec.add(real("Expansion Coefficient"), "With Temperature: axial strain for each degree [1 / kelvin].");
+  bind_schedule(strain, "The strain grows");
+  return strain;
+}
+
 }  // namespace
 
+const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
+const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
+const BoundList<Eigenstrain> kEigenstrainParameters = eigenstrain_parameters();
 void ConditionReader::read_point_loads() {
-  const List& loads = scene_list_.sublist("Point Loads");
-  for (const std::string& name : names_of(loads)) {
-    const List& list = loads.sublist(name);
-    const ParameterPath path = child(child(path_, "Point Loads"), name);
+  for_each("Point Loads", [this](const std::string&, const List& list, const ParameterPath& path) {
     const std::vector<std::string> points = points_meant(list, path);
     check_any_given(list, {"Force", "Moment"}, "loads nothing", path);
-    PointLoad load;
-    load.force = get_vector(list, "Force");
-    load.moment = get_vector(list, "Moment");
-    load.frame = translated(list, "Frame", kFrames);
-    const std::string member = get_text_or_empty(list, "Member");
-    if (load.frame == LoadFrame::dead && list.isParameter("Member")) {
-      throw source_.error(child(path, "Member"), "value \"" + excerpt(member) +
-                                                     "\" has no meaning for a dead load; allowed: with \"Frame\" = "
-                                                     "\"follower\" only");
-    }
-    const Schedule schedule = read_schedule(list, path);
-    schedule.assign_to(load);
+    PointLoad load = kPointLoadParameters.read(list);
+    check_schedule(load, list, path);
+    const std::string member = load.member;
     for (const std::string& point : points) {
       load.point = point;
       if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, path);
       scene_.point_loads.push_back(load);
     }
-  }
+  });
 }
 
 /// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
@@ -85,44 +136,35 @@ std::string ConditionReader::follower_member(const std::string& text, const std:
 }
 
 void ConditionReader::read_distributed_loads() {
-  const List& loads = scene_list_.sublist("Distributed Loads");
-  for (const std::string& name : names_of(loads)) {
-    const List& list = loads.sublist(name);
-    const ParameterPath path = child(child(path_, "Distributed Loads"), name);
+  for_each("Distributed Loads", [this](const std::string&, const List& list, const ParameterPath& path) {
     const std::vector<const Member*> members = members_meant(list, path);
     check_any_given(list, {"Force", "Couple", "Force Formula", "Couple Formula"}, "loads nothing", path);
-    DistributedLoad load;
-    read_field(list, "Force", members, load.force, load.force_formula, path);
-    read_field(list, "Couple", members, load.couple, load.couple_formula, path);
-    load.frame = translated(list, "Frame", kFrames);
-    const Schedule schedule = read_schedule(list, path);
-    schedule.assign_to(load);
+    DistributedLoad load = kDistributedLoadParameters.read(list);
+    check_field(list, "Force", members, load.force_formula, path);
+    check_field(list, "Couple", members, load.couple_formula, path);
+    check_schedule(load, list, path);
     for (const Member* member : members) {
       load.member = member->name;
       scene_.distributed_loads.push_back(load);
     }
-  }
+  });
 }
 
 void ConditionReader::read_eigenstrains() {
-  const List& strains = scene_list_.sublist("Eigenstrains");
-  for (const std::string& name : names_of(strains)) {
-    const List& list = strains.sublist(name);
-    const ParameterPath path = child(child(path_, "Eigenstrains"), name);
+  for_each("Eigenstrains", [this](const std::string&, const List& list, const ParameterPath& path) {
     const std::vector<const Member*> members = members_meant(list, path);
     check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
                     "strains nothing", path);
-    Eigenstrain strain;
-    read_field(list, "Strain", members, strain.strain, strain.strain_formula, path);
-    read_field(list, "Curvature", members, strain.curvature, strain.curvature_formula, path);
+    Eigenstrain strain = kEigenstrainParameters.read(list);
+    check_field(list, "Strain", members, strain.strain_formula, path);
+    check_field(list, "Curvature", members, strain.curvature_formula, path);
     add_temperature(list, strain, path);
-    const Schedule schedule = read_schedule(list, path);
-    schedule.assign_to(strain);
+    check_schedule(strain, list, path);
     for (const Member* member : members) {
       strain.member = member->name;
       scene_.eigenstrains.push_back(strain);
     }
-  }
+  });
 }
 
 void ConditionReader::add_temperature(const List& list, Eigenstrain& strain, const ParameterPath& path) const {
@@ -143,15 +185,11 @@ void ConditionReader::add_temperature(const List& list, Eigenstrain& strain, con
   checked_formula(formula, kAlongMember, source_, child(path, "Strain Formula"));  // it may have become too long
 }
 
-void ConditionReader::read_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
-                                 Vector3& constant, std::array<std::string, 3>& formula,
-                                 const ParameterPath& list_path) const {
-  constant = get_vector(list, name);
+void ConditionReader::check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
+                                  const std::array<std::string, 3>& formula, const ParameterPath& list_path) const {
   if (!list.isParameter(name + " Formula")) return;
   const ParameterPath path = child(list_path, name + " Formula");
   if (is_given(list, name)) throw source_.error(path, "given beside \"" + name + "\"; allowed: one of the two");
-  const auto& texts = list.get<Teuchos::Array<std::string>>(name + " Formula");
-  std::copy(texts.begin(), texts.end(), formula.begin());
   std::vector<Expression> parsed;
   for (const std::string& text : formula) parsed.push_back(checked_formula(text, kAlongMember, source_, path));
   for (const Member* member : members) {

@@ -1,6 +1,5 @@
 #include "discretization/reading/conditions/read_conditions.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/load_cases.hpp"
@@ -21,6 +20,20 @@ constexpr std::size_t kLongestPattern = 1000;  // matching takes time in proport
 constexpr int kSamplesPerStage = 8;            // of an amplitude: catches a pole at simple fractions
 
 }  // namespace
+
+void add_condition_lists(ListSpec& spec) {
+  spec.add(array("Load Cases", ParameterType::text_array).or_empty(),
+           "Names of alternatives that are solved one by one, each from the undeformed structure, like {wind, snow}; "
+           "what acts says by Case to which of them it belongs.");
+  spec.add_list("Supports", ListSpec("Supports.").with_named_lists("support", kSupportParameters.spec, 1),
+                Presence::required);
+  spec.add_list("Joints", ListSpec("Connections that are not rigid.").with_named_lists("joint", kJointParameters.spec));
+  spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", kPointLoadParameters.spec));
+  spec.add_list("Distributed Loads",
+                ListSpec("Loads along members.").with_named_lists("load", kDistributedLoadParameters.spec));
+  spec.add_list("Eigenstrains",
+                ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
+}
 
 void read_conditions(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
                      Scene& scene) {
@@ -53,25 +66,20 @@ void ConditionReader::read_load_cases() {
   }
 }
 
-ConditionReader::Schedule ConditionReader::read_schedule(const List& list, const ParameterPath& path) {
-  Schedule schedule;
-  schedule.stage = list.get<int>("Stage");
-  schedule.amplitude = get_text_or_empty(list, "Amplitude");
-  schedule.load_case = get_text_or_empty(list, "Case");
+void ConditionReader::check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case,
+                                     const List& list, const ParameterPath& path) {
   const std::vector<std::string>& cases = scene_.load_cases;
-  if (list.isParameter("Case") && std::find(cases.begin(), cases.end(), schedule.load_case) == cases.end()) {
-    throw source_.error(child(path, "Case"), "value \"" + excerpt(schedule.load_case) +
-                                                 "\" is not a load case of the scene; allowed: names in \"Load "
-                                                 "Cases\": " +
-                                                 quoted_list(cases) + did_you_mean(schedule.load_case, cases));
+  if (list.isParameter("Case") && std::find(cases.begin(), cases.end(), load_case) == cases.end()) {
+    throw source_.error(child(path, "Case"),
+                        "value \"" + excerpt(load_case) +
+                            "\" is not a load case of the scene; allowed: names in \"Load Cases\": " +
+                            quoted_list(cases) + did_you_mean(load_case, cases));
   }
   if (list.isParameter("Amplitude")) {
-    checked_formula(schedule.amplitude, {"t"}, source_, child(path, "Amplitude"));
-    amplitudes_.emplace_back(schedule.amplitude, child(path, "Amplitude"));
+    checked_formula(amplitude, {"t"}, source_, child(path, "Amplitude"));
+    amplitudes_.emplace_back(amplitude, child(path, "Amplitude"));
   }
-  const bool ramp = schedule.amplitude.empty();
-  stages_used_.push_back({ramp ? schedule.stage : 1, schedule.stage, schedule.load_case, child(path, "Stage")});
-  return schedule;
+  stages_used_.push_back({amplitude.empty() ? stage : 1, stage, load_case, child(path, "Stage")});
 }
 
 void ConditionReader::check_stages() {

@@ -3,6 +3,7 @@
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/scene/limits.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -19,22 +20,42 @@ const std::vector<std::string> kAxisNames = {"x", "y", "z"};
 // Below this angle between them, two axes span a plane made of rounding errors. [radian]
 constexpr double kSmallestAngle = 1e-6;
 
-std::array<bool, 3> get_axes(const Teuchos::ParameterList& list, const std::string& name) {
-  const auto& words = list.get<Teuchos::Array<std::string>>(name);
-  std::array<bool, 3> axes{};
-  for (std::size_t i = 0; i < 3; ++i) axes[i] = std::find(words.begin(), words.end(), kAxisNames[i]) != words.end();
-  return axes;
+BoundList<Support> support_parameters() {
+  BoundList<Support> support(
+      "What keeps a point in place, along global axes unless Axes are given; without further parameters a clamp.");
+  support.bind(&Support::point, text("Point").required(), "Name of the point" + kWildcard);
+  support.bind(&Support::displacement_fixed,
+               subset("Fixed Displacement", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
+               "Directions in which the point cannot move freely; {} for none.");
+  support.bind(&Support::rotation_fixed,
+               subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
+               "Axes about which it cannot turn freely; {} for a ball joint, two of them for a hinge about the third, "
+               "one of them to hold that component of the rotation vector at zero.");
+  support.spec.add(
+      array("Axes", ParameterType::real_array, 6).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+      "Directions of the support's own axes x and y in global components, {x1, x2, x3, y1, y2, y3}, of any length; of "
+      "y only the part normal to x counts, and z = x cross y. All other parameters of the support refer to these "
+      "axes.");
+  support.bind(&Support::prescribed_displacement, vector3("Prescribed Displacement").by_default(),
+               "Displacement at the end of the stage, in fixed directions only [length].");
+  support.bind(&Support::prescribed_rotation, vector3("Prescribed Rotation").by_default(),
+               "Rotation vector at the end of the stage, may exceed a turn; needs all three rotations fixed [radian].");
+  support.bind(&Support::displacement_stiffness, vector3("Displacement Stiffness").at_least(0.0).by_default(),
+               "Springs to the ground in directions that are not fixed; 0 for none [force / length].");
+  support.bind(
+      &Support::rotation_stiffness, vector3("Rotation Stiffness").at_least(0.0).by_default(),
+      "Springs on the components of the rotation vector that are not fixed; 0 for none [force * length / radian].");
+  bind_schedule(support, "The prescribed motion grows");
+  return support;
 }
 
 std::ptrdiff_t number_of(const std::array<bool, 3>& fixed) { return std::count(fixed.begin(), fixed.end(), true); }
 
 }  // namespace
 
+const BoundList<Support> kSupportParameters = support_parameters();
 void ConditionReader::read_supports() {
-  const List& supports = scene_list_.sublist("Supports");
-  for (const std::string& name : names_of(supports)) {
-    const List& list = supports.sublist(name);
-    const ParameterPath path = child(child(path_, "Supports"), name);
+  for_each("Supports", [this](const std::string& name, const List& list, const ParameterPath& path) {
     const std::vector<std::string> points = points_meant(list, path);
     Support support = read_support(list, path);
     for (const std::string& point : points) {
@@ -42,25 +63,17 @@ void ConditionReader::read_supports() {
       support.point = point;
       scene_.supports.push_back(support);
     }
-  }
+  });
 }
 
 Support ConditionReader::read_support(const List& list, const ParameterPath& path) {
-  Support support;
-  support.displacement_fixed = get_axes(list, "Fixed Displacement");
-  support.rotation_fixed = get_axes(list, "Fixed Rotation");
-  support.prescribed_displacement = get_vector(list, "Prescribed Displacement");
-  support.prescribed_rotation = get_vector(list, "Prescribed Rotation");
-  support.displacement_stiffness = get_vector(list, "Displacement Stiffness");
-  support.rotation_stiffness = get_vector(list, "Rotation Stiffness");
+  Support support = kSupportParameters.read(list);
   support.axes = read_axes(list, path);
   check_support(support, path);
-  if (!prescribes_motion(support)) {
+  if (prescribes_motion(support))
+    check_schedule(support, list, path);
+  else
     check_holds_still(list, path);
-    return support;
-  }
-  const Schedule schedule = read_schedule(list, path);
-  schedule.assign_to(support);
   return support;
 }
 
