@@ -16,26 +16,15 @@ namespace {
 constexpr int kComponents = 6;
 constexpr const char* kStiffnessNames[kComponents] = {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"};
 
-/// Entries of a matrix scaled to a diagonal of ones that count as equal: a matrix printed with twelve digits is
-/// symmetric.
-constexpr double kSymmetry = 1e-10;
+/// Entries of a matrix scaled to a diagonal of ones that count as equal: numbers are written with ten digits or more.
+constexpr double kSymmetry = 1e-9;
 
-/// Smallest pivot of such a matrix that is no rounding of zero: six rows, a few roundings each.
-constexpr double kSmallestPivot = 1e-14;
+/// A pivot of such a matrix below this is rounding: six entries of size 1 with some digits lost in writing.
+constexpr double kSmallestPivot = 1e-12;
 
-std::array<double, kComponents> diagonal(const Section& s) {
-  return {s.axial_stiffness,     s.shear_stiffness[0],   s.shear_stiffness[1],
-          s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]};
+std::string in_section(const Section& section) {
+  return section.name.empty() ? "" : "section \"" + section.name + "\": ";
 }
-
-void set_diagonal(Section& s, const std::array<double, kComponents>& d) {
-  s.axial_stiffness = d[0];
-  s.shear_stiffness = {d[1], d[2]};
-  s.torsional_stiffness = d[3];
-  s.bending_stiffness = {d[4], d[5]};
-}
-
-std::string in_section(const Section& section) { return "section \"" + section.name + "\": "; }
 
 void check_diagonal(const Section& section) {
   const auto values = diagonal(section);
@@ -93,7 +82,8 @@ Matrix6 cholesky(const Section& section, const Matrix6& a, std::size_t n) {
     for (std::size_t k = 0; k < j; ++k) pivot -= l[j][k] * l[j][k];
     if (!(pivot > kSmallestPivot))
       throw std::invalid_argument(in_section(section) +
-                                  "the matrix is not positive definite: a strain without positive energy exists");
+                                  "the matrix is not positive definite: some strain of its first " +
+                                  std::to_string(j + 1) + " elastic components has no positive energy");
     l[j][j] = std::sqrt(pivot);
     for (std::size_t i = j + 1; i < n; ++i) {
       double sum = a[i][j];
@@ -213,6 +203,18 @@ void check_taper(const Section& start, const Section& end, bool by_shape) {
 }
 
 }  // namespace
+
+std::array<double, kComponents> diagonal(const Section& s) {
+  return {s.axial_stiffness,     s.shear_stiffness[0],   s.shear_stiffness[1],
+          s.torsional_stiffness, s.bending_stiffness[0], s.bending_stiffness[1]};
+}
+
+void set_diagonal(Section& s, const std::array<double, kComponents>& d) {
+  s.axial_stiffness = d[0];
+  s.shear_stiffness = {d[1], d[2]};
+  s.torsional_stiffness = d[3];
+  s.bending_stiffness = {d[4], d[5]};
+}
 
 Matrix6 section_compliance(const Section& section) {
   check_diagonal(section);

@@ -7,6 +7,10 @@
 
 namespace mixbeam {
 
+/// The six numbers of a section in the order EA, GA2, GA3, GIt, EI2, EI3.
+std::array<double, 6> diagonal(const Section& section);
+void set_diagonal(Section& section, const std::array<double, 6>& diagonal);
+
 /// Compliance S = C^-1 of (N, M) -> (gamma, kappa), material components, order as in Section::matrix. Rigid components
 /// (an infinite stiffness among the six numbers) have zero rows and columns. Throws std::invalid_argument when a
 /// stiffness is not positive, or the matrix is not finite, symmetric and positive definite in the components that are
