@@ -1,10 +1,11 @@
 #include "discretization/geometry/curve_end.hpp"
 
-#include "discretization/geometry/polynomial_curve.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 
 #include <cmath>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace mixbeam {
 
@@ -34,13 +35,7 @@ Vector3 radius_vector(const Curve& curve, const Vector3& position) {
 
 bool defines_end(const Curve& curve) { return curve.shape != CurveShape::line && curve.shape != CurveShape::spline; }
 
-Vector3 curve_start(const Curve& curve) { return to_array(make_formula_curve(curve).origin); }
-
 Vector3 curve_end(const Curve& curve, const Vector3& start) {
-  if (curve.shape == CurveShape::parametric) {
-    const PolynomialCurve path = make_formula_curve(curve);
-    return to_array(path.origin + path.pieces.back().position(path.pieces.back().last()));
-  }
   // Rodrigues' rotation of the radius vector about the axis, which keeps start - radius where it is.
   const Vector3 axis = axis_direction(curve);
   const Vector3 radius = radius_vector(curve, start);
@@ -64,9 +59,36 @@ Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& e
   return scaled(1.0 / norm(direction), direction);
 }
 
-Vector3 position_along(const Member& member, const Vector3& start, const Vector3& end, double share) {
-  const ReferenceCurve curve = make_reference_curve(member, start, end);
-  return to_array(curve.position(share * curve.length));
+std::vector<std::size_t> placement_order(
+    const Scene& scene, const std::function<std::vector<std::string>(const Member& member)>& points_needed) {
+  std::unordered_set<std::string> known;
+  for (const Point& point : scene.points) known.insert(point.name);
+  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // point -> members that need it
+  std::vector<std::size_t> missing(scene.members.size(), 0);          // points that a member still needs
+  std::vector<std::size_t> ready, order;
+  for (std::size_t i = scene.members.size(); i-- > 0;) {
+    for (const std::string& point : points_needed(scene.members[i])) {
+      if (known.count(point) > 0) continue;
+      waiting[point].push_back(i);
+      ++missing[i];
+    }
+    if (missing[i] == 0) ready.push_back(i);
+  }
+  while (!ready.empty()) {
+    order.push_back(ready.back());
+    ready.pop_back();
+    const Member& placed = scene.members[order.back()];
+    std::vector<std::string> points = {placed.start_point, placed.end_point};
+    for (const InnerPoint& inner : placed.inner_points) points.push_back(inner.point);
+    for (const std::string& point : points) {
+      const auto next = waiting.find(point);
+      if (next == waiting.end()) continue;
+      for (const std::size_t member : next->second)
+        if (--missing[member] == 0) ready.push_back(member);
+      waiting.erase(next);
+    }
+  }
+  return order;
 }
 
 }  // namespace mixbeam

@@ -1,5 +1,6 @@
 #include "discretization/mesh/mesh.hpp"
 
+#include "discretization/geometry/curve_end.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/joined_ends.hpp"
@@ -54,16 +55,7 @@ class Placement {
  public:
   explicit Placement(const Scene& scene) : scene_(scene), curves_(scene.members.size()) {
     for (const Point& point : scene.points) position_[point.name] = point.position;
-    // ends of curves and inner points may follow from their members, in whatever order these come
-    bool found = true;
-    while (found) {
-      found = false;
-      for (std::size_t m = 0; m < scene.members.size(); ++m)
-        if (!curves_[m].has_value() && is_ready(scene.members[m])) {
-          place(m);
-          found = true;
-        }
-    }
+    for (const std::size_t member : placement_order(scene, points_needed)) place(member);
   }
 
   const ReferenceCurve& curve(std::size_t member) const {
@@ -75,12 +67,11 @@ class Placement {
   const Vector3& position(const std::string& point) const { return position_.at(point); }
 
  private:
-  /// Whether the curve can be placed: a parametric curve knows its ends, arc and helix follow from their start.
-  bool is_ready(const Member& member) const {
-    const CurveShape shape = member.curve.shape;
-    if (shape == CurveShape::parametric) return true;
-    if (!position_.count(member.start_point)) return false;
-    return (shape != CurveShape::line && shape != CurveShape::spline) || position_.count(member.end_point);
+  /// A parametric curve knows its ends, arc and helix follow from their start.
+  static std::vector<std::string> points_needed(const Member& member) {
+    if (member.curve.shape == CurveShape::parametric) return {};
+    if (defines_end(member.curve)) return {member.start_point};
+    return {member.start_point, member.end_point};
   }
 
   void place(std::size_t index) {

@@ -68,7 +68,7 @@ class SceneReader {
   // scene_reader_geometry.cpp
   void place_members();
   void place_member(std::size_t member);
-  std::vector<std::string> points_needed(std::size_t member) const;
+  std::vector<std::string> points_needed(const Member& member) const;
   void complete_open_arc(std::size_t member);
   void place_end(std::size_t member);
   void place_inner_points(std::size_t member);

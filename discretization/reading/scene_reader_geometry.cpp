@@ -55,42 +55,16 @@ std::vector<int> shared_by_length(int elements, const std::vector<double>& lengt
 
 }  // namespace
 
-/// Points that follow from a member are where the next one starts: from known points along the members.
 void SceneReader::place_members() {
-  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // point -> members that need it
-  std::vector<std::size_t> missing(scene_.members.size(), 0);         // points that a member still needs
-  std::vector<std::size_t> ready;
-  for (std::size_t i = scene_.members.size(); i-- > 0;) {
-    for (const std::string& point : points_needed(i)) {
-      if (point_index_.count(point) > 0) continue;
-      waiting[point].push_back(i);
-      ++missing[i];
-    }
-    if (missing[i] == 0) ready.push_back(i);
-  }
-  while (!ready.empty()) {
-    const std::size_t i = ready.back();
-    ready.pop_back();
-    std::size_t known = scene_.points.size();
-    place_member(i);
-    for (; known < scene_.points.size(); ++known) {
-      const auto next = waiting.find(scene_.points[known].name);
-      if (next == waiting.end()) continue;
-      for (const std::size_t member : next->second)
-        if (--missing[member] == 0) ready.push_back(member);
-      waiting.erase(next);
-    }
-  }
+  const auto needed = [this](const Member& member) { return points_needed(member); };
+  for (const std::size_t member : placement_order(scene_, needed)) place_member(member);
 }
 
 /// What must be known before a member can be placed.
-std::vector<std::string> SceneReader::points_needed(std::size_t index) const {
-  const Member& member = scene_.members[index];
-  const auto arc = open_arcs_.find(index);
-  const bool ends_at_point = arc == open_arcs_.end()
-                                 ? member.curve.shape == CurveShape::line || member.curve.shape == CurveShape::spline
-                                 : arc->second.needs_end();
-  if (ends_at_point && member.end_point != member.start_point) return {member.start_point, member.end_point};
+std::vector<std::string> SceneReader::points_needed(const Member& member) const {
+  const auto arc = open_arcs_.find(member_index_.at(member.name));
+  const bool needs_end = arc == open_arcs_.end() ? !defines_end(member.curve) : arc->second.needs_end();
+  if (needs_end && member.end_point != member.start_point) return {member.start_point, member.end_point};
   return {member.start_point};
 }
 
@@ -99,7 +73,7 @@ void SceneReader::place_member(std::size_t index) {
   if (shape == CurveShape::circular_arc) complete_open_arc(index);
   if (shape == CurveShape::circular_arc || shape == CurveShape::helix) check_curve(index);
   if (shape == CurveShape::parametric) check_formula_start(index);
-  if (shape != CurveShape::line && shape != CurveShape::spline) place_end(index);
+  if (defines_end(scene_.members[index].curve)) place_end(index);
   if (!scene_.members[index].inner_points.empty()) place_inner_points(index);
 }
 

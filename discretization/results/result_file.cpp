@@ -12,7 +12,6 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <set>
 #include <system_error>
 
 #include <fcntl.h>
@@ -26,8 +25,6 @@ namespace fs = std::filesystem;
 constexpr int kFormatVersion = 2;
 constexpr std::size_t kOverheadPerStep = 65536;   // bytes; HDF5's own data for a step were seen to take 12 kB
 constexpr std::size_t kOverheadPerMember = 8192;  // bytes; they were seen to take 2.4 kB
-const std::set<std::string> kOwnTimeSeries = {"step",          "load_factor",  "newton_iterations", "residual",
-                                              "strain_energy", "force_energy", "moment_energy"};
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
 std::size_t count_samples(const std::vector<MemberSamples>& members) {
@@ -436,7 +433,7 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   }
   if (!has_complete_rows(record)) throw ResultFileError(prefix + "modes, critical points or states of unequal length");
   for (const auto& quantity : record.monitored) {
-    if (!is_link_name(quantity.name) || kOwnTimeSeries.count(quantity.name) > 0) {
+    if (!is_link_name(quantity.name) || is_own_time_series(quantity.name)) {
       throw ResultFileError(prefix + "'" + quantity.name + "' cannot name a monitored quantity");
     }
     if (quantity.components.empty()) throw ResultFileError(prefix + quantity.name + " has no components");

@@ -2,10 +2,10 @@
 
 #include "discretization/results/hdf5_writer.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/result_names.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 namespace mixbeam {
 
@@ -17,9 +17,6 @@ namespace fs = std::filesystem;
 constexpr double kSameLoadFactor = 1e-12;
 
 /// Time series that every result file has; the others are monitored quantities of the scene.
-const std::set<std::string> kOwnSeries = {"step",          "load_factor",  "newton_iterations", "residual",
-                                          "strain_energy", "force_energy", "moment_energy"};
-
 ResultHeader read_header(hid_t file) {
   ResultHeader header;
   header.scene_name = hdf5::read_text_attribute(file, "scene_name");
@@ -128,7 +125,7 @@ std::vector<MemberSamples> read_members(hid_t file) {
 std::vector<MonitoredQuantity> layout_of(const std::vector<MonitoredSeries>& monitor) {
   std::vector<MonitoredQuantity> quantities;
   for (const MonitoredSeries& series : monitor)
-    if (kOwnSeries.count(series.name) == 0)
+    if (!is_own_time_series(series.name))
       quantities.push_back({series.name, std::vector<double>(series.columns, 0.0)});
   return quantities;
 }

@@ -12,6 +12,10 @@ constexpr std::size_t kLongestPartOfFileName = 100;
 
 }  // namespace
 
+bool is_own_time_series(const std::string& name) {
+  return std::find(kOwnTimeSeries.begin(), kOwnTimeSeries.end(), name) != kOwnTimeSeries.end();
+}
+
 Problem result_name_problem(const std::string& name) {
   const bool is_folder = name.empty() || name == "." || name == "..";
   if (!is_folder && name.find('/') == std::string::npos) return "";

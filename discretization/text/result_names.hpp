@@ -4,8 +4,14 @@
 #include "discretization/text/number_text.hpp"
 
 #include <string>
+#include <vector>
 
 namespace mixbeam {
+
+/// Time series that every run has, in their order; what is monitored bears other names.
+inline const std::vector<std::string> kOwnTimeSeries = {
+    "step", "load_factor", "newton_iterations", "residual", "strain_energy", "force_energy", "moment_energy"};
+bool is_own_time_series(const std::string& name);
 
 /// Why this cannot name an entry of a result file (HDF5 takes names for paths), and what is allowed; empty if it can.
 Problem result_name_problem(const std::string& name);

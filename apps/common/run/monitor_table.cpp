@@ -1,18 +1,14 @@
 #include "apps/common/run/monitor_table.hpp"
 
-#include <algorithm>
+#include "discretization/text/result_names.hpp"
+
 #include <array>
 
 namespace mixbeam {
 
 namespace {
 
-/// These come first; the others follow in alphabetical order.
-constexpr std::array<const char*, 7> kLeading = {"step",          "load_factor",  "newton_iterations", "residual",
-                                                 "strain_energy", "force_energy", "moment_energy"};
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-
-bool is_leading(const std::string& name) { return std::find(kLeading.begin(), kLeading.end(), name) != kLeading.end(); }
 
 }  // namespace
 
@@ -40,9 +36,9 @@ void MonitorTable::add(const StepRecord& record) {
 }
 
 void MonitorTable::write(const Row& row, const std::string& stable) {
-  std::vector<std::string> names(kLeading.begin(), kLeading.end());
+  std::vector<std::string> names = kOwnTimeSeries;  // the others follow in alphabetical order
   for (const auto& [name, values] : row)
-    if (!is_leading(name)) names.push_back(name);
+    if (!is_own_time_series(name)) names.push_back(name);
   std::vector<std::string> columns;
   std::vector<CsvCell> cells;
   for (const std::string& name : names) {
