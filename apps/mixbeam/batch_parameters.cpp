@@ -1,6 +1,7 @@
 #include "apps/mixbeam/batch_parameters.hpp"
 
 #include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/text/csv_file.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -16,36 +17,37 @@ namespace {
 const ParameterPath kList = {"Batch"};
 constexpr int kMostCases = 10'000'000;  ///< as elements of a scene: keeps slips from eating memory
 
-ListSpec vary_spec() {
-  ListSpec vary("One direction of the grid.");
-  vary.add(text("Parameter").required().means("Path of a number of the scene: Point Loads/tip/Force[1]."));
-  vary.add(real("First").required().means("Its value in the first case."));
-  vary.add(real("Last").required().means("Its value in the last case."));
-  vary.add(integer("Count").at_least(2).at_most(kMostCases).required().means("Number of values."));
-  vary.add(choice("Spacing", {"linear", "logarithmic"})
-               .by_default(std::string("linear"))
-               .means("Equal differences, or equal ratios between values of one sign."));
+/// One direction of the grid.
+struct GridAxis {
+  std::string parameter;
+  double first = 0.0, last = 0.0;
+  int count = 2;
+  bool logarithmic = false;
+  std::vector<double> values{};
+};
+
+BoundList<GridAxis> vary_parameters() {
+  BoundList<GridAxis> vary("One direction of the grid.");
+  vary.bind(&GridAxis::parameter, text("Parameter").required(),
+            "Path of a number of the scene: Point Loads/tip/Force[1].");
+  vary.bind(&GridAxis::first, real("First").required(), "Its value in the first case.");
+  vary.bind(&GridAxis::last, real("Last").required(), "Its value in the last case.");
+  vary.bind(&GridAxis::count, integer("Count").at_least(2).at_most(kMostCases).required(), "Number of values.");
+  vary.bind(&GridAxis::logarithmic, text("Spacing").by_default(),
+            "Equal differences, or equal ratios between values of one sign.",
+            {{"linear", false}, {"logarithmic", true}});
   return vary;
 }
 
-/// Values along one direction of a grid.
-struct GridAxis {
-  BatchColumn column;
-  std::vector<double> values;
-};
-
-GridAxis read_axis(const Teuchos::ParameterList& list, const std::string& name, const ParameterSource& source) {
-  const ParameterPath path = child(child(kList, "Vary"), name);
-  const double first = list.get<double>("First"), last = list.get<double>("Last");
-  const bool logarithmic = list.get<std::string>("Spacing") == "logarithmic";
-  if (logarithmic && !(first * last > 0.0))
+GridAxis read_axis(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
+  GridAxis axis = vary_parameters().read(list);
+  const double first = axis.first, last = axis.last;
+  if (axis.logarithmic && !(first * last > 0.0))
     throw source.error(child(path, "Spacing"), "value \"logarithmic\" from " + shortest(first) + " to " +
                                                    shortest(last) + "; allowed: values of one sign, none of them zero");
-  GridAxis axis{{list.get<std::string>("Parameter"), source.where(child(path, "Parameter")) + ": "}, {}};
-  const int count = list.get<int>("Count");
-  for (int i = 0; i < count; ++i) {
-    const double t = static_cast<double>(i) / (count - 1);
-    axis.values.push_back(logarithmic ? first * std::pow(last / first, t) : (1.0 - t) * first + t * last);
+  for (int i = 0; i < axis.count; ++i) {
+    const double t = static_cast<double>(i) / (axis.count - 1);
+    axis.values.push_back(axis.logarithmic ? first * std::pow(last / first, t) : (1.0 - t) * first + t * last);
   }
   axis.values.front() = first;
   axis.values.back() = last;
@@ -57,8 +59,9 @@ void read_grid(const Teuchos::ParameterList& list, const ParameterSource& source
   std::vector<GridAxis> axes;
   double cases = 1.0;
   for (const std::string& name : names_of(list)) {
-    axes.push_back(read_axis(list.sublist(name), name, source));
-    batch.columns.push_back(axes.back().column);
+    const ParameterPath path = child(child(kList, "Vary"), name);
+    axes.push_back(read_axis(list.sublist(name), source, path));
+    batch.columns.push_back({axes.back().parameter, source.where(child(path, "Parameter")) + ": "});
     cases *= static_cast<double>(axes.back().values.size());
   }
   if (cases > kMostCases)
@@ -146,7 +149,7 @@ ListSpec batch_spec() {
                        "and the reactions of supports, or the quantities of the list Expected."));
   batch.add_list("Vary",
                  ListSpec("A grid: every value of one direction with every value of the others.")
-                     .with_named_lists("direction", vary_spec(), 1),
+                     .with_named_lists("direction", vary_parameters().spec, 1),
                  Presence::optional);
   return batch;
 }

@@ -1,6 +1,6 @@
 #include "discretization/checks/expected_values.hpp"
 
-#include "discretization/parameters/access.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/names.hpp"
@@ -86,23 +86,45 @@ void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& s
   }
 }
 
-ExpectedValue read_one(const Teuchos::ParameterList& list, const std::string& name, const ParameterSource& source,
-                       const ParameterPath& path) {
-  ExpectedValue expected;
+BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_quantities) {
+  std::vector<std::string> quantities = common_quantities();
+  quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
+  BoundList<ExpectedValue> one("A value that the run must reproduce.");
+  one.bind(&ExpectedValue::quantity, choice("Quantity", quantities).required(), "What is compared.");
+  one.bind(&ExpectedValue::point, text("Point"),
+           "Name of the point, for a quantity of a point; for a reaction: a supported one.");
+  one.bind(&ExpectedValue::member, text("Member"), "Name of the member, for a material force or moment.");
+  one.bind(&ExpectedValue::position, real("Position").at_least(0.0).at_most(1.0),
+           "Where along the member: arc length from its start over its length; between two elements the value of the "
+           "second one counts.");
+  one.bind(
+      &ExpectedValue::component, choice("Component", kComponents),
+      "For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment in the axes "
+      "of the section, or the norm.");
+  one.bind(&ExpectedValue::load_case, text("Case"),
+           "Load case in which it is compared; needed where the scene has load cases.");
+  one.bind(&ExpectedValue::load_factor, real("Load Factor").at_least(0.0),
+           "When it is compared; at the end of the run if absent.");
+  one.bind(&ExpectedValue::critical_point, integer("Critical Point").at_least(1),
+           "The value belongs to the state at the critical point (limit point or bifurcation) of this number on the "
+           "path, counted from 1.");
+  one.spec.add(real("Value").or_one_of(kVerdicts).required(),
+               "The expected value, in the scene's units; a word for the quantity stable.");
+  one.spec.add(real("Absolute Tolerance").above(0.0), "Largest difference, in the units of the value.");
+  one.spec.add(real("Relative Tolerance").above(0.0), "Largest difference, as a share of the value.");
+  one.bind(&ExpectedValue::source, text("Source").required(),
+           "Where the value comes from: paper and table, formula, other program.");
+  return one;
+}
+
+ExpectedValue read_one(const BoundList<ExpectedValue>& parameters, const Teuchos::ParameterList& list,
+                       const std::string& name, const ParameterSource& source, const ParameterPath& path) {
+  ExpectedValue expected = parameters.read(list);
   expected.name = name;
-  expected.quantity = list.get<std::string>("Quantity");
   check_description(list, expected.quantity, source, path);
-  expected.point = get_text_or_empty(list, "Point");
-  expected.member = get_text_or_empty(list, "Member");
-  if (list.isParameter("Position")) expected.position = list.get<double>("Position");
-  expected.component = get_text_or_empty(list, "Component");
-  expected.load_case = get_text_or_empty(list, "Case");
-  if (list.isParameter("Load Factor")) expected.load_factor = list.get<double>("Load Factor");
-  if (list.isParameter("Critical Point")) expected.critical_point = list.get<int>("Critical Point");
   if (expected.critical_point && expected.load_factor)
     throw source.error(child(path, "Load Factor"),
                        R"(given besides "Critical Point", which has its own; allowed: one of them)");
-  expected.source = list.get<std::string>("Source");
   if (expected.quantity == kStableName) {
     read_word(list, source, path, expected);
     return expected;
@@ -146,39 +168,19 @@ const std::vector<std::string>& common_quantities() {
 }
 
 ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
-  std::vector<std::string> quantities = common_quantities();
-  quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
-  ListSpec one("A value that the run must reproduce.");
-  one.add(choice("Quantity", quantities).required(), "What is compared.");
-  one.add(text("Point"), "Name of the point, for a quantity of a point; for a reaction: a supported one.");
-  one.add(text("Member"), "Name of the member, for a material force or moment.");
-  one.add(real("Position").at_least(0.0).at_most(1.0),
-          "Where along the member: arc length from its start over its length; between two elements the value of the "
-          "second one counts.");
-  one.add(choice("Component", kComponents),
-          "For vectors: component x, y, z in global axes, or 1 (along), 2, 3 of a material force or moment in the axes "
-          "of the section, or the norm.");
-  one.add(text("Case"), "Load case in which it is compared; needed where the scene has load cases.");
-  one.add(real("Load Factor").at_least(0.0), "When it is compared; at the end of the run if absent.");
-  one.add(integer("Critical Point").at_least(1),
-          "The value belongs to the state at the critical point (limit point or bifurcation) of this number on the "
-          "path, counted from 1.");
-  one.add(real("Value").or_one_of(kVerdicts).required(),
-          "The expected value, in the scene's units; a word for the quantity stable.");
-  one.add(real("Absolute Tolerance").above(0.0), "Largest difference, in the units of the value.");
-  one.add(real("Relative Tolerance").above(0.0), "Largest difference, as a share of the value.");
-  one.add(text("Source").required(), "Where the value comes from: paper and table, formula, other program.");
-  return ListSpec("Expected answers; the run fails if one is missed.").with_named_lists("check", one);
+  return ListSpec("Expected answers; the run fails if one is missed.")
+      .with_named_lists("check", parameters_of_one(own_quantities).spec);
 }
 
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities,
                                                 const ParameterPath& path) {
   validate(list, expected_values_spec(own_quantities), source, path);
+  const BoundList<ExpectedValue> parameters = parameters_of_one(own_quantities);
   std::vector<ExpectedValue> expected;
   for (auto entry = list.begin(); entry != list.end(); ++entry) {
     const std::string& name = list.name(entry);
-    expected.push_back(read_one(list.sublist(name), name, source, child(path, name)));
+    expected.push_back(read_one(parameters, list.sublist(name), name, source, child(path, name)));
   }
   return expected;
 }

@@ -1,6 +1,5 @@
 #include "discretization/reading/curves.hpp"
 
-#include "discretization/parameters/access.hpp"
 #include "discretization/parameters/formula.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
@@ -84,7 +83,7 @@ class CurveReader {
     CurveDraft draft = curve_parameters().read(list_);
     const auto& shape = list_.get<std::string>("Shape");
     draft.is_polyline = shape == "polyline";
-    if (shape == "arc") draft.arc = arc_definition();
+    if (shape == "arc") draft.arc = arc_definition(draft.curve);
     if (shape == "spline") draft.curve.through = positions("Through");
     if (shape == "parametric") check_formula(draft.curve);
     if (draft.is_polyline && list_.isParameter("Through")) draft.corners = positions("Through");
@@ -106,7 +105,7 @@ class CurveReader {
     return read;
   }
 
-  std::optional<ArcDefinition> arc_definition() const {
+  std::optional<ArcDefinition> arc_definition(const Curve& curve) const {
     if (list_.isParameter("Center")) return std::nullopt;
     ArcDefinition arc;
     if (list_.isParameter("Through")) {
@@ -120,7 +119,7 @@ class CurveReader {
     arc.given = ArcDefinition::Given::radius;
     if (list_.isParameter("Start Tangent")) {
       arc.given = ArcDefinition::Given::tangent;
-      arc.vector = get_vector(list_, "Start Tangent");
+      arc.vector = curve.end_tangents[0];
     }
     return arc;
   }
