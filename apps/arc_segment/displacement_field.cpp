@@ -35,7 +35,7 @@ DisplacementField::DisplacementField(const Simulation& simulation)
   const MemberSamples samples = simulation.samples(order_ + 1).front();  // complete on rank 0
   for (std::size_t i = 0; i < samples.displacement.size(); ++i)
     std::copy(samples.displacement[i].begin(), samples.displacement[i].end(), values_.begin() + 3 * i);
-  Teuchos::broadcast(*simulation.assembler().map()->getComm(), 0, static_cast<int>(values_.size()), values_.data());
+  Teuchos::broadcast(*simulation.model().map()->getComm(), 0, static_cast<int>(values_.size()), values_.data());
 }
 
 Vec3<double> DisplacementField::at(int element, double xi) const {
@@ -67,7 +67,7 @@ double l2_difference(const DisplacementField& coarse, const DisplacementField& f
 
 Vec3<double> offset_of_paper(const Simulation& simulation) {
   const Member& member = simulation.scene().members.front();
-  const MeshMember& mesh_member = simulation.assembler().mesh().members.front();
+  const MeshMember& mesh_member = simulation.model().mesh().members.front();
   const ReferenceCurve& curve = mesh_member.curve;
   const double h = mesh_member.element_length(0);
   std::vector<double> points(member.order), weights(member.order);

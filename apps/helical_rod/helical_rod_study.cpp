@@ -141,8 +141,8 @@ void report_errors(Application& app, const Settings& settings, const std::map<in
 /// Position and rotation vector of every vertex.
 std::vector<std::array<double, 6>> vertex_motions(const Simulation& simulation) {
   std::vector<std::array<double, 6>> motions;
-  for (int vertex = 0; vertex < simulation.assembler().mesh().vertices(); ++vertex)
-    motions.push_back(vertex_motion(simulation.assembler(), simulation.state(), vertex));
+  for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex)
+    motions.push_back(vertex_motion(simulation.model(), simulation.state(), vertex));
   return motions;
 }
 
@@ -179,7 +179,7 @@ void report_path_independence(Application& app, const Settings& settings) {
                                   adaptive.result().newton_iterations, kMostIterations,
                                   "goal of mixbeam: at most 150, with load steps chosen by the program");
   const auto reference = vertex_motions(adaptive);
-  const double length = adaptive.assembler().mesh().members.front().curve.length;
+  const double length = adaptive.model().mesh().members.front().curve.length;
   char line[200];
   app.out() << "\nThe same final state by other load steps (k=" << settings.evolution_order
             << "): largest difference to adaptive steps\n"

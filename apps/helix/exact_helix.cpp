@@ -41,13 +41,13 @@ Quaternion<double> ExactHelix::triad(double s) const {
 }
 
 HelixErrors compare(const Simulation& simulation, const ExactHelix& exact) {
-  const Mesh& mesh = simulation.assembler().mesh();
+  const Mesh& mesh = simulation.model().mesh();
   const double length = exact.length();
   HelixErrors errors;
   for (const MeshElement& element : mesh.elements) {
     const int vertex = element.vertex[1];
     const double s = length * (element.index + 1) / static_cast<double>(mesh.elements.size());
-    const auto motion = vertex_motion(simulation.assembler(), simulation.state(), vertex);
+    const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
     const Vector3& start = mesh.vertex_position[vertex];
     const Vec3<double> position{{start[0] + motion[0], start[1] + motion[1], start[2] + motion[2]}};
     const Quaternion<double> triad =

@@ -138,11 +138,11 @@ void BatchSolver::solve_alone(std::size_t place) {
 /// Checks every case of a simulation at the end of its path by itself, and keeps what came out.
 void BatchSolver::keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member,
                        bool merged) {
-  const StructureParts parts = structure_parts(simulation.assembler(), part_of_member);
+  const StructureParts parts = structure_parts(simulation.model(), part_of_member);
   const std::vector<PartCheck> checks = simulation.check_parts(parts);
   SolvedCases solved{simulation, merged};
   solved.reactions = simulation.reactions();
-  solved.energies = strain_energy_of_parts(simulation.assembler(), simulation.state(), parts);
+  solved.energies = strain_energy_of_parts(simulation.model(), simulation.state(), parts);
   for (std::size_t i = range.first, support = 0, member = 0; i < range.second; ++i) {
     solved.first_support.push_back(support);
     solved.first_member.push_back(static_cast<int>(member));

@@ -86,7 +86,7 @@ double CaseQuantities::present_value(const SolvedCases& solved, int part, const 
   if (quantity == "material force" || quantity == "material moment") {
     const auto member = std::find(member_names_.begin(), member_names_.end(), wanted.member) - member_names_.begin();
     const Simulation& simulation = solved.simulation;
-    const PointSample sample = sample_member(simulation.assembler(), simulation.state(),
+    const PointSample sample = sample_member(simulation.model(), simulation.state(),
                                              solved.first_member[part] + static_cast<int>(member), wanted.position);
     return component_of(to_array(quantity == "material force" ? sample.force : sample.moment), wanted.component);
   }

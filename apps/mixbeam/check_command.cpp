@@ -24,10 +24,10 @@ double memory_estimate(const Simulation& simulation) {
   constexpr double kStatesAlive = 6, kVectorsAlive = 12;  // groups of NOX and LOCA: two each, their copies, our own
   constexpr double kFactorEntries = 3;  // per entry of the matrix: seen for chains and frames of moderate branching
   constexpr double kBytesPerEntry = 12;
-  const Structure& structure = simulation.assembler().structure();
+  const Structure& structure = simulation.model().structure();
   const double elements = structure.local_elements(), vertices = structure.local_vertices();
   const double interior = static_cast<double>(structure.interior_size);
-  const double entries = static_cast<double>(simulation.assembler().matrix()->getNodeNumEntries());
+  const double entries = static_cast<double>(whole_matrix(simulation.model()).matrix()->getNodeNumEntries());
   const double state = 7 * vertices + 4 * elements + interior;
   const double vector = 6 * vertices + interior;
   const double numbers =
@@ -36,22 +36,22 @@ double memory_estimate(const Simulation& simulation) {
 }
 
 void print_size(std::ostream& out, const Simulation& simulation) {
-  const Mesh& mesh = simulation.assembler().mesh();
-  const Structure& structure = simulation.assembler().structure();
+  const Mesh& mesh = simulation.model().mesh();
+  const Structure& structure = simulation.model().structure();
   const size_t condensed = 6 * static_cast<size_t>(mesh.vertices());
   out << text_of("  members %zu, elements %zu, vertices %d\n", mesh.members.size(), mesh.elements.size(),
                  mesh.vertices());
   out << text_of("  unknowns %zu, of which %zu inside the elements; equations to solve %zu\n",
                  condensed + structure.increment_size, structure.increment_size, condensed);
   out << text_of("  matrix entries %zu, memory about %.3g MB\n",
-                 static_cast<size_t>(simulation.assembler().matrix()->getGlobalNumEntries()),
+                 static_cast<size_t>(whole_matrix(simulation.model()).matrix()->getGlobalNumEntries()),
                  memory_estimate(simulation) / 1e6);
 }
 
 /// Box around the samples of all undeformed members.
 void print_extent(std::ostream& out, const Simulation& simulation) {
   double length = 0.0;
-  for (const MeshMember& member : simulation.assembler().mesh().members) length += member.curve.length;
+  for (const MeshMember& member : simulation.model().mesh().members) length += member.curve.length;
   Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
   for (const MemberSamples& member : simulation.samples(kPointsByOrder))
     for (const Vector3& position : member.reference_position)
@@ -65,7 +65,7 @@ void print_extent(std::ostream& out, const Simulation& simulation) {
 
 /// Sums at the end of each stage, as they act on the undeformed shape.
 void print_loads(std::ostream& out, Simulation& simulation) {
-  const StateSnapshot undeformed = snapshot_of(simulation.assembler(), simulation.state());
+  const StateSnapshot undeformed = snapshot_of(simulation.model(), simulation.state());
   for (int stage = 1; stage <= simulation.scene().stages; ++stage) {
     simulation.restore(undeformed, stage);
     const Balance sums = simulation.balance();

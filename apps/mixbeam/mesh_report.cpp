@@ -79,7 +79,7 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
   MeshChoice choice;
   for (std::size_t m = 0; m < accurate.simulation.scene().members.size(); ++m)
     choice.push_back(
-        {accurate.simulation.scene().members[m].order, accurate.simulation.assembler().mesh().members[m].elements});
+        {accurate.simulation.scene().members[m].order, accurate.simulation.model().mesh().members[m].elements});
   report.members = members_by_mesh(accurate.simulation.scene(), choice);
   for (const MeshRound& round : accurate.rounds)
     report.rounds.push_back(

@@ -98,12 +98,12 @@ double PureBending::centerline_error(const Simulation& simulation) const {
 }
 
 VertexErrors PureBending::vertex_errors(const Simulation& simulation) const {
-  const Mesh& mesh = simulation.assembler().mesh();
+  const Mesh& mesh = simulation.model().mesh();
   const auto quadrature = quadrature_positions(simulation.scene().members.front().order, mesh.members.front().elements);
   VertexErrors errors;
   for (const MeshElement& element : mesh.elements) {
     const int vertex = element.vertex[1];
-    const auto motion = vertex_motion(simulation.assembler(), simulation.state(), vertex);
+    const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
     const Vector3& start = mesh.vertex_position[vertex];
     const Vec3<double> position{{start[0] + motion[0], start[1] + motion[1], start[2] + motion[2]}};
     const Vec3<double> angle = log_quaternion(exp_quaternion(Vec3<double>{{0.0, 0.0, -curvature_ * start[0]}}) *

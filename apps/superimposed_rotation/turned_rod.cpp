@@ -36,9 +36,9 @@ TurnedRod::Configuration TurnedRod::configuration_of(const Simulation& simulatio
   Configuration configuration;
   configuration.along_axis = dot(to_vec(simulation.displacement(tip_)), axis_);
   configuration.moment_energy = simulation.strain_energy().moment;
-  const Mesh& mesh = simulation.assembler().mesh();
+  const Mesh& mesh = simulation.model().mesh();
   for (int vertex = 0; vertex < mesh.vertices(); ++vertex) {
-    const auto motion = vertex_motion(simulation.assembler(), simulation.state(), vertex);
+    const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
     configuration.positions.push_back(to_vec(mesh.vertex_position[vertex]) +
                                       Vec3<double>{{motion[0], motion[1], motion[2]}});
     configuration.rotations.push_back(exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}}));
@@ -66,7 +66,7 @@ void TurnedRod::observe(const Simulation& simulation, const StepReport& report) 
   if (amplitude < -kSameLoadFactor) return;
   const Configuration now = configuration_of(simulation);
   if (deviations_.empty()) start_ = now;
-  const double length = simulation.assembler().mesh().members.front().curve.length;
+  const double length = simulation.model().mesh().members.front().curve.length;
   deviations_.push_back(compare(now, std::min(amplitude, 1.0) * whole_rotation_, length));
   if (deviations_.size() > 1) deviations_.back().iterations = report.newton_iterations;
 }

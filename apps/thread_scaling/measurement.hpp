@@ -15,7 +15,7 @@ struct ScalingCase {
   int elements = 0, order = 0;
 };
 
-/// Phases that are not single timers of the assembler, besides those of phase_costs.hpp.
+/// Phases that are not single timers of the model, besides those of phase_costs.hpp.
 inline constexpr const char* kLinearSolverSparse =
     "linear solver, KLU2";                                      ///< the same tangent by the sparse solver alone
 inline constexpr const char* kOther = "other";                  ///< of an iteration, outside of all timers

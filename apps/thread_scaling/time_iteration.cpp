@@ -25,29 +25,31 @@ constexpr double kStep = 1e-3;
 
 IterationTimer::IterationTimer(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator)
     : problem_(scene, communicator, parameters),
-      state_(problem_.assembler.reference_state()),
-      residual_(problem_.assembler.create_vector()),
-      increment_(problem_.assembler.create_vector()),
+      state_(problem_.model.reference_state()),
+      residual_(problem_.model.create_vector()),
+      increment_(problem_.model.create_vector()),
       sparse_method_(sparse_solver_of(parameters.linear.method)),
       tolerance_(parameters.linear.residual_tolerance) {}
 
 PhaseSeconds IterationTimer::time() {
-  Assembler& assembler = problem_.assembler;
-  const PhaseTimes before = assembler.times();
+  const Model& model = problem_.model;
+  const PhaseTimes before = model.times();
+  const auto solver = problem_.take_solver();
+  tangent_.reset();
   PhaseSeconds phases;
   const StopWatch whole;
-  assembler.residual(state_, 1.0, residual_);
-  assembler.newton_tangent(state_, 1.0);
+  const EvaluationPoint point = mixed_residual(model, state_, 1.0, residual_);
+  tangent_.emplace(model, point, cap_for(model, point.scales));
   const StopWatch linear;
-  problem_.linear_solver->factorize();
-  assembler.condensed_residual().scale(-1.0);
-  problem_.linear_solver->solve(assembler.condensed_residual(), increment_.vertex_dofs());
+  solver->factorize(*tangent_);
+  tangent_->condensed_rows().scale(-1.0);
+  solver->solve(tangent_->condensed_rows(), increment_.vertex_dofs());
   phases[kLinearSolver] = linear.seconds();
-  assembler.recover(state_, increment_);
-  const State moved = assembler.apply(state_, increment_, kStep);
+  tangent_->recover(increment_);
+  const State moved = model.apply(state_, increment_, kStep);
   phases[kWholeIteration] = whole.seconds();
   double other = phases[kWholeIteration];
-  for (const auto& [phase, total] : assembler.times()) {
+  for (const auto& [phase, total] : model.times()) {
     const auto earlier = before.find(phase);
     const double seconds = total - (earlier == before.end() ? 0.0 : earlier->second);
     if (seconds > 0.0) phases[phase] = seconds;
@@ -59,11 +61,11 @@ PhaseSeconds IterationTimer::time() {
 }
 
 double IterationTimer::time_sparse_solver() {
-  if (sparse_solver_ == nullptr) sparse_solver_ = make_linear_solver(problem_.assembler, sparse_method_, tolerance_);
-  DofVector x(problem_.assembler.map());
+  if (sparse_solver_ == nullptr) sparse_solver_ = make_tangent_solver(problem_.model, sparse_method_, tolerance_);
+  DofVector x(problem_.model.map());
   const StopWatch watch;
-  sparse_solver_->factorize();
-  sparse_solver_->solve(problem_.assembler.condensed_residual(), x);
+  sparse_solver_->factorize(*tangent_);
+  sparse_solver_->solve(tangent_->condensed_rows(), x);
   return watch.seconds();
 }
 

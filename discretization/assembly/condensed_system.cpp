@@ -80,16 +80,16 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 
 }  // namespace
 
-CondensedSystem::CondensedSystem(const Assembler& assembler)
-    : assembler_(assembler),
-      structure_(ends_of(assembler.structure()), kept_vertices(assembler.structure(), assembler.conditions())),
+CondensedSystem::CondensedSystem(const Model& model)
+    : model_(model),
+      structure_(ends_of(model.structure()), kept_vertices(model.structure(), model.conditions())),
       chains_(structure_) {
-  if (assembler.plane()) planar_chains_ = std::make_unique<PlanarChains>(assembler, structure_);
-  const Structure& structure = assembler.structure();
+  if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_);
+  const Structure& structure = model.structure();
   std::vector<unsigned char> present = structure_.eliminated();
   for (unsigned char& p : present) p = p == 0 ? 1 : 0;
-  remaining_ = std::make_unique<VertexMatrix>(structure, assembler.vertex_maps(), present, structure_.remaining(),
-                                              assembler.conditions().joints);
+  remaining_ = std::make_unique<VertexMatrix>(structure, model.vertex_maps(), present, structure_.remaining(),
+                                              model.conditions().joints);
   eliminated_ = KernelView<unsigned char*>("mixbeam::eliminated", present.size());
   for (size_t v = 0; v < present.size(); ++v) eliminated_(v) = structure_.eliminated()[v];
   condensed_ = KernelView<unsigned char*>("mixbeam::condensed", structure.local_elements());
@@ -105,36 +105,37 @@ CondensedSystem::CondensedSystem(const Assembler& assembler)
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;
 }
 
-bool CondensedSystem::condense() {
-  const auto& tangents = assembler_.equations().condensed_tangent;
-  planar_ = assembler_.has_planar_tangent() ? planar_chains_.get() : nullptr;
+bool CondensedSystem::condense(const Tangent& tangent) {
+  tangent_ = &tangent;
+  const auto& tangents = tangent.elements().condensed_tangent;
+  planar_ = tangent.is_planar() ? planar_chains_.get() : nullptr;
   double smallest = 0.0;
   const auto note = [&](const auto& pivots) {
     negative_pivots_ = pivots.negative;
     smallest = pivots.smallest;
   };
   {
-    PhaseTimer timer(assembler_.times(), "condense chains");
+    PhaseTimer timer(model_.times(), "condense chains");
     if (planar_ != nullptr)
-      note(planar_->condense());
+      note(planar_->condense(tangent.planar_elements()));
     else
       note(chains_.factorize(tangents));
   }
-  PhaseTimer timer(assembler_.times(), "assemble");
-  assembler_.fill(*remaining_, planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangents));
+  PhaseTimer timer(model_.times(), "assemble");
+  tangent.gather(*remaining_, planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangents));
   return smallest >= kSmallestPivot;
 }
 
 void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x) {
-  PhaseTimer timer(assembler_.times(), "solve");
+  PhaseTimer timer(model_.times(), "solve");
   const KernelView<const double*> rows = MixedVector::view_of(b);
   const KernelView<double*> half = MixedVector::view_of(x), out = MixedVector::view_of(remaining_b);
   if (planar_ != nullptr)
     planar_->condense_rows(rows);
   else
     chains_.condense_rows(rows, half);
-  remaining_->sum_at_ends(arrived(), assembler_.structure().local_elements(), half);
-  assembler_.turn_tangent_rows(half);
+  remaining_->sum_at_ends(arrived(), model_.structure().local_elements(), half);
+  tangent_->project_on_free_motions(half);
   const KernelView<int*> vertices = remaining_->vertices();
   Kokkos::parallel_for(
       "mixbeam::chains::remaining_rows", Range(0, vertices.extent(0)), KOKKOS_LAMBDA(int r) {
@@ -146,7 +147,7 @@ void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, 
 }
 
 void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
-  PhaseTimer timer(assembler_.times(), "solve");
+  PhaseTimer timer(model_.times(), "solve");
   const KernelView<const double*> from = MixedVector::view_of(remaining_x);
   const KernelView<double*> to = MixedVector::view_of(x);
   const KernelView<int*> vertices = remaining_->vertices();
@@ -161,16 +162,16 @@ void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
 }
 
 double CondensedSystem::measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const {
-  PhaseTimer timer(assembler_.times(), "check of the solve");
+  PhaseTimer timer(model_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
   const KernelView<double*> run_forces = run_forces_;
   const LinkMatrices<kSpatialDofs> links =
-      planar_ != nullptr ? planar_->remaining() : chains_.matrices(assembler_.equations().condensed_tangent);
-  remaining_->run_forces(links, arrived(), assembler_.structure().local_elements(), values, run_forces);
-  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+      planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangent_->elements().condensed_tangent);
+  remaining_->run_forces(links, arrived(), model_.structure().local_elements(), values, run_forces);
+  const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const LargestParts sizes = largest_parts(comm, values);
   if (planar_ != nullptr) return maximum_over_ranks(comm, planar_->error(rows, values, sizes, run_forces, residual));
-  const auto adjacency = assembler_.adjacency();
+  const auto adjacency = model_.adjacency();
   const auto ends = ends_;
   const auto eliminated = eliminated_;
   const auto condensed = condensed_;

@@ -10,16 +10,17 @@ namespace mixbeam {
 
 class CondensedSystem {
  public:
-  /// Collective. The assembler must outlive the system.
-  explicit CondensedSystem(const Assembler& assembler);
+  /// Collective. The model must outlive the system.
+  explicit CondensedSystem(const Model& model);
 
   /// Vertices eliminated in chains, on this rank.
   int eliminated_vertices() const { return structure_.eliminated_vertices(); }
   const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
   const VertexMatrix& remaining() const { return *remaining_; }
 
-  /// Condenses the tangent that the assembler holds. False where a pivot is so small that nothing can be relied on.
-  bool condense();
+  /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
+  /// pivot is so small that nothing can be relied on.
+  bool condense(const Tangent& tangent);
   long negative_pivots() const { return negative_pivots_; }
 
   /// First half of a solve: the right-hand side of the remaining system; x is half done.
@@ -42,7 +43,8 @@ class CondensedSystem {
     return planar_ != nullptr ? planar_->arrived() : chains_.arrived();
   }
 
-  const Assembler& assembler_;
+  const Model& model_;
+  const Tangent* tangent_ = nullptr;  ///< whose chains are eliminated
   ChainStructure structure_;
   ChainCondensation<kSpatialDofs> chains_;
   std::unique_ptr<PlanarChains> planar_chains_;  ///< where the scene has a plane

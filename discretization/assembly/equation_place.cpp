@@ -25,31 +25,20 @@ struct RowKey {
 
 const char* kAxes[] = {"x", "y", "z"};
 
-RowKind kind_of_interior(const InteriorLayout& layout, int row) {
-  if (row < layout.moment(0)) return RowKind::element_force;
-  if (row < layout.relative_rotation(1)) return RowKind::element_moment;
-  if (row < layout.bubble(1)) return RowKind::element_rotation;
-  return row < layout.spin() ? RowKind::element_displacement : RowKind::element_rotation;
-}
-
 /// The rows of one rank in the order of the search; `visit` returns whether to go on.
 class RowWalk {
  public:
-  RowWalk(const Assembler& assembler, const MixedVector& vector)
-      : structure_(assembler.structure()), vector_(vector), fixed_("mixbeam::place::fixed", vector.vertex().extent(0)) {
-    ConstraintRows(assembler.conditions()).mark_fixed(fixed_);
-  }
+  RowWalk(const Model& model, const MixedVector& vector)
+      : structure_(model.structure()), vector_(vector), fixed_(model.fixed_rows()) {}
 
   template <class Visit>
   bool vertices(const Visit& visit) const {
     const KernelView<double*> rows = vector_.vertex();
     for (size_t i = 0; i < rows.extent(0); ++i) {
       const int component = static_cast<int>(i % kVertexDofs);
-      const bool turns = component >= 3;
       RowKey key;
       key.found = true;
-      key.kind = static_cast<int>(fixed_(i) ? (turns ? RowKind::held_rotation : RowKind::held_displacement)
-                                            : (turns ? RowKind::vertex_rotation : RowKind::vertex_displacement));
+      key.kind = static_cast<int>(kind_of_vertex_row(component, fixed_(i) != 0));
       key.component = component % 3;
       key.vertex = structure_.local_vertex_to_global[i / kVertexDofs];
       key.value = rows(i);
@@ -66,7 +55,7 @@ class RowWalk {
         for (int i = 0; i < block.interior.increments(); ++i) {
           RowKey key;
           key.found = true;
-          key.kind = static_cast<int>(kind_of_interior(block.interior, i));
+          key.kind = static_cast<int>(kind_of_interior_row(block.interior, i));
           key.component = i % 3;
           key.element = structure_.local_element_to_mesh[block.first_element + e];
           key.value = rows(block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i);
@@ -78,7 +67,7 @@ class RowWalk {
  private:
   const Structure& structure_;
   const MixedVector& vector_;
-  KernelView<unsigned char*> fixed_;
+  KernelView<const unsigned char*> fixed_;
 };
 
 /// The key of largest `size` on any rank; the highest of several ranks, which all name the same row.
@@ -106,11 +95,11 @@ RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
           packed[5]};
 }
 
-EquationPlace place_of_element(const Assembler& assembler, int global_element) {
-  const Mesh& mesh = assembler.mesh();
+EquationPlace place_of_element(const Model& model, int global_element) {
+  const Mesh& mesh = model.mesh();
   const MeshElement& element = mesh.elements[global_element];
   EquationPlace place;
-  place.member = assembler.scene().members[element.member].name;
+  place.member = model.scene().members[element.member].name;
   place.element = element.index;
   place.global_element = global_element;
   place.along = mesh.arc_length(element, 0.0) / mesh.member_of(element).curve.length;
@@ -119,38 +108,14 @@ EquationPlace place_of_element(const Assembler& assembler, int global_element) {
   return place;
 }
 
-EquationPlace place_of(const Assembler& assembler, const RowKey& key) {
-  EquationPlace place =
-      key.element >= 0 ? place_of_element(assembler, key.element) : place_of_vertex(assembler, key.vertex);
+EquationPlace place_of(const Model& model, const RowKey& key) {
+  EquationPlace place = key.element >= 0 ? place_of_element(model, key.element) : place_of_vertex(model, key.vertex);
   place.kind = static_cast<RowKind>(key.kind);
   place.component = key.component;
   return place;
 }
 
-/// `h`: length of the element for rows of an element.
-double scale_of(RowKind kind, const ResidualScales& scales, double h) {
-  switch (kind) {
-    case RowKind::vertex_displacement:
-      return scales.force;
-    case RowKind::vertex_rotation:
-      return scales.moment;
-    case RowKind::element_rotation:
-      return scales.element_moment(h);
-    case RowKind::held_displacement:
-      return scales.length;
-    case RowKind::held_rotation:
-      return 1.0;
-    case RowKind::element_force:
-      return scales.element_strain(h);
-    case RowKind::element_moment:
-      return scales.rotation;
-    case RowKind::element_displacement:
-      return scales.element_bubble(h);
-  }
-  return 1.0;
-}
-
-const Teuchos::Comm<int>& ranks_of(const Assembler& assembler) { return *assembler.map()->getComm(); }
+const Teuchos::Comm<int>& ranks_of(const Model& model) { return *model.map()->getComm(); }
 
 std::string rounded(double value) {
   std::array<char, 32> text{};
@@ -160,7 +125,7 @@ std::string rounded(double value) {
 
 }  // namespace
 
-std::optional<ResidualPeak> largest_row(const Assembler& assembler, const MixedVector& scaled_residual,
+std::optional<ResidualPeak> largest_row(const Model& model, const MixedVector& scaled_residual,
                                         const ResidualScales& scales) {
   RowKey largest;
   const auto keep_larger = [&largest](RowKey key) {
@@ -168,22 +133,21 @@ std::optional<ResidualPeak> largest_row(const Assembler& assembler, const MixedV
     if (std::isfinite(key.size) && key.size > largest.size) largest = key;
     return true;
   };
-  const RowWalk walk(assembler, scaled_residual);
+  const RowWalk walk(model, scaled_residual);
   walk.vertices(keep_larger);
   walk.elements(keep_larger);
-  largest = best_of_ranks(ranks_of(assembler), largest);
+  largest = best_of_ranks(ranks_of(model), largest);
   if (!largest.found) return {};
-  ResidualPeak peak{place_of(assembler, largest), largest.size, 0.0};
-  const Mesh& mesh = assembler.mesh();
+  ResidualPeak peak{place_of(model, largest), largest.size, 0.0};
+  const Mesh& mesh = model.mesh();
   const double h = largest.element < 0 ? 0.0 : mesh.element_length(mesh.elements[largest.element]);
   peak.value = largest.value * scale_of(peak.place.kind, scales, h);
   return peak;
 }
 
-std::optional<EquationPlace> first_not_finite(const Assembler& assembler, const MixedVector& vector,
-                                              SearchOrder order) {
+std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVector& vector, SearchOrder order) {
   // The place in the search decides between ranks: elements come before vertices, or after them.
-  const double behind = assembler.mesh().vertices() + static_cast<double>(assembler.mesh().elements.size());
+  const double behind = model.mesh().vertices() + static_cast<double>(model.mesh().elements.size());
   RowKey first;
   const auto find = [&](RowKey key) {
     if (std::isfinite(key.value)) return true;
@@ -192,34 +156,35 @@ std::optional<EquationPlace> first_not_finite(const Assembler& assembler, const 
     if (!first.found || key.size > first.size) first = key;
     return true;
   };
-  const RowWalk walk(assembler, vector);
+  const RowWalk walk(model, vector);
   walk.elements(find);
   walk.vertices(find);
-  first = best_of_ranks(ranks_of(assembler), first);
+  first = best_of_ranks(ranks_of(model), first);
   if (!first.found) return {};
-  return place_of(assembler, first);
+  return place_of(model, first);
 }
 
-std::optional<EquationPlace> first_tangent_not_finite(const Assembler& assembler) {
-  const bool planar = assembler.has_planar_tangent();
+std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent) {
+  const Model& model = tangent.model();
+  const bool planar = tangent.is_planar();
   const auto entries_of = [&](int e) -> const double* {
-    return planar ? &assembler.planar_tangents()(e, 0) : &assembler.equations().condensed_tangent(e, 0);
+    return planar ? &tangent.planar_elements()(e, 0) : &tangent.elements().condensed_tangent(e, 0);
   };
-  const size_t entries = planar ? size_t{kPlanarTangent} : assembler.equations().condensed_tangent.extent(1);
+  const size_t entries = planar ? size_t{kPlanarTangent} : tangent.elements().condensed_tangent.extent(1);
   RowKey first;
-  for (int e = 0; e < assembler.structure().local_elements() && !first.found; ++e)
+  for (int e = 0; e < model.structure().local_elements() && !first.found; ++e)
     if (!std::all_of(entries_of(e), entries_of(e) + entries, [](double x) { return std::isfinite(x); })) {
       first.found = true;
-      first.element = assembler.structure().local_element_to_mesh[e];
+      first.element = model.structure().local_element_to_mesh[e];
       first.size = -first.element;
     }
-  first = best_of_ranks(ranks_of(assembler), first);
+  first = best_of_ranks(ranks_of(model), first);
   if (!first.found) return {};
-  return place_of(assembler, first);
+  return place_of(model, first);
 }
 
-EquationPlace place_of_vertex(const Assembler& assembler, int global_vertex) {
-  const Mesh& mesh = assembler.mesh();
+EquationPlace place_of_vertex(const Model& model, int global_vertex) {
+  const Mesh& mesh = model.mesh();
   EquationPlace place;
   place.global_vertex = global_vertex;
   place.position = mesh.vertex_position[global_vertex];
@@ -228,7 +193,7 @@ EquationPlace place_of_vertex(const Assembler& assembler, int global_vertex) {
   for (const MeshElement& element : mesh.elements)
     for (int end = 0; end < 2; ++end) {
       if (element.vertex[end] != global_vertex) continue;
-      place.member = assembler.scene().members[element.member].name;
+      place.member = model.scene().members[element.member].name;
       place.along = mesh.arc_length(element, end == 0 ? -1.0 : 1.0) / mesh.member_of(element).curve.length;
       return place;
     }
@@ -286,27 +251,6 @@ std::string unknown_text(const EquationPlace& place) {
       return "displacement inside, component " + axis;
   }
   return "";
-}
-
-std::vector<Assembler::EndAngle> end_angles_of_members(const Assembler& assembler) {
-  const Structure& structure = assembler.structure();
-  const Mesh& mesh = assembler.mesh();
-  const int members = static_cast<int>(mesh.members.size());
-  std::vector<double> angle(members, 0.0), largest(members, 0.0);
-  std::vector<int> where(members, 0);
-  for (int e = 0; e < structure.local_elements(); ++e) {
-    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[e]];
-    const double here = assembler.equations().largest_end_angle(e);
-    if (here > angle[element.member]) angle[element.member] = here, where[element.member] = element.index;
-  }
-  Teuchos::reduceAll(ranks_of(assembler), Teuchos::REDUCE_MAX, members, angle.data(), largest.data());
-  for (int m = 0; m < members; ++m)
-    if (angle[m] < largest[m]) where[m] = -1;
-  std::vector<int> element(where);
-  Teuchos::reduceAll(ranks_of(assembler), Teuchos::REDUCE_MAX, members, where.data(), element.data());
-  std::vector<Assembler::EndAngle> angles(members);
-  for (int m = 0; m < members; ++m) angles[m] = {largest[m], assembler.scene().members[m].name, element[m]};
-  return angles;
 }
 
 }  // namespace mixbeam

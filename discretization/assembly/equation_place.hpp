@@ -2,24 +2,12 @@
 /// balances and what its unknown is. Slow, for a few entries only.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 
 #include <optional>
 #include <string>
 
 namespace mixbeam {
-
-/// A row of the mixed system: an equation, and the unknown of the same place in an increment.
-enum class RowKind {
-  vertex_displacement,  ///< balance of forces
-  vertex_rotation,      ///< balance of moments
-  held_displacement,    ///< a condition of a support or joint
-  held_rotation,        ///< likewise
-  element_force,        ///< force strain from the motion against that from the force
-  element_moment,       ///< likewise for the moment strain: a relative rotation
-  element_rotation,     ///< balance of moments inside the element
-  element_displacement  ///< balance of forces inside the element
-};
 
 struct EquationPlace {
   RowKind kind = RowKind::vertex_displacement;
@@ -42,19 +30,19 @@ struct ResidualPeak {
 
 /// Largest finite entry of a scaled residual; `scales`: those it was divided by. Nothing if no entry is finite and not
 /// zero. Collective.
-std::optional<ResidualPeak> largest_row(const Assembler& assembler, const MixedVector& scaled_residual,
+std::optional<ResidualPeak> largest_row(const Model& model, const MixedVector& scaled_residual,
                                         const ResidualScales& scales);
 
 /// First entry that is not a finite number: inside elements first (what is wrong in an element is soon wrong at its
 /// vertices too), or at vertices first. Collective.
 enum class SearchOrder { elements_first, vertices_first };
-std::optional<EquationPlace> first_not_finite(const Assembler& assembler, const MixedVector& vector, SearchOrder order);
+std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVector& vector, SearchOrder order);
 
-/// First element whose condensed tangent, as last evaluated, holds something that is not a finite number. Collective.
-std::optional<EquationPlace> first_tangent_not_finite(const Assembler& assembler);
+/// First element whose condensed tangent holds something that is not a finite number. Collective.
+std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent);
 
 /// A vertex of the mesh, without kind and component.
-EquationPlace place_of_vertex(const Assembler& assembler, int global_vertex);
+EquationPlace place_of_vertex(const Model& model, int global_vertex);
 
 /// `point "tip"`, `member "beam" at 0.25 of its length`, `element 3 of member "beam"`.
 std::string text_of(const EquationPlace& place);
@@ -64,9 +52,5 @@ std::string equation_text(const EquationPlace& place);
 
 /// What moves or acts: `displacement x`, `force, axial`.
 std::string unknown_text(const EquationPlace& place);
-
-/// The largest relative rotation between elements and vertices of every member, in the order of the scene, as in the
-/// last residual. `element`: where in the member. Collective.
-std::vector<Assembler::EndAngle> end_angles_of_members(const Assembler& assembler);
 
 }  // namespace mixbeam

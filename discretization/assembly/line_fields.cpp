@@ -161,15 +161,10 @@ void LineFields::allocate_values(Structure& structure) {
   }
 }
 
-void LineFields::set(const Structure& structure, double load_factor, bool with_loads) {
-  magnitude_ = {};
+void LineFields::set(const Structure& structure, double load_factor, bool with_loads) const {
   set_zero(structure);
-  for (const Field& field : fields_) {
-    if (!with_loads && is_load(field.kind)) continue;
-    const double amplitude = field.amplitude(load_factor);
-    add(structure, field, amplitude);
-    note_magnitude(field, std::abs(amplitude));
-  }
+  for (const Field& field : fields_)
+    if (with_loads || !is_load(field.kind)) add(structure, field, field.amplitude(load_factor));
 }
 
 void LineFields::set_slope(const Structure& structure, double load_factor) const {
@@ -197,22 +192,30 @@ void LineFields::add(const Structure& structure, const Field& field, double fact
       });
 }
 
-void LineFields::note_magnitude(const Field& field, double factor) {
-  const double size = factor * field.largest;
+LineFieldMagnitude LineFields::magnitude(double load_factor) const {
+  LineFieldMagnitude sizes;
   const auto raise = [](double& largest, double value) { largest = std::max(largest, value); };
-  switch (field.kind) {
-    case LineField::dead_force:
-    case LineField::follower_force:
-      return raise(magnitude_.force, size * field.length);
-    case LineField::dead_couple:
-    case LineField::follower_couple:
-      return raise(magnitude_.couple, size * field.length);
-    case LineField::eigenstrain:
-      return raise(magnitude_.strain, size);
-    case LineField::eigencurvature:
-      raise(magnitude_.curvature, size);
-      return raise(magnitude_.turn, size * field.length);
+  for (const Field& field : fields_) {
+    const double size = std::abs(field.amplitude(load_factor)) * field.largest;
+    switch (field.kind) {
+      case LineField::dead_force:
+      case LineField::follower_force:
+        raise(sizes.force, size * field.length);
+        break;
+      case LineField::dead_couple:
+      case LineField::follower_couple:
+        raise(sizes.couple, size * field.length);
+        break;
+      case LineField::eigenstrain:
+        raise(sizes.strain, size);
+        break;
+      case LineField::eigencurvature:
+        raise(sizes.curvature, size);
+        raise(sizes.turn, size * field.length);
+        break;
+    }
   }
+  return sizes;
 }
 
 }  // namespace mixbeam

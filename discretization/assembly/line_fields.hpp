@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// Sizes at the present load factor, of what is on this rank.
+/// Sizes at a load factor, of what is on this rank.
 struct LineFieldMagnitude {
   double force = 0.0;      ///< largest component of a load per length times the length of its member
   double couple = 0.0;     ///< likewise
@@ -30,13 +30,12 @@ class LineFields {
   bool empty() const { return !has_loads_ && !has_eigenstrains_; }
 
   /// Writes the sum of all fields at a load factor into the blocks; `with_loads` false: of the eigenstrains alone.
-  void set(const Structure& structure, double load_factor, bool with_loads = true);
+  void set(const Structure& structure, double load_factor, bool with_loads = true) const;
   /// Writes the derivative with respect to the load factor instead.
   void set_slope(const Structure& structure, double load_factor) const;
   /// As if there were no field at all.
   void set_zero(const Structure& structure) const;
-  /// Of the last set().
-  const LineFieldMagnitude& magnitude() const { return magnitude_; }
+  LineFieldMagnitude magnitude(double load_factor) const;
 
  private:
   /// One vector along the elements of one member on this rank.
@@ -55,10 +54,8 @@ class LineFields {
   void add_source(const Mesh& mesh, Structure& structure, const Source& source);
   void allocate_values(Structure& structure);
   void add(const Structure& structure, const Field& field, double factor) const;
-  void note_magnitude(const Field& field, double factor);
 
   std::vector<Field> fields_{};
-  LineFieldMagnitude magnitude_{};
   bool has_loads_ = false, has_eigenstrains_ = false;
 };
 

@@ -49,11 +49,11 @@ void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
 
 }  // namespace
 
-PlanarChains::PlanarChains(const Assembler& assembler, const ChainStructure& structure)
-    : assembler_(assembler), structure_(structure), chains_(structure) {
+PlanarChains::PlanarChains(const Model& model, const ChainStructure& structure)
+    : model_(model), structure_(structure), chains_(structure) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
-  const Structure& mesh = assembler.structure();
+  const Structure& mesh = model.structure();
   const int elements = structure.elements();
   // only what remains is ever written: untouched pages cost nothing
   elements_ = KernelView<double**>(view_alloc("mixbeam::planar::elements", WithoutInitializing), elements,
@@ -75,24 +75,25 @@ PlanarChains::PlanarChains(const Assembler& assembler, const ChainStructure& str
     if (link.link < elements) is_condensed_(link.link) = 0;
 }
 
-ChainCondensation<kPlanarDofs>::Pivots PlanarChains::condense() {
-  const auto pivots = chains_.factorize(assembler_.planar_tangents());
-  const LinkMatrices<kPlanarDofs> links = chains_.matrices(assembler_.planar_tangents());
+ChainCondensation<kPlanarDofs>::Pivots PlanarChains::condense(const PlanarTangents& tangents) {
+  tangents_ = tangents;
+  const auto pivots = chains_.factorize(tangents_);
+  const LinkMatrices<kPlanarDofs> links = chains_.matrices(tangents_);
   const int elements = structure_.elements();
   for (const RemainingLink& remaining : structure_.remaining()) {
     const int link = remaining.link;
     double room[LinkMatrices<kPlanarDofs>::kFull];
     double* out = link < elements ? &elements_(link, 0) : &remaining_.runs(link - elements, 0);
-    expand_link(*assembler_.plane(), links.full(link, room), out);
+    expand_link(*model_.plane(), links.full(link, room), out);
   }
   return pivots;
 }
 
 void PlanarChains::condense_rows(const KernelView<const double*>& rows) {
-  const PlaneAxes axes = *assembler_.plane();
+  const PlaneAxes axes = *model_.plane();
   const KernelView<double*> planar = rows_;
   Kokkos::parallel_for(
-      "mixbeam::planar::rows", Range(0, assembler_.structure().owned_vertices),
+      "mixbeam::planar::rows", Range(0, model_.structure().owned_vertices),
       KOKKOS_LAMBDA(int v) { project(axes, &rows(vertex_row(v, 0)), &planar(planar_row(v, 0))); });
   chains_.condense_rows(planar, x_);
   for (const RemainingLink& remaining : structure_.remaining()) {
@@ -103,10 +104,10 @@ void PlanarChains::condense_rows(const KernelView<const double*>& rows) {
 }
 
 void PlanarChains::expand(const KernelView<double*>& x) {
-  const PlaneAxes axes = *assembler_.plane();
+  const PlaneAxes axes = *model_.plane();
   const KernelView<double*> planar = x_;
   const KernelView<const unsigned char*> eliminated = is_eliminated_;
-  const Range all(0, assembler_.structure().owned_vertices);
+  const Range all(0, model_.structure().owned_vertices);
   Kokkos::parallel_for(
       "mixbeam::planar::ends", all, KOKKOS_LAMBDA(int v) {
         if (eliminated(v) == 0) project(axes, &x(vertex_row(v, 0)), &planar(planar_row(v, 0)));
@@ -159,7 +160,7 @@ struct PlanarErrorLoop {
   PlaneAxes axes;
   LargestParts sizes;
   PlanarTangents tangents;
-  Assembler::Adjacency adjacency;
+  Adjacency adjacency;
   KernelView<const int* [2]> ends;
   KernelView<const unsigned char*> eliminated, condensed;
   KernelView<const double*> rows, run_forces, x;
@@ -212,24 +213,15 @@ struct PlanarErrorLoop {
 double PlanarChains::error(const KernelView<const double*>& rows, const KernelView<const double*>& x,
                            const LargestParts& sizes, const KernelView<const double*>& run_forces,
                            const KernelView<double*>& residual) const {
-  const PlaneAxes axes = *assembler_.plane();
+  const PlaneAxes axes = *model_.plane();
   const KernelView<double*> planar = x_;
-  const int vertices = assembler_.structure().owned_vertices;
+  const int vertices = model_.structure().owned_vertices;
   Kokkos::parallel_for(
       "mixbeam::planar::x", Range(0, vertices),
       KOKKOS_LAMBDA(int v) { project(axes, &x(vertex_row(v, 0)), &planar(planar_row(v, 0))); });
-  const PlanarErrorLoop loop{vertices,
-                             axes,
-                             sizes,
-                             assembler_.planar_tangents(),
-                             assembler_.adjacency(),
-                             ends_,
-                             is_eliminated_,
-                             is_condensed_,
-                             rows,
-                             run_forces,
-                             planar,
-                             residual};
+  const PlanarErrorLoop loop{vertices, axes,           sizes,         tangents_, model_.adjacency(),
+                             ends_,    is_eliminated_, is_condensed_, rows,      run_forces,
+                             planar,   residual};
   double largest = 0.0;
   Kokkos::parallel_reduce("mixbeam::planar::error", Range(0, LaneRows::packs(vertices)), loop,
                           Kokkos::Max<double>(largest));

@@ -2,17 +2,17 @@
 /// space. What remains becomes spatial again, so that supports, joints and loads need not know of the plane.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 
 namespace mixbeam {
 
 class PlanarChains {
  public:
-  /// For an assembler with a plane; both must outlive this.
-  PlanarChains(const Assembler& assembler, const ChainStructure& structure);
+  /// For a model with a plane; both must outlive this.
+  PlanarChains(const Model& model, const ChainStructure& structure);
 
-  /// Condenses the planar tangent that the assembler holds and writes the links that remain.
-  ChainCondensation<kPlanarDofs>::Pivots condense();
+  /// Eliminates the chains of a planar tangent, to which all that follows refers, and writes the links that remain.
+  ChainCondensation<kPlanarDofs>::Pivots condense(const PlanarTangents& tangents);
   /// Spatial matrices of the links that remain; the others are not set. Motions out of the plane, at which nothing
   /// works, meet springs as stiff as the links are in the plane.
   const LinkMatrices<kSpatialDofs>& remaining() const { return remaining_; }
@@ -30,7 +30,8 @@ class PlanarChains {
                const KernelView<const double*>& run_forces, const KernelView<double*>& residual) const;
 
  private:
-  const Assembler& assembler_;
+  const Model& model_;
+  PlanarTangents tangents_;
   const ChainStructure& structure_;
   ChainCondensation<kPlanarDofs> chains_;
   LinkMatrices<kSpatialDofs> remaining_;

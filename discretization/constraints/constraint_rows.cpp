@@ -11,13 +11,13 @@ ConstraintRows::ConstraintRows(const Conditions& conditions)
   for (const VertexSupport& support : supports_)
     if (turns_moment_rows(support)) vertices.insert(support.vertex);
   for (const VertexJoint& joint : joints_) vertices.insert({joint.master, joint.slave});
-  for (int vertex : vertices) watched_.push_back({vertex});
+  for (int vertex : vertices) unloaded_.push_back({vertex});
 }
 
-int ConstraintRows::watched_index(int vertex) const {
-  const auto found =
-      std::lower_bound(watched_.begin(), watched_.end(), vertex, [](const Watched& w, int v) { return w.vertex < v; });
-  return static_cast<int>(found - watched_.begin());
+int ConstraintRows::index_of(int vertex) const {
+  const auto found = std::lower_bound(unloaded_.begin(), unloaded_.end(), vertex,
+                                      [](const CarriedForce& f, int v) { return f.vertex < v; });
+  return static_cast<int>(found - unloaded_.begin());
 }
 
 void ConstraintRows::mark_fixed(const KernelView<unsigned char*>& fixed) const {
@@ -25,7 +25,7 @@ void ConstraintRows::mark_fixed(const KernelView<unsigned char*>& fixed) const {
   for (const VertexJoint& joint : joints_) mark_fixed_rows(joint, fixed);
 }
 
-void ConstraintRows::turn(const State& state, const KernelView<double*>& rows) const {
+void ConstraintRows::project(const State& state, const KernelView<double*>& rows) const {
   for (const VertexJoint& joint : joints_) join_rows(joint, state, rows);
   for (const VertexSupport& support : supports_) turn_rows(support, state, rows);
 }
@@ -39,36 +39,30 @@ void ConstraintRows::set_slopes(double load_factor, const KernelView<double*>& r
   for (const VertexSupport& support : supports_) set_support_slopes(support, load_factor, rows);
 }
 
-void ConstraintRows::remember(const State& state, double load_factor, const KernelView<double*>& rows) {
-  if (watched_.empty()) return;
-  for (Watched& w : watched_) {
-    w.force = rows_of(rows, w.vertex, kForcePart);
-    w.moment = w.joined_moment = rows_of(rows, w.vertex, kMomentPart);
+CarriedForces ConstraintRows::carried(const State& state, const KernelView<double*>& rows) const {
+  CarriedForces carried = unloaded_;
+  for (CarriedForce& f : carried) {
+    f.force = rows_of(rows, f.vertex, kForcePart);
+    f.moment = f.joined_moment = rows_of(rows, f.vertex, kMomentPart);
   }
   for (const VertexJoint& joint : joints_) {
-    const Watched& slave = watched_[watched_index(joint.slave)];
-    Vec& moment = watched_[watched_index(joint.master)].joined_moment;
-    moment += moment_on_master(joint, state, slave.force, slave.moment);
+    const CarriedForce& slave = carried[index_of(joint.slave)];
+    carried[index_of(joint.master)].joined_moment += moment_on_master(joint, state, slave.force, slave.moment);
   }
-  remembered_ = state;
-  remembered_load_factor_ = load_factor;
+  return carried;
 }
 
-bool ConstraintRows::remembers(const State& state, double load_factor) const {
-  return watched_.empty() || (remembered_.views.vertex_displacement.data() == state.views.vertex_displacement.data() &&
-                              remembered_load_factor_ == load_factor);
-}
-
-void ConstraintRows::turn(const State& state, const MatrixRows& rows) const {
-  // theory (44): beside second variations; loads have added their part
-  for (const Watched& w : of_tangent_) rows.add(w.vertex, kMomentPart, w.vertex, kMomentPart, -0.5 * hat(w.moment));
+void ConstraintRows::project(const State& state, const CarriedForces& carried, const MatrixRows& rows) const {
+  // the matrix holds second variations; their derivative has this beside them, and loads have added their part
+  for (const CarriedForce& f : carried) rows.add(f.vertex, kMomentPart, f.vertex, kMomentPart, -0.5 * hat(f.moment));
   for (const VertexJoint& joint : joints_) {
-    const Watched& slave = of_tangent_[watched_index(joint.slave)];
+    const CarriedForce& slave = carried[index_of(joint.slave)];
     join_matrix_rows(joint, state, slave.force, slave.moment, rows);
   }
   for (const VertexSupport& support : supports_) {
-    const int w = turns_moment_rows(support) ? watched_index(support.vertex) : -1;
-    turn_matrix_rows(support, state, w < 0 ? Vec{{0.0, 0.0, 0.0}} : of_tangent_[w].joined_moment, rows);
+    const Vec moment =
+        turns_moment_rows(support) ? carried[index_of(support.vertex)].joined_moment : Vec{{0.0, 0.0, 0.0}};
+    turn_matrix_rows(support, state, moment, rows);
   }
 }
 

@@ -13,7 +13,7 @@ namespace mixbeam {
 
 constexpr int kVertexDofs = 6;
 
-/// What all vectors of an assembler have in common.
+/// What all vectors of a model have in common.
 struct VectorPool {
   // arrays of vectors that are not in use
   ViewPool<DofVector::dual_view_type::t_dev> vertex;

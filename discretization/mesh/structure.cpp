@@ -21,7 +21,7 @@ SectionConstants section_constants(const Section& section) {
   const double moment[3] = {section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
   for (int i = 0; i < 3; ++i) {
     c.force_compliance[i] = std::isinf(force[i]) ? 0.0 : 1.0 / force[i];
-    c.tangent_force_stiffness[i] = force[i];  // the assembler caps it where it is rigid or nearly so
+    c.tangent_force_stiffness[i] = force[i];  // a tangent caps it where it is rigid or nearly so
     c.moment_stiffness[i] = moment[i];
     c.moment_compliance[i] = 1.0 / moment[i];
   }
@@ -32,7 +32,7 @@ SectionConstants section_constants(const Section& section) {
 constexpr double kStiffnessRange = 1e4;
 
 /// Springs may be softer still, but they need not be what decides: of the reference that sections have they leave this
-/// share, with which flexible members keep the stiffness that they have in the tangent (Assembler's cap).
+/// share, with which flexible members keep the stiffness that they have in the tangent (Cap).
 constexpr double kShareBesideSprings = 1e-3;
 
 /// Softest spring of supports and joints as a bending stiffness: moment per angle times length, force per way times its
@@ -256,7 +256,15 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
 }
 
 // Not initialised: the threads that write them first get their pages.
-ElementEquations allocate_equations(const Structure& structure) {
+ElementEquations allocate_rows(const Structure& structure) {
+  ElementEquations equations;
+  equations.residual = KernelView<double* [12]>(
+      Kokkos::view_alloc("mixbeam::element_residual", Kokkos::WithoutInitializing), structure.local_elements());
+  equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
+  return equations;
+}
+
+ElementEquations allocate_tangents(const Structure& structure) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   const int n = structure.local_elements();
@@ -264,13 +272,10 @@ ElementEquations allocate_equations(const Structure& structure) {
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count && !some_unsymmetric; ++e) some_unsymmetric = block.is_unsymmetric(e);
   ElementEquations equations;
-  equations.residual = KernelView<double* [12]>(view_alloc("mixbeam::element_residual", WithoutInitializing), n);
-  equations.condensed_residual = equations.residual;  // each is gathered as soon as it has been evaluated
   equations.condensed_tangent = KernelView<double**>(view_alloc("mixbeam::condensed_tangent", WithoutInitializing), n,
                                                      some_unsymmetric ? kFullTangent : kSymmetricTangent);
   equations.response =
       KernelView<double*>(view_alloc("mixbeam::response", WithoutInitializing), structure.response_size);
-  equations.largest_end_angle = KernelView<double*>(view_alloc("mixbeam::largest_end_angle", WithoutInitializing), n);
   return equations;
 }
 

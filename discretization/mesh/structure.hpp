@@ -14,10 +14,10 @@
 namespace mixbeam {
 
 /// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others
-/// may hold is never written to: a new one is allocated (Assembler::apply).
+/// may hold is never written to: a new one is allocated (Model::apply).
 struct State {
   StateViews views;
-  /// Known to lie in the plane of the scene (Assembler::plane()): nothing but its in-plane part is looked at.
+  /// Known to lie in the plane of the scene (Model::plane()): nothing but its in-plane part is looked at.
   bool in_plane = false;
 };
 
@@ -74,7 +74,9 @@ State reference_state(const Structure& structure, const Mesh& mesh);
 /// Room for a state, not initialised.
 State allocate_state(const Structure& structure);
 
-/// Arrays that one evaluation of all elements writes. Residual and condensed residual share their numbers.
-ElementEquations allocate_equations(const Structure& structure);
+/// Arrays for rows of all elements, of residuals or condensed ones: they share their numbers.
+ElementEquations allocate_rows(const Structure& structure);
+/// Arrays for the tangents of all elements and what the recovery of their interiors needs.
+ElementEquations allocate_tangents(const Structure& structure);
 
 }  // namespace mixbeam

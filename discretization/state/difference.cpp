@@ -91,9 +91,9 @@ void share(const Teuchos::Comm<int>& comm, std::vector<double>& numbers) {
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), numbers.data());
 }
 
-std::vector<double> compare_owned_elements(const Assembler& assembler, const State& first, const State& second) {
-  const Structure& structure = assembler.structure();
-  std::vector<double> numbers(kNumbers * assembler.mesh().elements.size(), 0.0);
+std::vector<double> compare_owned_elements(const Model& model, const State& first, const State& second) {
+  const Structure& structure = model.structure();
+  std::vector<double> numbers(kNumbers * model.mesh().elements.size(), 0.0);
   for (const ElementBlock& block : structure.blocks) {
     const KernelView<double* [kNumbers]> result("mixbeam::element_difference", block.count);
     compare_elements(block, first.views, second.views, result);
@@ -107,9 +107,9 @@ std::vector<double> compare_owned_elements(const Assembler& assembler, const Sta
 }
 
 /// (vertex, 6): difference, displacement of the second state.
-std::vector<double> compare_owned_vertices(const Assembler& assembler, const State& first, const State& second) {
-  const Structure& structure = assembler.structure();
-  std::vector<double> numbers(6 * static_cast<size_t>(assembler.mesh().vertices()), 0.0);
+std::vector<double> compare_owned_vertices(const Model& model, const State& first, const State& second) {
+  const Structure& structure = model.structure();
+  std::vector<double> numbers(6 * static_cast<size_t>(model.mesh().vertices()), 0.0);
   for (int v = 0; v < structure.owned_vertices; ++v) {
     double* place = &numbers[6 * static_cast<size_t>(structure.local_vertex_to_global[v])];
     for (int i = 0; i < 3; ++i) {
@@ -122,10 +122,10 @@ std::vector<double> compare_owned_vertices(const Assembler& assembler, const Sta
 
 }  // namespace
 
-StateDifference difference(const Assembler& assembler, const State& first, const State& second) {
-  const auto& comm = *assembler.map()->getComm();
-  std::vector<double> elements = compare_owned_elements(assembler, first, second);
-  std::vector<double> vertices = compare_owned_vertices(assembler, first, second);
+StateDifference difference(const Model& model, const State& first, const State& second) {
+  const auto& comm = *model.map()->getComm();
+  std::vector<double> elements = compare_owned_elements(model, first, second);
+  std::vector<double> vertices = compare_owned_vertices(model, first, second);
   share(comm, elements);
   share(comm, vertices);
   StateDifference all;

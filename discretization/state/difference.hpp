@@ -1,7 +1,7 @@
 /// How far apart two states of one discretization are, element by element and vertex by vertex.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
 
 #include <vector>
 
@@ -21,6 +21,6 @@ struct StateDifference {
 };
 
 /// Complete on every rank, the same for any number of ranks and threads. Collective.
-StateDifference difference(const Assembler& assembler, const State& first, const State& second);
+StateDifference difference(const Model& model, const State& first, const State& second);
 
 }  // namespace mixbeam

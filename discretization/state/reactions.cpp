@@ -140,15 +140,15 @@ struct PartSums {
 class BalanceSums {
  public:
   /// Without `parts`, the structure is one.
-  BalanceSums(Assembler& assembler, const State& state, double load_factor, const StructureParts& parts = {})
-      : assembler_(assembler), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
+  BalanceSums(const Model& model, const State& state, double load_factor, const StructureParts& parts = {})
+      : model_(model), state_(state), load_factor_(load_factor), parts_(parts), sums_(parts.count) {
     find_boxes();
-    MixedVector rows = assembler.create_vector();
-    assembler.element_rows(state, load_factor, true, rows);
-    if (assembler.line_fields().has_loads()) add_line_loads(rows);
-    leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
+    MixedVector rows = model.create_vector();
+    element_rows(model, state, load_factor, true, rows);
+    if (model.line_fields().has_loads()) add_line_loads(rows);
+    leave_to_supports(model.conditions(), state, load_factor, rows.vertex());
     add_point_loads();
-    for (const VertexSupport& support : assembler.conditions().supports)
+    for (const VertexSupport& support : model.conditions().supports)
       add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
     for_each_owned_element(
         [&](const ElementView& element) { part_of(element).curve_moment += element.curve_moment(); });
@@ -160,7 +160,7 @@ class BalanceSums {
 
  private:
   void find_boxes() {
-    const std::vector<Vector3>& position = assembler_.mesh().vertex_position;
+    const std::vector<Vector3>& position = model_.mesh().vertex_position;
     for (std::size_t v = 0; v < position.size(); ++v)
       sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].enclose(position[v]);
   }
@@ -169,9 +169,9 @@ class BalanceSums {
     return sums_[parts_.of_element.empty() ? 0 : parts_.of_element[element.block.first_element + element.e]];
   }
   Vec arm(int vertex, const PartSums& part) const {
-    const int global = assembler_.structure().local_vertex_to_global[vertex];
-    return to_vec(assembler_.mesh().vertex_position[global]) +
-           load_vector(&state_.views.vertex_displacement(vertex, 0)) - part.center();
+    const int global = model_.structure().local_vertex_to_global[vertex];
+    return to_vec(model_.mesh().vertex_position[global]) + load_vector(&state_.views.vertex_displacement(vertex, 0)) -
+           part.center();
   }
   void add(Wrench PartSums::*sum, int vertex, const SpatialLoad& load) {
     PartSums& part = part_at(vertex);
@@ -181,15 +181,15 @@ class BalanceSums {
     part.largest_moment = std::max({part.largest_moment, norm(load.moment), norm(cross(lever, load.force))});
   }
   void add_point_loads() {
-    for (const VertexLoad& load : assembler_.conditions().loads)
+    for (const VertexLoad& load : model_.conditions().loads)
       add(&PartSums::applied, load.vertex, spatial_load(load, load.amplitude(load_factor_), state_));
   }
   void add_line_loads(const MixedVector& loaded) {
-    MixedVector difference = assembler_.create_vector();
-    assembler_.element_rows(state_, load_factor_, false, difference);
+    MixedVector difference = model_.create_vector();
+    element_rows(model_, state_, load_factor_, false, difference);
     difference.update(1.0, loaded, -1.0);
     const Rows rows = difference.vertex(), interior = difference.interior();
-    for (int v = 0; v < assembler_.structure().owned_vertices; ++v) {
+    for (int v = 0; v < model_.structure().owned_vertices; ++v) {
       const size_t first = static_cast<size_t>(kVertexDofs) * v;
       PartSums& part = part_at(v);
       part.applied.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v, part));
@@ -203,8 +203,8 @@ class BalanceSums {
   /// Elements that start at a vertex of this rank: each element of the mesh on one rank.
   template <class Action>
   void for_each_owned_element(const Action& action) const {
-    const Structure& structure = assembler_.structure();
-    const Mesh& mesh = assembler_.mesh();
+    const Structure& structure = model_.structure();
+    const Mesh& mesh = model_.mesh();
     for (const ElementBlock& block : structure.blocks)
       for (int e = 0; e < block.count; ++e)
         if (block.vertices(e, 0) < structure.owned_vertices)
@@ -212,7 +212,7 @@ class BalanceSums {
                              mesh.elements[structure.local_element_to_mesh[block.first_element + e]], e));
   }
 
-  Assembler& assembler_;
+  const Model& model_;
   const State& state_;
   double load_factor_;
   const StructureParts& parts_;
@@ -243,7 +243,7 @@ Balance BalanceSums::of_part(int part, const ResidualScales& scales) const {
 }
 
 Balance BalanceSums::over_all_ranks() const {
-  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const PartSums& sums = sums_.front();
   std::array<double, 15> mine{}, all{};
   const Vec parts[5] = {sums.applied.force, sums.applied.moment, sums.reactions.force, sums.reactions.moment,
@@ -251,7 +251,7 @@ Balance BalanceSums::over_all_ranks() const {
   for (int part = 0; part < 5; ++part) store_vector(parts[part], &mine[3 * part]);
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 15, mine.data(), all.data());
   // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
-  const ResidualScales scales = assembler_.scales_of(state_, load_factor_);
+  const ResidualScales scales = scales_of(model_, state_, load_factor_);
   const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
   const double moment =
       maximum_over_ranks(comm, std::max({sums.largest_moment, scales.moment, scales.force * scales.length}));
@@ -261,19 +261,19 @@ Balance BalanceSums::over_all_ranks() const {
 
 }  // namespace
 
-std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor) {
-  MixedVector rows = assembler.create_vector();
-  assembler.element_rows(state, load_factor, true, rows);
-  leave_to_supports(assembler.conditions(), state, load_factor, rows.vertex());
-  const std::vector<Support>& supports = assembler.scene().supports;
+std::vector<Reaction> reactions(const Model& model, const State& state, double load_factor) {
+  MixedVector rows = model.create_vector();
+  element_rows(model, state, load_factor, true, rows);
+  leave_to_supports(model.conditions(), state, load_factor, rows.vertex());
+  const std::vector<Support>& supports = model.scene().supports;
   std::vector<double> mine(6 * supports.size(), 0.0), all(mine.size());
-  for (const VertexSupport& support : assembler.conditions().supports) {
+  for (const VertexSupport& support : model.conditions().supports) {
     const SpatialLoad reaction = reaction_of(support, state, rows.vertex());
     store_vector(reaction.force, &mine[6 * support.index]);
     store_vector(reaction.moment, &mine[6 * support.index + 3]);
   }
   if (!mine.empty())
-    Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
+    Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
                        all.data());
   std::vector<Reaction> result;
   for (size_t i = 0; i < supports.size(); ++i) {
@@ -283,17 +283,17 @@ std::vector<Reaction> reactions(Assembler& assembler, const State& state, double
   return result;
 }
 
-std::vector<Balance> balance_of_parts(Assembler& assembler, const State& state, double load_factor,
+std::vector<Balance> balance_of_parts(const Model& model, const State& state, double load_factor,
                                       const StructureParts& parts, const std::vector<ResidualScales>& scales) {
-  const BalanceSums sums(assembler, state, load_factor, parts);
+  const BalanceSums sums(model, state, load_factor, parts);
   std::vector<Balance> result;
   result.reserve(scales.size());
   for (int part = 0; part < parts.count; ++part) result.push_back(sums.of_part(part, scales[part]));
   return result;
 }
 
-Balance balance(Assembler& assembler, const State& state, double load_factor) {
-  return BalanceSums(assembler, state, load_factor).over_all_ranks();
+Balance balance(const Model& model, const State& state, double load_factor) {
+  return BalanceSums(model, state, load_factor).over_all_ranks();
 }
 
 }  // namespace mixbeam

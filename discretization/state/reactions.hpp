@@ -1,7 +1,7 @@
 /// What holds a structure: the forces and moments of its supports, and whether they balance the loads.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/residual.hpp"
 
 #include <string>
 #include <vector>
@@ -29,10 +29,10 @@ struct Balance {
 };
 
 /// Reactions in the order of Scene::supports, complete on every rank. Collective.
-std::vector<Reaction> reactions(Assembler& assembler, const State& state, double load_factor);
+std::vector<Reaction> reactions(const Model& model, const State& state, double load_factor);
 
 /// Sums of loads and reactions. The total of the line loads is what the equations of the elements take of them: their
 /// virtual work in the six rigid motions. Collective.
-Balance balance(Assembler& assembler, const State& state, double load_factor);
+Balance balance(const Model& model, const State& state, double load_factor);
 
 }  // namespace mixbeam

@@ -49,9 +49,8 @@ void recover(const ElementBlock& block, const KernelView<const unsigned char*>& 
 
 }  // namespace
 
-State with_recovered_rotations(const Assembler& assembler, const State& state,
-                               const std::vector<unsigned char>& raised) {
-  State recovered = allocate_state(assembler.structure());
+State with_recovered_rotations(const Model& model, const State& state, const std::vector<unsigned char>& raised) {
+  State recovered = allocate_state(model.structure());
   Kokkos::deep_copy(recovered.views.vertex_displacement, state.views.vertex_displacement);
   Kokkos::deep_copy(recovered.views.vertex_rotation, state.views.vertex_rotation);
   Kokkos::deep_copy(recovered.views.element_triad, state.views.element_triad);
@@ -59,7 +58,7 @@ State with_recovered_rotations(const Assembler& assembler, const State& state,
   recovered.in_plane = state.in_plane;
   const KernelView<unsigned char*> marks("mixbeam::raised", raised.size());
   for (size_t m = 0; m < raised.size(); ++m) marks(m) = raised[m];
-  for (const ElementBlock& block : assembler.structure().blocks) recover(block, marks, recovered.views);
+  for (const ElementBlock& block : model.structure().blocks) recover(block, marks, recovered.views);
   return recovered;
 }
 

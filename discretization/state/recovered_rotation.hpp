@@ -1,7 +1,7 @@
 /// Rotations inside elements, made more accurate by those of their vertices.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
 
 #include <vector>
 
@@ -14,7 +14,6 @@ namespace mixbeam {
 /// which gives psi_k by theory (51). The slope of the centerline follows its tangent.
 ///
 /// `raised`: (member) elements of which members have it done.
-State with_recovered_rotations(const Assembler& assembler, const State& state,
-                               const std::vector<unsigned char>& raised);
+State with_recovered_rotations(const Model& model, const State& state, const std::vector<unsigned char>& raised);
 
 }  // namespace mixbeam

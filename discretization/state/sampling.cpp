@@ -114,9 +114,9 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   return sample;
 }
 
-PointSample sample_member(const Assembler& assembler, const State& state, int member, double position) {
-  const Structure& structure = assembler.structure();
-  const MeshMember& m = assembler.mesh().members[member];
+PointSample sample_member(const Model& model, const State& state, int member, double position) {
+  const Structure& structure = model.structure();
+  const MeshMember& m = model.mesh().members[member];
   const double s = position * m.curve.length;
   const auto& ends = m.vertex_arc_length;
   const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
@@ -125,10 +125,10 @@ PointSample sample_member(const Assembler& assembler, const State& state, int me
   const int local = structure.mesh_element_to_local[m.first_element + index];
   double mine[kSampleNumbers] = {}, all[kSampleNumbers];
   if (answers_for(structure, m.first_element + index)) {
-    const PointSample sample = sample_element(structure, assembler.mesh(), state, local, xi);
+    const PointSample sample = sample_element(structure, model.mesh(), state, local, xi);
     std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
   }
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
   PointSample sample;
   std::copy_n(all, kSampleNumbers, reinterpret_cast<double*>(&sample));
   return sample;
@@ -203,9 +203,8 @@ RowShare own_share(const Structure& structure, const MeshMember& member, const s
 
 /// Calls action(mesh element, place, sample) for every sample that this rank answers for.
 template <class Action>
-void for_each_sample(const Assembler& assembler, const State& state, const std::vector<size_t>& first,
-                     const Action& action) {
-  const Structure& structure = assembler.structure();
+void for_each_sample(const Model& model, const State& state, const std::vector<size_t>& first, const Action& action) {
+  const Structure& structure = model.structure();
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       if (!answers_for(structure, block, e)) continue;
@@ -213,7 +212,7 @@ void for_each_sample(const Assembler& assembler, const State& state, const std::
       const size_t points = first[element + 1] - first[element];
       for (size_t i = 0; i < points; ++i) {
         action(element, first[element] + i,
-               sample_element(structure, assembler.mesh(), state, local, sample_point(i, points)));
+               sample_element(structure, model.mesh(), state, local, sample_point(i, points)));
       }
     }
 }
@@ -224,9 +223,9 @@ struct RankSamples {
   std::vector<double> numbers;
 };
 
-RankSamples numbers_of_own_samples(const Assembler& assembler, const State& state, const std::vector<size_t>& first) {
+RankSamples numbers_of_own_samples(const Model& model, const State& state, const std::vector<size_t>& first) {
   RankSamples mine;
-  for_each_sample(assembler, state, first, [&](int element, size_t place, const PointSample& sample) {
+  for_each_sample(model, state, first, [&](int element, size_t place, const PointSample& sample) {
     if (place == first[element]) mine.elements.push_back(element);
     const auto* numbers = reinterpret_cast<const double*>(&sample);
     mine.numbers.insert(mine.numbers.end(), numbers, numbers + kSampleNumbers);
@@ -258,10 +257,10 @@ void send_samples_to_root(const Teuchos::Comm<int>& comm, const RankSamples& min
 
 }  // namespace
 
-std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& model, const State& state,
                                                int points_per_element) {
-  const Structure& structure = assembler.structure();
-  const Mesh& mesh = assembler.mesh();
+  const Structure& structure = model.structure();
+  const Mesh& mesh = model.mesh();
   const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
   std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
   for (size_t m = 0; m < members.size(); ++m) {
@@ -279,11 +278,11 @@ std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembl
   return members;
 }
 
-std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,
                                           int points_per_element) {
-  const auto& comm = *assembler.map()->getComm();
-  if (comm.getSize() == 1) return sample_own_elements(scene, assembler, state, points_per_element);
-  const Mesh& mesh = assembler.mesh();
+  const auto& comm = *model.map()->getComm();
+  if (comm.getSize() == 1) return sample_own_elements(scene, model, state, points_per_element);
+  const Mesh& mesh = model.mesh();
   const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
   std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
   if (comm.getRank() == 0)
@@ -292,7 +291,7 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& a
     const MeshElement& of = mesh.elements[element];
     put(sample, of.index, place - first[mesh.members[of.member].first_element], members[of.member]);
   };
-  send_samples_to_root(comm, numbers_of_own_samples(assembler, state, first), [&](const RankSamples& of_rank) {
+  send_samples_to_root(comm, numbers_of_own_samples(model, state, first), [&](const RankSamples& of_rank) {
     const double* numbers = of_rank.numbers.data();
     for (int element : of_rank.elements)
       for (size_t place = first[element]; place < first[element + 1]; ++place, numbers += kSampleNumbers) {
@@ -304,9 +303,9 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& a
   return members;
 }
 
-double l2_norm(const Assembler& assembler, const State& state, int points,
+double l2_norm(const Model& model, const State& state, int points,
                const std::function<Vec3<double>(const PointSample&, int member)>& field) {
-  const Structure& structure = assembler.structure();
+  const Structure& structure = model.structure();
   std::vector<double> xi(points), weight(points);
   gauss_rule(points, xi.data(), weight.data());
   double sum[2] = {0.0, 0.0}, total[2];
@@ -317,11 +316,11 @@ double l2_norm(const Assembler& assembler, const State& state, int points,
       sum[1] += h;
       for (int q = 0; q < points; ++q) {
         const Vec value =
-            field(sample_element(structure, assembler.mesh(), state, block.first_element + e, xi[q]), block.member(e));
+            field(sample_element(structure, model.mesh(), state, block.first_element + e, xi[q]), block.member(e));
         sum[0] += 0.5 * h * weight[q] * dot(value, value);
       }
     }
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
   return std::sqrt(total[0] / total[1]);
 }
 
@@ -388,9 +387,8 @@ StrainEnergy element_energy(const Structure& structure, const ElementBlock& bloc
 
 }  // namespace
 
-std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, const State& state,
-                                                 const StructureParts& parts) {
-  const Structure& structure = assembler.structure();
+std::vector<StrainEnergy> strain_energy_of_parts(const Model& model, const State& state, const StructureParts& parts) {
+  const Structure& structure = model.structure();
   std::vector<StrainEnergy> sums(parts.count);
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
@@ -402,8 +400,8 @@ std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, con
   return sums;
 }
 
-StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
-  const Structure& structure = assembler.structure();
+StrainEnergy strain_energy(const Model& model, const State& state) {
+  const Structure& structure = model.structure();
   double sum[2] = {0.0, 0.0}, total[2];
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
@@ -412,12 +410,12 @@ StrainEnergy strain_energy(const Assembler& assembler, const State& state) {
       sum[0] += energy.force;
       sum[1] += energy.moment;
     }
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
   return {total[0], total[1]};
 }
 
-std::array<double, 6> vertex_motion(const Assembler& assembler, const State& state, int vertex) {
-  const VertexPartition& partition = assembler.structure().partition;
+std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex) {
+  const VertexPartition& partition = model.structure().partition;
   std::array<double, 6> mine{}, all{};
   if (partition.owns(vertex)) {
     const int local = vertex - partition.owned_first();
@@ -427,7 +425,7 @@ std::array<double, 6> vertex_motion(const Assembler& assembler, const State& sta
       mine[3 + i] = rotation[i];
     }
   }
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, 6, mine.data(), all.data());
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 6, mine.data(), all.data());
   return all;
 }
 

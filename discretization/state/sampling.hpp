@@ -1,7 +1,7 @@
 /// Fields of a state at any point of an element or member: what results, plots and error norms read.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
 #include "discretization/state/member_samples.hpp"
 
 #include <functional>
@@ -23,7 +23,7 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
 
 /// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
 /// counts (at the end of the member its last one). Collective.
-PointSample sample_member(const Assembler& assembler, const State& state, int member, double position);
+PointSample sample_member(const Model& model, const State& state, int member, double position);
 
 /// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.
@@ -36,25 +36,25 @@ inline constexpr int kPointsByOrder = 0;
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
 /// included, so that one-sided values at vertices show) or at kPointsByOrder: the share of this rank, which are the
 /// elements that start at one of its vertices.
-std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Assembler& assembler, const State& state,
+std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& model, const State& state,
                                                int points_per_element);
 
 /// The same, complete on rank 0; other ranks return the members without samples. For small structures. Collective.
-std::vector<MemberSamples> sample_members(const Scene& scene, const Assembler& assembler, const State& state,
+std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,
                                           int points_per_element);
 
 /// sqrt(1/L int |field(point)|^2 ds) over the whole structure, L its total length, by Gauss rules with `points` points
 /// in each element. Collective.
-double l2_norm(const Assembler& assembler, const State& state, int points,
+double l2_norm(const Model& model, const State& state, int points,
                const std::function<Vec3<double>(const PointSample&, int member)>& field);
 
 /// Strain energy of the force strains and of the moment strains (all ranks). Collective.
 struct StrainEnergy {
   double force = 0.0, moment = 0.0;
 };
-StrainEnergy strain_energy(const Assembler& assembler, const State& state);
+StrainEnergy strain_energy(const Model& model, const State& state);
 
 /// Displacement (3) and rotation vector of Lambda_V (3, norm at most pi) of a global vertex, on every rank. Collective.
-std::array<double, 6> vertex_motion(const Assembler& assembler, const State& state, int vertex);
+std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex);
 
 }  // namespace mixbeam

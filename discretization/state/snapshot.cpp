@@ -19,9 +19,9 @@ static_assert(sizeof(std::uint64_t) == sizeof(double), "doubles travel as bit pa
 /// Calls `visit(snapshot array, its offset, numbers of the state, their count)` for everything that this rank holds, or
 /// only for what it answers for.
 template <class Visit>
-void for_each_piece(const Assembler& assembler, const State& state, const std::vector<size_t>& interior_first,
-                    bool with_ghosts, StateSnapshot& snapshot, const Visit& visit) {
-  const Structure& structure = assembler.structure();
+void for_each_piece(const Model& model, const State& state, const std::vector<size_t>& interior_first, bool with_ghosts,
+                    StateSnapshot& snapshot, const Visit& visit) {
+  const Structure& structure = model.structure();
   const int vertices = with_ghosts ? structure.local_vertices() : structure.owned_vertices;
   for (int v = 0; v < vertices; ++v) {
     const auto global = static_cast<size_t>(structure.local_vertex_to_global[v]);
@@ -58,9 +58,9 @@ std::vector<std::vector<double>*> arrays_of(StateSnapshot& snapshot) {
   return {&snapshot.vertex_displacement, &snapshot.vertex_rotation, &snapshot.element_triad, &snapshot.interior};
 }
 
-std::vector<size_t> sizes_for(const Assembler& assembler, const std::vector<size_t>& interior_first) {
-  const auto vertices = static_cast<size_t>(assembler.mesh().vertices());
-  return {3 * vertices, 4 * vertices, 4 * assembler.mesh().elements.size(), interior_first.back()};
+std::vector<size_t> sizes_for(const Model& model, const std::vector<size_t>& interior_first) {
+  const auto vertices = static_cast<size_t>(model.mesh().vertices());
+  return {3 * vertices, 4 * vertices, 4 * model.mesh().elements.size(), interior_first.back()};
 }
 
 void require_sizes(const Communicator& comm, StateSnapshot& snapshot, const std::vector<size_t>& sizes) {
@@ -78,10 +78,10 @@ void append(std::vector<double>& array, const double* numbers, size_t count) {
   array.insert(array.end(), numbers, numbers + count);
 }
 
-void add_vertices(const Assembler& assembler, const State& state, StateShare& share) {
-  const Structure& structure = assembler.structure();
+void add_vertices(const Model& model, const State& state, StateShare& share) {
+  const Structure& structure = model.structure();
   const auto owned = static_cast<size_t>(structure.owned_vertices);
-  share.vertices.rows = static_cast<size_t>(assembler.mesh().vertices());
+  share.vertices.rows = static_cast<size_t>(model.mesh().vertices());
   share.held.vertex_displacement.reserve(3 * owned);
   share.held.vertex_rotation.reserve(4 * owned);
   for (int v = 0; v < structure.owned_vertices; ++v) {
@@ -91,10 +91,10 @@ void add_vertices(const Assembler& assembler, const State& state, StateShare& sh
   }
 }
 
-void add_elements(const Assembler& assembler, const State& state, StateShare& share) {
-  const Structure& structure = assembler.structure();
-  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
-  share.elements.rows = assembler.mesh().elements.size();
+void add_elements(const Model& model, const State& state, StateShare& share) {
+  const Structure& structure = model.structure();
+  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
+  share.elements.rows = model.mesh().elements.size();
   share.interior.rows = interior_first.back();
   share.held.element_triad.reserve(4 * structure.local_element_to_mesh.size());
   share.held.interior.reserve(structure.interior_size);
@@ -126,23 +126,23 @@ std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh) {
   return first;
 }
 
-StateShare share_of(const Assembler& assembler, const State& state) {
+StateShare share_of(const Model& model, const State& state) {
   StateShare share;
   share.held.in_plane = state.in_plane;
-  add_vertices(assembler, state, share);
-  add_elements(assembler, state, share);
+  add_vertices(model, state, share);
+  add_elements(model, state, share);
   return share;
 }
 
-StateSnapshot snapshot_of(const Assembler& assembler, const State& state) {
-  const Communicator comm = assembler.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
+StateSnapshot snapshot_of(const Model& model, const State& state) {
+  const Communicator comm = model.map()->getComm();
+  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
   StateSnapshot snapshot;
   snapshot.in_plane = state.in_plane;
-  const auto sizes = sizes_for(assembler, interior_first);
+  const auto sizes = sizes_for(model, interior_first);
   const auto arrays = arrays_of(snapshot);
   for (size_t i = 0; i < arrays.size(); ++i) arrays[i]->assign(sizes[i], 0.0);
-  for_each_piece(assembler, state, interior_first, false, snapshot,
+  for_each_piece(model, state, interior_first, false, snapshot,
                  [](std::vector<double>& array, size_t place, const double* numbers, size_t count) {
                    std::copy_n(numbers, count, array.data() + place);
                  });
@@ -150,22 +150,22 @@ StateSnapshot snapshot_of(const Assembler& assembler, const State& state) {
   return snapshot;
 }
 
-State restore(const Assembler& assembler, const StateSnapshot& given) {
-  const Communicator comm = assembler.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(assembler.scene(), assembler.mesh());
+State restore(const Model& model, const StateSnapshot& given) {
+  const Communicator comm = model.map()->getComm();
+  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
   StateSnapshot snapshot = given;
-  const auto sizes = sizes_for(assembler, interior_first);
+  const auto sizes = sizes_for(model, interior_first);
   require_sizes(comm, snapshot, sizes);
   const auto arrays = arrays_of(snapshot);
   for (size_t i = 0; i < arrays.size(); ++i) {
     arrays[i]->resize(sizes[i]);
     if (comm->getSize() > 1) MPI_Bcast(arrays[i]->data(), static_cast<int>(sizes[i]), MPI_DOUBLE, 0, raw(comm));
   }
-  State state = allocate_state(assembler.structure());
+  State state = allocate_state(model.structure());
   int in_plane = snapshot.in_plane ? 1 : 0;
   Teuchos::broadcast(*comm, 0, &in_plane);
-  state.in_plane = in_plane == 1 && assembler.plane().has_value();
-  for_each_piece(assembler, state, interior_first, true, snapshot,
+  state.in_plane = in_plane == 1 && model.plane().has_value();
+  for_each_piece(model, state, interior_first, true, snapshot,
                  [](const std::vector<double>& array, size_t place, double* numbers, size_t count) {
                    std::copy_n(array.data() + place, count, numbers);
                  });

@@ -1,7 +1,7 @@
 /// From a state to the plain numbers that a result file keeps, and back, without changing a bit.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
 #include "discretization/state/resume_point.hpp"
 
 namespace mixbeam {
@@ -10,13 +10,13 @@ namespace mixbeam {
 std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh);
 
 /// The share of this rank: its own vertices, and the elements that start at one of them.
-StateShare share_of(const Assembler& assembler, const State& state);
+StateShare share_of(const Model& model, const State& state);
 
 /// Complete on rank 0, empty elsewhere. Collective.
-StateSnapshot snapshot_of(const Assembler& assembler, const State& state);
+StateSnapshot snapshot_of(const Model& model, const State& state);
 
 /// The state that a snapshot was made of, on as many ranks as there are now; `snapshot` counts on rank 0 only. Throws
 /// std::invalid_argument on every rank when its sizes are not those of the mesh. Collective.
-State restore(const Assembler& assembler, const StateSnapshot& snapshot);
+State restore(const Model& model, const StateSnapshot& snapshot);
 
 }  // namespace mixbeam

@@ -32,19 +32,20 @@ struct PartSize {
 /// Sizes and residuals of the parts of one state.
 class PartMeasure {
  public:
-  PartMeasure(Assembler& assembler, const State& state, double load_factor, const StructureParts& parts)
-      : assembler_(assembler), structure_(assembler.structure()), parts_(parts), sizes_(parts.count) {
+  PartMeasure(const Model& model, const State& state, double load_factor, const StructureParts& parts)
+      : model_(model), structure_(model.structure()), parts_(parts), sizes_(parts.count) {
+    set_line_fields(model, load_factor);
     measure_vertices(state);
     measure_elements(state);
     measure_loads(load_factor);
     for (const PartSize& size : sizes_)
       scales_.push_back(residual_scales(size.state, size.length(), size.shortest_element, structure_.bending_reference,
-                                        assembler.residual_tolerance()));
+                                        model.options().residual_tolerance));
   }
 
   const std::vector<ResidualScales>& scales() const { return scales_; }
   /// Largest row of each part of a residual that is scaled for the whole structure.
-  std::vector<double> largest_rows(const MixedVector& residual) const;
+  std::vector<double> largest_rows(const MixedVector& residual, const ResidualScales& whole) const;
 
  private:
   PartSize& part_at(int vertex) { return sizes_[parts_.of_vertex[vertex]]; }
@@ -52,10 +53,8 @@ class PartMeasure {
   void measure_elements(const State& state);
   void measure_loads(double load_factor);
   void measure_line_fields(const ElementBlock& block, int e, PartSize& size) const;
-  void raise_vertex_rows(const MixedVector& residual, std::vector<double>& largest) const;
-  void raise_interior_rows(const ElementBlock& block, const MixedVector& residual, std::vector<double>& largest) const;
 
-  const Assembler& assembler_;
+  const Model& model_;
   const Structure& structure_;
   const StructureParts& parts_;
   std::vector<PartSize> sizes_;
@@ -63,7 +62,7 @@ class PartMeasure {
 };
 
 void PartMeasure::measure_vertices(const State& state) {
-  const Mesh& mesh = assembler_.mesh();
+  const Mesh& mesh = model_.mesh();
   for (int v = 0; v < mesh.vertices(); ++v) {
     PartSize& size = part_at(v);
     double square = 0.0;
@@ -87,7 +86,7 @@ void PartMeasure::measure_elements(const State& state) {
       for (int i = 0; i < forces; ++i) raise(size.state.force, interior[i]);
       for (int i = forces; i < forces + moments; ++i) raise(size.state.moment, interior[i]);
       size.shortest_element = std::min(size.shortest_element, block.reference(e, block.reference_layout.length()));
-      const Mesh& mesh = assembler_.mesh();
+      const Mesh& mesh = model_.mesh();
       const MeshElement& element = mesh.elements[structure_.local_element_to_mesh[block.first_element + e]];
       size.longest_member = std::max(size.longest_member, mesh.member_of(element).curve.length);
       if (block.field_row.extent(0) > 0) measure_line_fields(block, e, size);
@@ -95,10 +94,9 @@ void PartMeasure::measure_elements(const State& state) {
   }
 }
 
-/// Of the values at the load factor of the last residual.
 void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize& size) const {
-  const MeshElement& element = assembler_.mesh().elements[structure_.local_element_to_mesh[block.first_element + e]];
-  const double length = assembler_.mesh().member_of(element).curve.length;
+  const MeshElement& element = model_.mesh().elements[structure_.local_element_to_mesh[block.first_element + e]];
+  const double length = model_.mesh().member_of(element).curve.length;
   for (int kind = 0; kind < kLineFields; ++kind) {
     if (block.field_row(e, kind) < 0) continue;
     const LineField field = static_cast<LineField>(kind);
@@ -119,7 +117,7 @@ void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize
 }
 
 void PartMeasure::measure_loads(double load_factor) {
-  for (const VertexLoad& load : assembler_.conditions().loads) {
+  for (const VertexLoad& load : model_.conditions().loads) {
     const double amplitude = load.amplitude(load_factor);
     StateMagnitude& size = part_at(load.vertex).state;
     raise(size.load_force, amplitude * largest_component(load.force));
@@ -127,55 +125,31 @@ void PartMeasure::measure_loads(double load_factor) {
   }
 }
 
-std::vector<double> PartMeasure::largest_rows(const MixedVector& residual) const {
+std::vector<double> PartMeasure::largest_rows(const MixedVector& residual, const ResidualScales& whole) const {
   std::vector<double> largest(parts_.count, 0.0);
-  raise_vertex_rows(residual, largest);
-  for (const ElementBlock& block : structure_.blocks) raise_interior_rows(block, residual, largest);
-  return largest;
-}
-
-void PartMeasure::raise_vertex_rows(const MixedVector& residual, std::vector<double>& largest) const {
-  const ResidualScales& whole = assembler_.scales();
-  const auto fixed = assembler_.fixed_rows();
+  const auto raise_row = [&](int part, RowKind kind, double h, double row) {
+    raise(largest[part], scale_of(kind, whole, h) / scale_of(kind, scales_[part], h) * row);
+  };
+  const auto fixed = model_.fixed_rows();
   const auto rows = residual.vertex();
-  for (int v = 0; v < structure_.owned_vertices; ++v) {
-    const int part = parts_.of_vertex[v];
-    const ResidualScales& own = scales_[part];
-    const double force = whole.force / own.force, moment = whole.moment / own.moment, place = whole.length / own.length;
-    for (int c = 0; c < kVertexDofs; ++c) {
-      const size_t row = static_cast<size_t>(kVertexDofs) * v + c;
-      const double constraint = c < 3 ? place : 1.0, equilibrium = c < 3 ? force : moment;
-      raise(largest[part], rows(row) * (fixed(row) ? constraint : equilibrium));
-    }
+  for (size_t i = 0; i < rows.extent(0); ++i)
+    raise_row(parts_.of_vertex[i / kVertexDofs], kind_of_vertex_row(i % kVertexDofs, fixed(i) != 0), 0.0, rows(i));
+  for (const ElementBlock& block : structure_.blocks) {
+    const int count = block.interior.increments();
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < count; ++i)
+        raise_row(parts_.of_element[block.first_element + e], kind_of_interior_row(block.interior, i),
+                  block.reference(e, block.reference_layout.length()),
+                  residual.interior()(block.increment_offset + static_cast<size_t>(e) * count + i));
   }
-}
-
-void PartMeasure::raise_interior_rows(const ElementBlock& block, const MixedVector& residual,
-                                      std::vector<double>& largest) const {
-  const ResidualScales& whole = assembler_.scales();
-  const InteriorLayout& layout = block.interior;
-  for (int e = 0; e < block.count; ++e) {
-    const int part = parts_.of_element[block.first_element + e];
-    const ResidualScales& own = scales_[part];
-    const double h = block.reference(e, block.reference_layout.length());
-    const double* row = &residual.interior()(block.increment_offset + static_cast<size_t>(e) * layout.increments());
-    const auto raise_rows = [&](int first, int end, double factor) {
-      for (int i = first; i < end; ++i) raise(largest[part], factor * row[i]);
-    };
-    const double spin = whole.element_moment(h) / own.element_moment(h);
-    raise_rows(0, layout.moment(0), whole.element_strain(h) / own.element_strain(h));
-    raise_rows(layout.moment(0), layout.relative_rotation(1), whole.rotation / own.rotation);
-    raise_rows(layout.relative_rotation(1), layout.bubble(1), spin);
-    raise_rows(layout.bubble(1), layout.spin(), whole.element_bubble(h) / own.element_bubble(h));
-    raise_rows(layout.spin(), layout.increments(), spin);
-  }
+  return largest;
 }
 
 }  // namespace
 
-StructureParts structure_parts(const Assembler& assembler, const std::vector<int>& part_of_member) {
-  const Mesh& mesh = assembler.mesh();
-  const Structure& structure = assembler.structure();
+StructureParts structure_parts(const Model& model, const std::vector<int>& part_of_member) {
+  const Mesh& mesh = model.mesh();
+  const Structure& structure = model.structure();
   StructureParts parts;
   parts.count = part_of_member.empty() ? 0 : 1 + *std::max_element(part_of_member.begin(), part_of_member.end());
   parts.of_vertex.resize(mesh.vertices());
@@ -189,13 +163,13 @@ StructureParts structure_parts(const Assembler& assembler, const std::vector<int
   return parts;
 }
 
-std::vector<PartCheck> check_parts(Assembler& assembler, const State& state, double load_factor,
+std::vector<PartCheck> check_parts(const Model& model, const State& state, double load_factor,
                                    const StructureParts& parts) {
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(state, load_factor, residual);
-  const PartMeasure measure(assembler, state, load_factor, parts);
-  const std::vector<double> rows = measure.largest_rows(residual);
-  const std::vector<Balance> balance = balance_of_parts(assembler, state, load_factor, parts, measure.scales());
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  const PartMeasure measure(model, state, load_factor, parts);
+  const std::vector<double> rows = measure.largest_rows(residual, point.scales);
+  const std::vector<Balance> balance = balance_of_parts(model, state, load_factor, parts, measure.scales());
   std::vector<PartCheck> checks;
   for (int part = 0; part < parts.count; ++part)
     checks.push_back({rows[part], balance[part].force_error, balance[part].moment_error});

@@ -14,7 +14,7 @@ struct StructureParts {
 };
 
 /// `part_of_member`: of each member of the scene, numbers from zero without gaps.
-StructureParts structure_parts(const Assembler& assembler, const std::vector<int>& part_of_member);
+StructureParts structure_parts(const Model& model, const std::vector<int>& part_of_member);
 
 /// How well one part is in equilibrium.
 struct PartCheck {
@@ -22,16 +22,15 @@ struct PartCheck {
   double force_error = 0.0, moment_error = 0.0;  ///< as in Balance
 };
 
-/// Leaves the residual of the state in the assembler.
-std::vector<PartCheck> check_parts(Assembler& assembler, const State& state, double load_factor,
+/// Residual and balance of every part.
+std::vector<PartCheck> check_parts(const Model& model, const State& state, double load_factor,
                                    const StructureParts& parts);
 
 /// balance() of every part by itself, moments about the middle of its own box; `scales`: of each part.
-std::vector<Balance> balance_of_parts(Assembler& assembler, const State& state, double load_factor,
+std::vector<Balance> balance_of_parts(const Model& model, const State& state, double load_factor,
                                       const StructureParts& parts, const std::vector<ResidualScales>& scales);
 
 /// strain_energy() of every part.
-std::vector<StrainEnergy> strain_energy_of_parts(const Assembler& assembler, const State& state,
-                                                 const StructureParts& parts);
+std::vector<StrainEnergy> strain_energy_of_parts(const Model& model, const State& state, const StructureParts& parts);
 
 }  // namespace mixbeam

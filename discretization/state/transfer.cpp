@@ -406,7 +406,7 @@ StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, c
   return result;
 }
 
-State transfer(const Assembler& from, const State& state, const Assembler& to) {
+State transfer(const Model& from, const State& state, const Model& to) {
   const Communicator comm = from.map()->getComm();
   const Discretization source{from.scene(), from.mesh()}, target{to.scene(), to.mesh()};
   require_same_members(source, target);

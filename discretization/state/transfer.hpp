@@ -29,7 +29,7 @@ struct Discretization {
 /// half a turn inside a new element.
 StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, const Discretization& to);
 
-/// The same between assemblers, on any number of ranks; only the first one does the work. Collective.
-State transfer(const Assembler& from, const State& state, const Assembler& to);
+/// The same between models, on any number of ranks; only the first one does the work. Collective.
+State transfer(const Model& from, const State& state, const Model& to);
 
 }  // namespace mixbeam

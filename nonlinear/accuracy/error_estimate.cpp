@@ -46,8 +46,9 @@ class RicherSolve {
   /// With the tangent of the last correct().
   void correct_with_old_tangent() {
     BeamVector rows(BeamVector::of(group_->getF()).clone(true));
-    problem_->assembler.rescale(rows.values(), group_->scales(), tangent_->scales());
-    BeamVector response(problem_->assembler.create_vector());
+    unscale_rows(problem_->model, group_->scales(), rows.values());
+    scale_rows(problem_->model, tangent_->scales(), rows.values());
+    BeamVector response(problem_->model.create_vector());
     Teuchos::ParameterList none;
     tangent_->applyJacobianInverse(none, rows, response);
     move(response, -1.0);
@@ -61,7 +62,7 @@ class RicherSolve {
     group_ = next;
     ++corrections_;
     if (!problem_->last_failure.empty()) throw NotEstimated{problem_->last_failure};
-    if (!std::isfinite(residual())) throw NotEstimated{"the correction left the range of double precision"};
+    if (!std::isfinite(residual())) throw NotEstimated{"the residual of the correction is not finite"};
   }
 
   Teuchos::RCP<BeamProblem> problem_;
@@ -120,14 +121,14 @@ void add_vertices(const Mesh& mesh, const Mesh& richer, const StateDifference& d
 double total(const StrainEnergy& energy) { return energy.force + energy.moment; }
 
 /// `state` beside what it became in the richer space, where `start` is the same fields.
-ErrorEstimate compare(const Assembler& assembler, const State& state, const Assembler& richer, const State& start,
+ErrorEstimate compare(const Model& model, const State& state, const Model& richer, const State& start,
                       const State& corrected) {
   ErrorEstimate estimate;
   const StateDifference moved = difference(richer, start, corrected);
-  add_differences(assembler.mesh(), richer.mesh(), moved, estimate);
-  add_vertices(assembler.mesh(), richer.mesh(), moved, estimate);
+  add_differences(model.mesh(), richer.mesh(), moved, estimate);
+  add_vertices(model.mesh(), richer.mesh(), moved, estimate);
   estimate.energy.size = total(strain_energy(richer, corrected));
-  estimate.energy.error = estimate.energy.size - total(strain_energy(assembler, state));
+  estimate.energy.error = estimate.energy.size - total(strain_energy(model, state));
   return estimate;
 }
 
@@ -154,23 +155,23 @@ constexpr double kFarOff = 0.1;
 /// Only where elements turn by about one radian more than two are of any use.
 constexpr int kMostCorrections = 4;
 
-ErrorEstimate estimate_in(const RicherScene& richer, const Assembler& assembler, const SolverParameters& parameters,
+ErrorEstimate estimate_in(const RicherScene& richer, const Model& model, const SolverParameters& parameters,
                           const State& state, double load_factor) {
-  const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, assembler.map()->getComm(), parameters));
-  const State start = transfer(assembler, state, problem->assembler);
+  const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters));
+  const State start = transfer(model, state, problem->model);
   std::vector<unsigned char> raised = richer.is_halved;
   for (unsigned char& member : raised) member = !member;
-  RicherSolve solve(problem, parameters, with_recovered_rotations(problem->assembler, start, raised), load_factor);
+  RicherSolve solve(problem, parameters, with_recovered_rotations(problem->model, start, raised), load_factor);
   const double first = solve.residual();
   double before = first;
   solve.correct();
-  ErrorEstimate estimate = compare(assembler, state, problem->assembler, start, solve.state());
+  ErrorEstimate estimate = compare(model, state, problem->model, start, solve.state());
   while (solve.corrections() < kMostCorrections && solve.residual() > parameters.newton.residual_tolerance &&
          solve.residual() > kVisible * smallest(estimate)) {
     const bool was_good = solve.residual() <= kFarOff * before;
     before = solve.residual();
     was_good ? solve.correct_with_old_tangent() : solve.correct();
-    estimate = compare(assembler, state, problem->assembler, start, solve.state());
+    estimate = compare(model, state, problem->model, start, solve.state());
   }
   if (solve.residual() > std::max(first, parameters.newton.residual_tolerance))
     throw NotEstimated{"Newton's method does not settle with one order more; the mesh is too coarse"};
@@ -180,11 +181,11 @@ ErrorEstimate estimate_in(const RicherScene& richer, const Assembler& assembler,
 
 }  // namespace
 
-ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters& parameters, const State& state,
+ErrorEstimate estimate_error(const Model& model, const SolverParameters& parameters, const State& state,
                              double load_factor) {
   ErrorEstimate none;
   try {
-    return estimate_in(richer_scene(assembler.scene(), assembler.mesh()), assembler, parameters, state, load_factor);
+    return estimate_in(richer_scene(model.scene(), model.mesh()), model, parameters, state, load_factor);
   } catch (const NotEstimated& cause) {
     none.not_estimated = cause.reason;
   } catch (const std::invalid_argument& error) {  // of the transfer

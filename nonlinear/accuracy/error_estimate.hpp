@@ -1,7 +1,7 @@
 /// How far a converged state is from the solution of the continuous equations.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
 #include <string>
@@ -42,7 +42,7 @@ struct ErrorEstimate {
 /// displacement is controlled: next to a limit point errors of the path count as errors of the state.
 ///
 /// What makes an estimate impossible is told in `not_estimated`, not thrown. Collective.
-ErrorEstimate estimate_error(const Assembler& assembler, const SolverParameters& parameters, const State& state,
+ErrorEstimate estimate_error(const Model& model, const SolverParameters& parameters, const State& state,
                              double load_factor);
 
 }  // namespace mixbeam

@@ -42,10 +42,10 @@ class Adviser {
                                       ": it has no finite value at load factor " + number(last.load_factor) + ".");
   }
   void check_units() {
-    const Scene& scene = problem_.assembler.scene();
+    const Scene& scene = problem_.model.scene();
     double force = 0.0;
     for (const PointLoad& load : scene.point_loads) force = std::max(force, largest_component(load.force));
-    const Structure& structure = problem_.assembler.structure();
+    const Structure& structure = problem_.model.structure();
     const double bending = structure.bending_reference / (structure.length * structure.length);
     std::string text = "Check units and sizes of loads and prescribed motions";
     if (force > 0.0 && bending > 0.0)
@@ -79,8 +79,7 @@ class Adviser {
               std::to_string(wide.elements) + ")";
     if (report_.wide_angles.empty() && !report_.attempts.empty() && report_.attempts.back().peak) {
       const EquationPlace& place = report_.attempts.back().peak->place;
-      const int now =
-          problem_.assembler.mesh().members[member_index(problem_.assembler.scene(), place.member)].elements;
+      const int now = problem_.model.mesh().members[member_index(problem_.model.scene(), place.member)].elements;
       text += ": \"Elements\" " + std::to_string(2 * now) + " in member \"" + excerpt(place.member) + "\" (now " +
               std::to_string(now) + ")";
     }

@@ -45,11 +45,11 @@ bool is_wide_in(const std::vector<WideAngle>& angles, const std::string& member)
   return std::any_of(angles.begin(), angles.end(), [&](const WideAngle& a) { return a.member == member; });
 }
 
-WideAngle wide_angle(const Assembler& assembler, const Assembler::EndAngle& angle, bool converged, double growth) {
+WideAngle wide_angle(const Model& model, const EndAngle& angle, bool converged, double growth) {
   WideAngle wide;
   wide.member = angle.member;
   wide.element = angle.element;
-  wide.elements = assembler.mesh().members[member_index(assembler.scene(), angle.member)].elements;
+  wide.elements = model.mesh().members[member_index(model.scene(), angle.member)].elements;
   wide.angle = angle.angle;
   wide.converged = converged;
   const double needed = wide.elements * angle.angle * growth / kComfortableAngle;
@@ -57,18 +57,18 @@ WideAngle wide_angle(const Assembler& assembler, const Assembler::EndAngle& angl
   return wide;
 }
 
-/// Evaluates the equations at the last equilibrium.
-std::vector<WideAngle> wide_angles(Assembler& assembler, const PathEnd& end, const std::vector<FailedAttempt>& failed) {
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(end.state, end.load_factor, residual);
-  const double whole = assembler.scene().stages;
+/// At the last equilibrium.
+std::vector<WideAngle> wide_angles(const Model& model, const PathEnd& end, const std::vector<FailedAttempt>& failed) {
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, end.state, end.load_factor, residual);
+  const double whole = model.scene().stages;
   const double growth = end.load_factor > 0.0 ? std::min(kLargestAngleGrowth, whole / end.load_factor) : 1.0;
   std::vector<WideAngle> wide;
-  for (const Assembler::EndAngle& angle : end_angles_of_members(assembler))
-    if (angle.angle > kWideAngle) wide.push_back(wide_angle(assembler, angle, true, growth));
+  for (const EndAngle& angle : end_angles_of_members(model, point))
+    if (angle.angle > kWideAngle) wide.push_back(wide_angle(model, angle, true, growth));
   for (const FailedAttempt& attempt : failed)
     if (attempt.end_angle.angle > kWideAngleOfAttempt && !is_wide_in(wide, attempt.end_angle.member))
-      wide.push_back(wide_angle(assembler, attempt.end_angle, false, 1.0));
+      wide.push_back(wide_angle(model, attempt.end_angle, false, 1.0));
   std::stable_sort(wide.begin(), wide.end(), [](const WideAngle& a, const WideAngle& b) {
     return a.converged != b.converged ? a.converged : a.angle > b.angle;
   });
@@ -86,18 +86,18 @@ void keep_largest(std::vector<Motion>& motions) {
   motions.resize(kVerticesOfMode, Motion{0.0, -1.0});
 }
 
-std::vector<Motion> largest_motions(const Assembler& assembler, const MixedVector& mode) {
+std::vector<Motion> largest_motions(const Model& model, const MixedVector& mode) {
   const KernelView<double*> rows = mode.vertex();
-  const double length = assembler.structure().length;
+  const double length = model.structure().length;
   std::vector<Motion> mine;
-  for (int v = 0; v < assembler.structure().owned_vertices; ++v) {
+  for (int v = 0; v < model.structure().owned_vertices; ++v) {
     const double* d = &rows(static_cast<size_t>(kVertexDofs) * v);
     const double moves = std::hypot(d[0], d[1], d[2]) / length, turns = std::hypot(d[3], d[4], d[5]);
-    mine.push_back({std::max(moves, turns), static_cast<double>(assembler.structure().local_vertex_to_global[v]), d[0],
+    mine.push_back({std::max(moves, turns), static_cast<double>(model.structure().local_vertex_to_global[v]), d[0],
                     d[1], d[2], d[3], d[4], d[5]});
   }
   keep_largest(mine);
-  const Teuchos::Comm<int>& comm = *assembler.map()->getComm();
+  const Teuchos::Comm<int>& comm = *model.map()->getComm();
   std::vector<Motion> all(static_cast<std::size_t>(kVerticesOfMode) * comm.getSize());
   constexpr int kNumbers = kVerticesOfMode * static_cast<int>(std::tuple_size<Motion>::value);
   Teuchos::gatherAll(comm, kNumbers, mine.front().data(), kNumbers * comm.getSize(), all.front().data());
@@ -105,18 +105,18 @@ std::vector<Motion> largest_motions(const Assembler& assembler, const MixedVecto
   return all;
 }
 
-CriticalMode described(const Assembler& assembler, const EigenMode& mode, double undeformed) {
+CriticalMode described(const Model& model, const EigenMode& mode, double undeformed) {
   CriticalMode result;
   result.eigenvalue = mode.eigenvalue;
   result.relative = undeformed != 0.0 ? mode.eigenvalue / std::abs(undeformed) : 0.0;
-  const std::vector<Motion> motions = largest_motions(assembler, mode.mode);
+  const std::vector<Motion> motions = largest_motions(model, mode.mode);
   for (const Motion& motion : motions) {
     if (motion[1] < 0.0 || motion[0] == 0.0) continue;
     MovingVertex vertex;
-    vertex.place = place_of_vertex(assembler, static_cast<int>(motion[1]));
+    vertex.place = place_of_vertex(model, static_cast<int>(motion[1]));
     const double moves = std::hypot(motion[2], motion[3], motion[4]),
                  turns = std::hypot(motion[5], motion[6], motion[7]);
-    vertex.turns = turns > moves / assembler.structure().length;
+    vertex.turns = turns > moves / model.structure().length;
     const int first = vertex.turns ? 5 : 2;
     for (int i = 0; i < 3; ++i) vertex.direction[i] = motion[first + i] / (vertex.turns ? turns : moves);
     vertex.share = motion[0] / motions.front()[0];
@@ -129,7 +129,7 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
   TangentReport report;
   try {
     Stability stability(problem);
-    const Spectrum undeformed = stability.spectrum(problem.assembler.reference_state(), 0.0, 1);
+    const Spectrum undeformed = stability.spectrum(problem.model.reference_state(), 0.0, 1);
     const Spectrum present = stability.spectrum(end.state, end.load_factor, kModes);
     report.negative = present.stability.negative;
     report.null = present.stability.null;
@@ -137,7 +137,7 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
     const double lowest = undeformed.modes.empty() ? 0.0 : undeformed.modes.front().eigenvalue;
     report.undeformed_lowest = lowest;
     report.mechanism = undeformed.stability.null > 0 || std::abs(lowest) < kNoStiffness;
-    for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.assembler, mode, lowest));
+    for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.model, mode, lowest));
     const bool is_small = !report.modes.empty() && std::abs(report.modes.front().relative) < kNearlySingular;
     report.nearly_singular = report.null > 0 || is_small;
     report.known = true;
@@ -150,13 +150,8 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
 /// Nothing where the tangent cannot be factorised.
 std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverParameters& parameters,
                                            const PathEnd& end) {
-  Assembler& assembler = problem.assembler;
   try {
-    MixedVector residual = assembler.create_vector();
-    assembler.residual(end.state, end.load_factor, residual);
-    assembler.tangent(end.state, end.load_factor);
-    return condition_estimate(assembler.matrix(), sparse_solver_of(parameters.linear.method),
-                              assembler.structure().length);
+    return condition_of_tangent(problem.model, end.state, end.load_factor, sparse_solver_of(parameters.linear.method));
   } catch (const std::exception&) {
     return {};
   }
@@ -170,16 +165,15 @@ bool imposes_deformation(const Scene& scene) {
 }
 
 /// Whether even the smallest step leaves strains in a member that is rigid, or nearly so, while some are imposed.
-bool is_incompatible(const FailureReport& report, const Assembler& assembler) {
+bool is_incompatible(const FailureReport& report, const Model& model, const PathEnd& end) {
   const FailedAttempt& last = report.attempts.back();
   if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;
-  const int member = member_index(assembler.scene(), last.peak->place.member);
-  const double softening =
-      assembler.structure().views.member_section(member).force_softening[last.peak->place.component];
-  return softening > 0.0 && imposes_deformation(assembler.scene());
+  const int member = member_index(model.scene(), last.peak->place.member);
+  const Cap cap = cap_for(model, scales_of(model, end.state, end.load_factor));
+  return cap.cuts_off_force(member, last.peak->place.component) && imposes_deformation(model.scene());
 }
 
-FailureCause cause_of(const FailureReport& report, const Assembler& assembler) {
+FailureCause cause_of(const FailureReport& report, const Model& model, const PathEnd& end) {
   if (report.attempts.empty() || report.steps_used_up) return FailureCause::steps_used_up;
   const FailedAttempt& last = report.attempts.back();
   const bool lost = last.end == AttemptEnd::not_finite;
@@ -191,7 +185,7 @@ FailureCause cause_of(const FailureReport& report, const Assembler& assembler) {
   if (lost) return FailureCause::overflow;
   if (last.end == AttemptEnd::linear_solver) return FailureCause::linear_solver;
   if (last.end == AttemptEnd::refused) return FailureCause::path_lost;
-  if (is_incompatible(report, assembler)) return FailureCause::incompatible;
+  if (is_incompatible(report, model, end)) return FailureCause::incompatible;
   const bool falls = last.last_residual == last.smallest_residual && last.last_residual < kFallen * last.first_residual;
   return falls ? FailureCause::slow : FailureCause::wandering;
 }
@@ -202,7 +196,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
   FailureReport report;
   report.last_step = end.step;
   report.last_load_factor = end.load_factor;
-  report.stages = problem.assembler.scene().stages;
+  report.stages = problem.model.scene().stages;
   report.minimum_step = end.minimum_step;
   report.failures = problem.attempts.failures();
   report.attempts = problem.attempts.attempts();
@@ -211,10 +205,10 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
     const double tried = std::abs(report.attempts.back().load_factor - end.load_factor);
     report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kFactorRounding) + kFactorRounding;
   }
-  report.wide_angles = wide_angles(problem.assembler, end, report.attempts);
+  report.wide_angles = wide_angles(problem.model, end, report.attempts);
   report.tangent = tangent_report(problem, end);
   report.tangent.condition = condition_of_tangent(problem, parameters, end);
-  report.cause = cause_of(report, problem.assembler);
+  report.cause = cause_of(report, problem.model, end);
   report.next = advice_for(report, problem, parameters);
   return report;
 }

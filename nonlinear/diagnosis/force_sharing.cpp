@@ -96,22 +96,21 @@ class Perturbation {
  public:
   Perturbation(BeamProblem& problem, const State& state, double load_factor)
       : problem_(problem),
-        assembler_(problem.assembler),
+        model_(problem.model),
         state_(state),
         load_factor_(load_factor),
-        scales_(assembler_.scales_of(state, load_factor)) {}
+        scales_(scales_of(model_, state, load_factor)) {}
 
   std::optional<UncertainForce> most_uncertain();
 
  private:
   bool is_worth_a_look() const;
-  void solve(const MixedVector& rhs, MixedVector& increment);
   MixedVector rounding_errors() const;
-  std::optional<UncertainForce> largest(const MixedVector& increment, bool rigid) const;
+  std::optional<UncertainForce> largest(const MixedVector& increment, const Cap& cap, bool rigid) const;
   bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
 
   BeamProblem& problem_;
-  Assembler& assembler_;
+  const Model& model_;
   const State& state_;
   double load_factor_;
   ResidualScales scales_;
@@ -119,7 +118,7 @@ class Perturbation {
 };
 
 bool Perturbation::is_worth_a_look() const {
-  if (is_statically_determinate(assembler_.scene(), assembler_.mesh())) return false;
+  if (is_statically_determinate(model_.scene(), model_.mesh())) return false;
   for (const std::array<double, 3>& stiffness : stiffness_)
     if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
       return scales_.force > 0.0;
@@ -128,10 +127,10 @@ bool Perturbation::is_worth_a_look() const {
 
 /// N rows: what rounding makes of strains.
 MixedVector Perturbation::rounding_errors() const {
-  MixedVector rows = assembler_.create_vector();
+  MixedVector rows = model_.create_vector();
   rows.fill(0.0);
   const KernelView<double*> interior = rows.writable_interior(true);
-  const Structure& structure = assembler_.structure();
+  const Structure& structure = model_.structure();
   for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
     const double scale = scales_.element_strain(block.reference(e, 0));
     interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
@@ -139,62 +138,43 @@ MixedVector Perturbation::rounding_errors() const {
   return rows;
 }
 
-void Perturbation::solve(const MixedVector& rhs, MixedVector& increment) {
-  assembler_.use_scales(scales_);
-  assembler_.condense(state_, load_factor_, rhs);
-  DofVector& condensed = assembler_.condensed_residual();
-  condensed.scale(-1.0);
-  problem_.linear_solver->solve(condensed, increment.vertex_dofs());
-  assembler_.recover(state_, increment);
-}
-
 /// Among components that are rigid, or among the others.
-std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment, bool rigid) const {
-  const Structure& structure = assembler_.structure();
+std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment, const Cap& cap, bool rigid) const {
+  const Structure& structure = model_.structure();
   const KernelView<const double*> interior = increment.interior();
   std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
   for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
     const int member = block.member(e);
     if (is_rigid(member, i % 3) != rigid) return;
-    const double change = std::abs(interior(index)),
-                 limit = structure.views.member_section(member).force_stiffness_limit;
+    const double change = std::abs(interior(index)), limit = cap.structure.member_section(member).force_stiffness_limit;
     const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
     if (share > best[0])
       best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
               change / scales_.force};
   });
-  const Teuchos::Comm<int>& comm = *assembler_.map()->getComm();
+  const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));
   Teuchos::gatherAll(comm, 3, best.data(), static_cast<int>(all.size()), all.data());
   for (size_t r = 0; r < all.size(); r += 3)
     if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
   if (!(best[0] > 1.0)) return std::nullopt;
-  const MeshElement& element = assembler_.mesh().elements[static_cast<size_t>(best[1])];
-  return UncertainForce{assembler_.scene().members[element.member].name, element.index, rigid, best[2]};
+  const MeshElement& element = model_.mesh().elements[static_cast<size_t>(best[1])];
+  return UncertainForce{model_.scene().members[element.member].name, element.index, rigid, best[2]};
 }
 
 std::optional<UncertainForce> Perturbation::most_uncertain() {
-  const Scene& scene = assembler_.scene();
+  const Scene& scene = model_.scene();
   for (const Member& member : scene.members) stiffness_.push_back(stiffness_of(scene, member));
   if (!is_worth_a_look()) return std::nullopt;
-  MixedVector residual = assembler_.create_vector();
-  assembler_.residual(state_, load_factor_, residual);
-  assembler_.newton_tangent(state_, load_factor_, true);
-  problem_.linear_solver->factorize();
-  const MixedVector rows = rounding_errors();
-  MixedVector increment = assembler_.create_vector();
-  solve(rows, increment);
-  if (const auto rigid = largest(increment, true)) return rigid;
-  const double cap_ratio = assembler_.least_cap_ratio();
-  if (cap_ratio > 0.0) {
-    const SofteningOperators operators = {
-        [this](const MixedVector& rhs, MixedVector& solution) { solve(rhs, solution); },
-        [this](const MixedVector& step, MixedVector& left) { assembler_.softening_rows(step, left); }};
-    MixedVector left_out = assembler_.create_vector();
-    assembler_.softening_rows(increment, left_out);
-    remove_softening(operators, left_out, cap_ratio, increment);
-  }
-  return largest(increment, false);
+  MixedVector residual = model_.create_vector();
+  const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, residual);
+  const Cap cap = cap_for(model_, point.scales);
+  Linearization linearization(problem_, point, cap, {true, false});
+  MixedVector increment = model_.create_vector();
+  linearization.solve(rounding_errors(), increment);
+  if (const auto rigid = largest(increment, cap, true)) return rigid;
+  if (cap.least_ratio > 0.0) remove_cap_compliance(linearization, cap.least_ratio, increment);
+  return largest(increment, cap, false);
 }
 
 }  // namespace

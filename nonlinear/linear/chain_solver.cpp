@@ -33,54 +33,53 @@ double response(const DofVector& diagonal, const DofVector& b, const DofVector& 
 }
 
 /// The matrix over all vertices, gathered anew for every factorisation.
-class WholeSolver : public LinearSolver {
+class WholeSolver : public TangentSolver {
  public:
-  WholeSolver(const Assembler& assembler, const std::string& method, double tolerance)
-      : assembler_(assembler), solver_(make_direct_solver(assembler.matrix(), method, tolerance, assembler.times())) {}
-  void factorize() override {
-    assembler_.matrix();
+  WholeSolver(const Model& model, const std::string& method, double tolerance)
+      : matrix_(whole_matrix(model)), solver_(make_direct_solver(matrix_.matrix(), method, tolerance, model.times())) {}
+  void factorize(const Tangent& tangent) override {
+    tangent.gather(matrix_);
     solver_->factorize();
   }
   double solve(const DofVector& b, DofVector& x) override { return solver_->solve(b, x); }
 
  private:
-  const Assembler& assembler_;
+  VertexMatrix matrix_;
   std::unique_ptr<LinearSolver> solver_;
 };
 
 }  // namespace
 
-ChainSolver::ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance)
-    : assembler_(assembler),
+ChainSolver::ChainSolver(const Model& model, const std::string& method, double residual_tolerance)
+    : model_(model),
       method_(method),
       tolerance_(residual_tolerance),
-      system_(assembler),
-      remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, assembler.times())),
+      system_(model),
+      remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, model.times())),
       diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
       remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
       remaining_x_(Teuchos::rcp(new DofVector(system_.matrix()->getDomainMap()))),
-      residual_(Teuchos::rcp(new DofVector(assembler.map()))),
-      correction_(Teuchos::rcp(new DofVector(assembler.map()))) {}
+      residual_(Teuchos::rcp(new DofVector(model.map()))),
+      correction_(Teuchos::rcp(new DofVector(model.map()))) {}
 
-LinearSolver& ChainSolver::whole() {
-  if (whole_ == nullptr) whole_ = std::make_unique<WholeSolver>(assembler_, method_, tolerance_);
-  return *whole_;
+void ChainSolver::factorize_whole() {
+  if (whole_ == nullptr) whole_ = std::make_unique<WholeSolver>(model_, method_, tolerance_);
+  uses_whole_ = true;
+  ++whole_solves_;
+  whole_->factorize(*tangent_);
 }
 
-void ChainSolver::factorize() {
-  const bool reliable = maximum_over_ranks(*assembler_.map()->getComm(), system_.condense() ? 0.0 : 1.0) == 0.0;
-  uses_whole_ = !reliable;
-  if (reliable) {
-    system_.matrix()->getLocalDiagCopy(*diagonal_);
-    try {
-      remaining_->factorize();
-      return;
-    } catch (const LinearSolverError&) {
-      uses_whole_ = true;
-    }
+void ChainSolver::factorize(const Tangent& tangent) {
+  tangent_ = &tangent;
+  uses_whole_ = false;
+  const double unreliable = system_.condense(tangent) ? 0.0 : 1.0;
+  if (maximum_over_ranks(*model_.map()->getComm(), unreliable) != 0.0) return factorize_whole();
+  system_.matrix()->getLocalDiagCopy(*diagonal_);
+  try {
+    remaining_->factorize();
+  } catch (const LinearSolverError&) {
+    factorize_whole();
   }
-  ++whole_solves_;
-  whole().factorize();
 }
 
 void ChainSolver::solve_once(const DofVector& b, DofVector& x, double& remaining_error) {
@@ -114,17 +113,15 @@ double ChainSolver::solve(const DofVector& b, DofVector& x) {
   if (!uses_whole_) {
     const double error = solve_condensed(b, x);
     if (error <= tolerance_) return error;
-    uses_whole_ = true;
-    ++whole_solves_;
-    whole().factorize();
+    factorize_whole();
   }
-  return whole().solve(b, x);
+  return whole_->solve(b, x);
 }
 
-std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
-                                                 double residual_tolerance) {
-  if (method == kChains) return std::make_unique<ChainSolver>(assembler, kSparseSolver, residual_tolerance);
-  return std::make_unique<WholeSolver>(assembler, method, residual_tolerance);
+std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
+                                                   double residual_tolerance) {
+  if (method == kChains) return std::make_unique<ChainSolver>(model, kSparseSolver, residual_tolerance);
+  return std::make_unique<WholeSolver>(model, method, residual_tolerance);
 }
 
 }  // namespace mixbeam

@@ -7,14 +7,24 @@
 
 namespace mixbeam {
 
-/// A solver for the tangents of `assembler`. Where a chain has a pivot too small to rely on, what remains looks
+/// Solves with the tangents of one model.
+class TangentSolver {
+ public:
+  virtual ~TangentSolver() = default;
+  /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
+  virtual void factorize(const Tangent& tangent) = 0;
+  /// As LinearSolver::solve.
+  virtual double solve(const DofVector& b, DofVector& x) = 0;
+};
+
+/// Where a chain has a pivot too small to rely on, what remains looks
 /// singular, or a solution does not pass its check, the tangent is solved as a whole instead. `method`: an Amesos2 name
 /// for both.
-class ChainSolver : public LinearSolver {
+class ChainSolver : public TangentSolver {
  public:
-  ChainSolver(const Assembler& assembler, const std::string& method, double residual_tolerance);
+  ChainSolver(const Model& model, const std::string& method, double residual_tolerance);
 
-  void factorize() override;
+  void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x) override;
 
   /// Tangents that had to be solved as a whole.
@@ -24,21 +34,23 @@ class ChainSolver : public LinearSolver {
  private:
   double solve_condensed(const DofVector& b, DofVector& x);
   void solve_once(const DofVector& b, DofVector& x, double& remaining_error);
-  LinearSolver& whole();
+  void factorize_whole();
 
-  const Assembler& assembler_;
+  const Model& model_;
+  const Tangent* tangent_ = nullptr;
   std::string method_;
   double tolerance_;
   CondensedSystem system_;
-  std::unique_ptr<LinearSolver> remaining_, whole_;
+  std::unique_ptr<LinearSolver> remaining_;
+  std::unique_ptr<TangentSolver> whole_;
   bool uses_whole_ = false;
   int whole_solves_ = 0;
   Teuchos::RCP<DofVector> diagonal_, remaining_b_, remaining_x_, residual_, correction_;
 };
 
-/// The solver for the tangents of an assembler: "chains", or an Amesos2 name for the whole matrix.
-std::unique_ptr<LinearSolver> make_linear_solver(const Assembler& assembler, const std::string& method,
-                                                 double residual_tolerance);
+/// The solver for the tangents of a model: "chains", or an Amesos2 name for the whole matrix.
+std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
+                                                   double residual_tolerance);
 
 /// Name of the method that condenses chains, and the Amesos2 solver behind it.
 inline constexpr const char* kChains = "chains";

@@ -131,4 +131,12 @@ double condition_estimate(const Teuchos::RCP<const DofMatrix>& matrix, const std
   }
 }
 
+double condition_of_tangent(const Model& model, const State& state, double load_factor, const std::string& method) {
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  const VertexMatrix matrix = whole_matrix(model);
+  Tangent(model, point, cap_for(model, point.scales), {true, false}).gather(matrix);
+  return condition_estimate(matrix.matrix(), method, model.structure().length);
+}
+
 }  // namespace mixbeam

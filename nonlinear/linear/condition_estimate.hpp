@@ -1,7 +1,7 @@
 /// How much the linear systems can amplify an error, whatever the units.
 #pragma once
 
-#include "discretization/mesh/tpetra_types.hpp"
+#include "discretization/assembly/tangent.hpp"
 
 #include <string>
 
@@ -18,5 +18,8 @@ namespace mixbeam {
 /// bound, nearly always within a factor of 3: Hager, SIAM J. Sci. Stat. Comput. 5 (1984), with the improvements of
 /// Higham, ACM TOMS 14 (1988). Infinity when a factorisation or a solve fails. Collective.
 double condition_estimate(const Teuchos::RCP<const DofMatrix>& matrix, const std::string& method, double length);
+
+/// The same of the tangent at a state, in units of the length of the structure.
+double condition_of_tangent(const Model& model, const State& state, double load_factor, const std::string& method);
 
 }  // namespace mixbeam

@@ -46,28 +46,28 @@ std::string load_not_finite(const Scene& scene, double load_factor) {
 }
 
 NotFinite origin_of(const BeamGroup& group, const BeamGroup* previous, int iteration) {
-  const Assembler& assembler = group.problem().assembler;
+  const Model& model = group.problem().model;
   NotFinite origin;
   origin.iteration = iteration;
   if (!std::isfinite(group.load_factor())) {
     origin.source = NotFinite::Source::load_factor;
     return origin;
   }
-  origin.what = load_not_finite(assembler.scene(), group.load_factor());
+  origin.what = load_not_finite(model.scene(), group.load_factor());
   if (!origin.what.empty()) {
     origin.source = NotFinite::Source::load;
     return origin;
   }
   if (previous != nullptr) {
     origin.source = NotFinite::Source::tangent;
-    origin.place = first_tangent_not_finite(assembler);
+    origin.place = first_tangent_not_finite(previous->tangent());
     if (origin.place) return origin;
     origin.source = NotFinite::Source::increment;
-    origin.place = first_not_finite(assembler, BeamVector::of(previous->getNewton()), SearchOrder::vertices_first);
+    origin.place = first_not_finite(model, BeamVector::of(previous->getNewton()), SearchOrder::vertices_first);
     if (origin.place) return origin;
   }
   origin.source = NotFinite::Source::residual;
-  origin.place = first_not_finite(assembler, BeamVector::of(group.getF()), SearchOrder::elements_first);
+  origin.place = first_not_finite(model, BeamVector::of(group.getF()), SearchOrder::elements_first);
   return origin;
 }
 
@@ -81,13 +81,13 @@ std::string where_not_finite(const NotFinite& origin) {
     case NotFinite::Source::load:
       return origin.what + " is not a finite number";
     case NotFinite::Source::tangent:
-      return "the tangent of " + place + " left the numbers " + iteration;
+      return "the tangent of " + place + " is not finite " + iteration;
     case NotFinite::Source::increment:
-      return "the correction left the numbers " + iteration + " (" + unknown_text(*origin.place) + ", " + place + ")";
+      return "the correction is not finite " + iteration + " (" + unknown_text(*origin.place) + ", " + place + ")";
     case NotFinite::Source::residual:
       break;
   }
-  return "the equations left the numbers " + iteration +
+  return "the residual is not finite " + iteration +
          (origin.place ? " (" + equation_text(*origin.place) + ", " + place + ")" : "");
 }
 
@@ -129,7 +129,7 @@ void AttemptLog::iterated(const BeamGroup& group, const BeamGroup* previous, int
   }
   if (present_.not_finite) return;
   if (previous != nullptr && std::isfinite(previous->getNormF()))
-    present_.peak = largest_row(group.problem().assembler, BeamVector::of(previous->getF()), previous->scales());
+    present_.peak = largest_row(group.problem().model, BeamVector::of(previous->getF()), previous->scales());
   present_.not_finite = origin_of(group, previous, iteration);
 }
 
@@ -150,8 +150,8 @@ void AttemptLog::failed(const BeamGroup& group, int iterations) {
     present_.refused_because = problem.objection;
   }
   if (!present_.peak && group.isF())
-    present_.peak = largest_row(problem.assembler, BeamVector::of(group.getF()), group.scales());
-  present_.end_angle = problem.assembler.largest_end_angle();
+    present_.peak = largest_row(problem.model, BeamVector::of(group.getF()), group.scales());
+  if (group.isF()) present_.end_angle = largest_end_angle(problem.model, group.point());
   add(present_);
   if (observer_) observer_({present_.step, present_.load_factor, iterations, cause_text(present_)});
 }

@@ -53,7 +53,7 @@ struct FailedAttempt {
   double first_residual = 0.0;         ///< scaled maximum norm after the first iteration
   double last_residual = 0.0;          ///< of the last iterate with a finite residual
   double smallest_residual = 0.0;
-  Assembler::EndAngle end_angle{};  ///< largest between an element and its vertices, at the end
+  EndAngle end_angle{};  ///< largest between an element and its vertices, at the end
 };
 
 /// "no equilibrium in 50 iterations, residual 3.1e-02 (balance of forces, component y, at point "tip")".

@@ -11,15 +11,16 @@
 namespace mixbeam {
 
 BeamGroup::BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
-                     const State& initial, double load_factor, StepObserver observer)
+                     const State& initial, double load_factor, StepObserver observer, const TangentChoice& choice)
     : LOCA::Abstract::Group(global),
       global_(global),
       problem_(problem),
       state_(initial),
-      x_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
-      f_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
-      newton_(Teuchos::rcp(new BeamVector(problem->assembler.create_vector()))),
-      observer_(std::move(observer)) {
+      x_(Teuchos::rcp(new BeamVector(problem->model.create_vector()))),
+      f_(Teuchos::rcp(new BeamVector(problem->model.create_vector()))),
+      newton_(Teuchos::rcp(new BeamVector(problem->model.create_vector()))),
+      observer_(std::move(observer)),
+      choice_(choice) {
   parameters_.addParameter(kLoadFactor, load_factor);
 }
 
@@ -32,12 +33,13 @@ BeamGroup::BeamGroup(const BeamGroup& other, NOX::CopyType type)
       x_(Teuchos::rcp(new BeamVector(*other.x_, type))),
       f_(Teuchos::rcp(new BeamVector(*other.f_, type))),
       newton_(Teuchos::rcp(new BeamVector(*other.newton_, type))),
-      scales_(other.scales_),
-      observer_(other.observer_) {
+      point_(other.point_),
+      observer_(other.observer_),
+      choice_(other.choice_) {
   if (type == NOX::DeepCopy) {
     valid_f_ = other.valid_f_;
     valid_newton_ = other.valid_newton_;
-    softened_ = other.softened_;
+    newton_cap_ = other.newton_cap_;
   }
 }
 
@@ -56,17 +58,18 @@ void BeamGroup::copy(const NOX::Abstract::Group& source) {
   if (this == &other) return;
   LOCA::Abstract::Group::copy(source);
   parameters_ = other.parameters_;
+  choice_ = other.choice_;
   state_ = other.state_;
   *x_ = *other.x_;
   reset();
   if (other.valid_f_) {
     *f_ = *other.f_;
-    scales_ = other.scales_;
+    point_ = other.point_;
     valid_f_ = true;
   }
   if (other.valid_newton_) {
     *newton_ = *other.newton_;
-    softened_ = other.softened_;
+    newton_cap_ = other.newton_cap_;
     valid_newton_ = true;
   }
 }
@@ -86,7 +89,7 @@ void BeamGroup::setX(const NOX::Abstract::Vector& y) {
   MixedVector difference = BeamVector::of(y).clone(true);
   difference.update(-1.0, x_->values(), 1.0);
   if (difference.maximum_norm() == 0.0) return;
-  state_ = problem_->assembler.apply(state_, difference, 1.0);
+  state_ = problem_->model.apply(state_, difference, 1.0);
   *x_ = y;
   reset();
 }
@@ -95,14 +98,13 @@ void BeamGroup::computeX(const NOX::Abstract::Group& from, const NOX::Abstract::
   const BeamGroup& source = of(from);
   const MixedVector& d = BeamVector::of(direction);
   reset();
-  state_ = problem_->assembler.apply(source.state_, d, step);
+  state_ = problem_->model.apply(source.state_, d, step);
   x_->values().update(1.0, source.x_->values(), step, d, 0.0);
 }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
   if (valid_f_) return Ok;
-  problem_->assembler.residual(state_, load_factor(), f_->values());
-  scales_ = problem_->assembler.scales();
+  point_ = mixed_residual(problem_->model, state_, load_factor(), f_->values());
   ++problem_->work.residuals;
   valid_f_ = true;
   return Ok;
@@ -112,38 +114,16 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (isJacobian()) return Ok;
   computeF();
   ++problem_->work.tangents;
-  problem_->last_failure.clear();
+  linearize(choice_.in_space);
+  problem_->last_failure = linearization_->failure();
+  // the condensed residual is that of F now: the Newton increment costs one solve
+  newton_cap_ = linearization_->tangent().cap();
   try {
-    // borders may leave the plane, and all solves are to be with the same tangent
-    take_tangent(problem_->leaves_plane);
+    linearization_->newton_increment(newton_->values());
+    if (!choice_.keeps_cap && remove_cap_compliance_where_it_slows(*linearization_, f_->values(), newton_->values()))
+      newton_cap_ = {};
   } catch (const LinearSolverError& error) {
-    problem_->last_failure = error.what();
-  }
-  // The condensed residual now in the assembler belongs to F: the Newton increment costs one solve, and no later
-  // right-hand side can spoil it.
-  return solve_newton();
-}
-
-void BeamGroup::take_tangent(bool in_space) const {
-  problem_->assembler.use_scales(scales_);
-  problem_->assembler.newton_tangent(state_, load_factor(), in_space);
-  tangent_ = problem_->assembler.tangent_number();
-  ++problem_->work.factorizations;
-  problem_->linear_solver->factorize();
-}
-
-void BeamGroup::condense(const MixedVector& rhs) const {
-  problem_->assembler.use_scales(scales_);
-  problem_->assembler.condense(state_, load_factor(), rhs);
-}
-
-NOX::Abstract::Group::ReturnType BeamGroup::solve_newton() {
-  try {
-    if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
-    solve_condensed(newton_->values());
-    correct_newton();
-  } catch (const LinearSolverError& error) {
-    // an increment without numbers fails the finite-value test of this very iteration, and the step is repeated smaller
+    // an increment that is NaN fails the finite-value test of this very iteration, and the step is repeated smaller
     problem_->last_failure = error.what();
     newton_->init(std::numeric_limits<double>::quiet_NaN());
   }
@@ -151,48 +131,14 @@ NOX::Abstract::Group::ReturnType BeamGroup::solve_newton() {
   return Ok;
 }
 
-void BeamGroup::solve_condensed(MixedVector& increment) const {
-  DofVector& rhs = problem_->assembler.condensed_residual();
-  rhs.scale(-1.0);
-  problem_->linear_solver->solve(rhs, increment.vertex_dofs());
-  problem_->assembler.recover(state_, increment);
+/// Borders may leave the plane, and all solves are to be with the same tangent.
+void BeamGroup::linearize(bool in_space) const {
+  ++problem_->work.factorizations;
+  linearization_.reset();  // its arrays are used again
+  linearization_ = std::make_unique<Linearization>(*problem_, point_, cap(), TangentKind{in_space, false});
 }
 
-namespace {
-
-/// The cap is let be where it leaves less than this fraction of what the next residual holds anyway.
-constexpr double kNegligible = 0.1;
-
-}  // namespace
-
-void BeamGroup::correct_newton() {
-  softened_ = true;
-  const double cap_ratio = problem_->assembler.least_cap_ratio();
-  if (cap_ratio == 0.0 || problem_->keeps_cap) return;
-  Assembler& assembler = problem_->assembler;
-  const double left = assembler.largest_softening_row(newton_->values());
-  // Strains of the order of the squared rotation are left by the linearisation.
-  const double spin = newton_->values().largest_vertex_spin();
-  const double from_turning = spin * spin / scales_.rotation;
-  if (!(left > kNegligible * std::max(assembler.residual_tolerance(), from_turning))) return;
-  if (!(left > kNegligible * assembler.compatibility_norm(f_->values()))) return;
-  MixedVector left_out = assembler.create_vector();
-  assembler.softening_rows(newton_->values(), left_out);
-  try {
-    softened_ = !remove_softening(softening_operators(), left_out, cap_ratio, newton_->values());
-  } catch (const LinearSolverError&) {
-    // the increment is still that of the capped tangent, which only converges more slowly
-  }
-}
-
-SofteningOperators BeamGroup::softening_operators() const {
-  return {
-      [this](const MixedVector& rhs, MixedVector& increment) {
-        condense(rhs);
-        solve_condensed(increment);
-      },
-      [this](const MixedVector& increment, MixedVector& rows) { problem_->assembler.softening_rows(increment, rows); }};
-}
+Tangent BeamGroup::tangent() const { return Tangent(problem_->model, point_, cap(), {choice_.in_space, false}); }
 
 NOX::Abstract::Group::ReturnType BeamGroup::computeNewton(Teuchos::ParameterList&) {
   if (valid_newton_) return Ok;
@@ -223,17 +169,13 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
     result.update(-1.0, *newton_, 0.0);
     return Ok;
   }
-  BeamVector increment(problem_->assembler.create_vector());
+  BeamVector increment(problem_->model.create_vector());
   try {
-    if (!problem_->last_failure.empty()) throw LinearSolverError(problem_->last_failure);
-    if (problem_->assembler.has_planar_tangent() && !problem_->assembler.is_in_plane(rhs)) take_tangent(true);
-    condense(rhs);
-    solve_condensed(increment.values());
-    if (!problem_->keeps_cap) {
-      MixedVector left_out = problem_->assembler.create_vector();
-      problem_->assembler.softening_rows(increment.values(), left_out);
-      const double cap_ratio = problem_->assembler.least_cap_ratio();
-      remove_softening(softening_operators(), left_out, cap_ratio > 0.0 ? cap_ratio : kRigidRatio, increment.values());
+    if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize(true);
+    linearization_->solve(rhs, increment.values());
+    if (!choice_.keeps_cap) {
+      const double cap_ratio = linearization_->tangent().cap().least_ratio;
+      remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : kRigidRatio, increment.values());
     }
   } catch (const LinearSolverError& error) {
     problem_->last_failure = error.what();
@@ -247,19 +189,16 @@ const NOX::Abstract::Vector& BeamGroup::getGradient() const {
   throw std::logic_error("the beam group has no gradient: the mixed tangent is never formed");
 }
 
-double BeamGroup::equilibrium_norm() const { return problem_->assembler.equilibrium_norm(f_->values()); }
+double BeamGroup::equilibrium_norm() const { return mixbeam::equilibrium_norm(problem_->model, f_->values()); }
 
 double BeamGroup::left_out_since(const BeamGroup& before) const {
-  if (scales_.amplitude == 0.0 || !before.softened_) return 0.0;
+  if (point_.scales.amplitude == 0.0 || before.newton_cap_.stiffness == 0.0) return 0.0;
   MixedVector step = x_->values().clone(true);
   step.update(-1.0, before.x_->values(), 1.0);
-  ResidualScales as_moved = scales_;
-  as_moved.strain = as_moved.rotation = scales_.amplitude;
+  ResidualScales as_moved = point_.scales;
+  as_moved.strain = as_moved.rotation = as_moved.amplitude;
   as_moved.displacement_noise = 0.0;
-  problem_->assembler.use_scales(as_moved);
-  const double largest = problem_->assembler.largest_softening_row(step);
-  problem_->assembler.use_scales(scales_);
-  return largest;
+  return largest_cap_compliance_row(problem_->model, before.newton_cap_, as_moved, step);
 }
 
 void BeamGroup::setParamsMulti(const std::vector<int>& ids, const NOX::Abstract::MultiVector::DenseMatrix& values) {
@@ -287,9 +226,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeDfDpMulti(const std::vector<i
     computeF();
     dfdp[0] = *f_;
   }
-  problem_->assembler.use_scales(scales_);
-  BeamVector derivative(problem_->assembler.create_vector());
-  problem_->assembler.load_derivative(state_, load_factor(), derivative.values());
+  BeamVector derivative(problem_->model.create_vector());
+  load_derivative(problem_->model, state_, load_factor(), point_.scales, derivative.values());
   for (size_t k = 0; k < ids.size(); ++k) dfdp[static_cast<int>(k) + 1] = derivative;
   return Ok;
 }

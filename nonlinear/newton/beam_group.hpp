@@ -2,9 +2,8 @@
 /// rotations are composed with exp(a dtheta), so no total rotation vector exists that could reach 2 pi.
 #pragma once
 
-#include "nonlinear/newton/beam_problem.hpp"
 #include "nonlinear/newton/beam_vector.hpp"
-#include "nonlinear/newton/cap_correction.hpp"
+#include "nonlinear/newton/step.hpp"
 
 #include <LOCA.H>
 #include <LOCA_Abstract_Group.H>
@@ -22,7 +21,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   using StepObserver = std::function<void(const BeamGroup& group, double load_factor)>;
 
   BeamGroup(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
-            const State& initial, double load_factor, StepObserver observer);
+            const State& initial, double load_factor, StepObserver observer, const TangentChoice& choice = {});
   BeamGroup(const BeamGroup& other, NOX::CopyType type);
   BeamGroup& operator=(const BeamGroup& source);
 
@@ -30,7 +29,11 @@ class BeamGroup : public LOCA::Abstract::Group {
   BeamProblem& problem() const { return *problem_; }
   double load_factor() const { return parameters_.getValue(kLoadFactor); }
   /// What the rows of F are divided by.
-  const ResidualScales& scales() const { return scales_; }
+  const ResidualScales& scales() const { return point_.scales; }
+  /// Of F.
+  const EvaluationPoint& point() const { return point_; }
+  /// As the Newton increment here is computed with, taken anew.
+  Tangent tangent() const;
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
   double equilibrium_norm() const;
   /// Largest strain or relative rotation that the cap of the last tangent left out of the Newton step from `before` to
@@ -53,7 +56,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   ReturnType applyJacobianInverse(Teuchos::ParameterList& params, const NOX::Abstract::Vector& input,
                                   NOX::Abstract::Vector& result) const override;
   bool isF() const override { return valid_f_; }
-  bool isJacobian() const override { return tangent_ != 0 && problem_->assembler.tangent_number() == tangent_; }
+  bool isJacobian() const override { return linearization_ != nullptr; }
   bool isGradient() const override { return false; }
   bool isNewton() const override { return valid_newton_; }
   const NOX::Abstract::Vector& getX() const override { return *x_; }
@@ -85,29 +88,22 @@ class BeamGroup : public LOCA::Abstract::Group {
  private:
   void reset() {
     valid_f_ = valid_newton_ = false;
-    tangent_ = 0;
+    linearization_.reset();
   }
-  ReturnType solve_newton();
-  /// Takes the tangent here and factorises it; the residual must be valid. Throws LinearSolverError.
-  void take_tangent(bool in_space) const;
-  /// Condenses a right-hand side, scaled as F, with the tangent here.
-  void condense(const MixedVector& rhs) const;
-  /// Solves for the vertex part of `increment` from the condensed residual and recovers the interior part.
-  void solve_condensed(MixedVector& increment) const;
-  /// Takes the cap of the tangent out of the Newton increment where it would slow down the iteration.
-  void correct_newton();
-  SofteningOperators softening_operators() const;
+  Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
+  void linearize(bool in_space) const;
 
   Teuchos::RCP<LOCA::GlobalData> global_;
   Teuchos::RCP<BeamProblem> problem_;
   LOCA::ParameterVector parameters_;
   State state_;
   Teuchos::RCP<BeamVector> x_, f_, newton_;
-  ResidualScales scales_;
+  EvaluationPoint point_;
   StepObserver observer_;
+  TangentChoice choice_;
   bool valid_f_ = false, valid_newton_ = false;
-  mutable long tangent_ = 0;  ///< Assembler::tangent_number() of the tangent taken here; zero: none
-  bool softened_ = true;      ///< the Newton increment is that of the capped tangent
+  Cap newton_cap_;  ///< left in the Newton increment; of no stiffness where it was taken out
+  mutable std::unique_ptr<Linearization> linearization_;  ///< here; copies take their own when they need it
 };
 
 }  // namespace mixbeam

@@ -1,7 +1,7 @@
-/// What all groups of one run share: the assembled equations, the linear solver and the record of the work done.
+/// What all groups of one run share: the model, its linear solvers and the record of the work done.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 #include "nonlinear/linear/chain_solver.hpp"
 #include "nonlinear/newton/attempt_log.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
@@ -23,22 +23,37 @@ struct WorkCount {
 class BeamProblem {
  public:
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
-      : assembler(scene, comm,
-                  {parameters.linear.force_stiffness_cap, parameters.newton.residual_tolerance, parameters.planar}),
-        linear_solver(make_linear_solver(assembler, parameters.linear.method, parameters.linear.residual_tolerance)) {}
+      : model(scene, comm, options_of(parameters)), linear_(parameters.linear) {
+    take_solver();
+  }
 
-  Assembler assembler;
-  std::unique_ptr<LinearSolver> linear_solver;
+  /// A solver that nobody else holds: as a rule the same one again and again.
+  std::shared_ptr<TangentSolver> take_solver() {
+    for (const auto& solver : solvers_)
+      if (solver.use_count() == 1) return solver;
+    solvers_.push_back(make_tangent_solver(model, linear_.method, linear_.residual_tolerance));
+    return solvers_.back();
+  }
+
+  const Model model;
   WorkCount work;
   AttemptLog attempts;
   /// Asked before each iteration and each look at a path; throws to leave it. Must answer the same on every rank.
   std::function<void()> leave_if_asked{};
-  /// Increments are those of the capped tangent, all of them: bordered systems next to a critical point combine several
-  /// solves with a nearly singular tangent, whose errors cancel only if it is one and the same.
-  bool keeps_cap = false;
-  bool leaves_plane = false;  ///< tangents of scenes in a plane are in space all the same
-  std::string last_failure;   ///< why the last linear solve failed; empty when it did not
-  std::string objection;      ///< why the path does not take what Newton's method has found
+  std::string last_failure;  ///< why the last linear solve failed; empty when it did not
+  std::string objection;     ///< why the path does not take what Newton's method has found
+
+ private:
+  static ModelOptions options_of(const SolverParameters& parameters) {
+    ModelOptions options;
+    options.force_stiffness_cap = parameters.linear.force_stiffness_cap;
+    options.residual_tolerance = parameters.newton.residual_tolerance;
+    options.planar = parameters.planar;
+    return options;
+  }
+
+  LinearSolverParameters linear_;
+  std::vector<std::shared_ptr<TangentSolver>> solvers_;
 };
 
 }  // namespace mixbeam

@@ -55,9 +55,9 @@ class Hessenberg {
     double c, s;
   };
   static void rotate(const Rotation& rotation, double& a, double& b) {
-    const double turned = rotation.c * a + rotation.s * b;
+    const double first = rotation.c * a + rotation.s * b;
     b = rotation.c * b - rotation.s * a;
-    a = turned;
+    a = first;
   }
 
   std::vector<std::vector<double>> columns_;
@@ -67,21 +67,22 @@ class Hessenberg {
 
 }  // namespace
 
-// Theory (38) with S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
-bool remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
-                      MixedVector& increment) {
+// With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
+bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment) {
+  MixedVector left_out = increment.clone(false);
+  linearization.cap_compliance_rows(increment, left_out);
   const double beta = norm(left_out);
   if (!(beta > 0.0) || !std::isfinite(beta)) return false;
   std::vector<MixedVector> basis, response;
-  basis.push_back(left_out.clone(true));
+  basis.push_back(std::move(left_out));
   basis[0].scale(1.0 / beta);
   Hessenberg system(beta);
   double left = beta;
   for (int k = 0; k < kMostVectors && left > kReduction * beta; ++k) {
     response.push_back(increment.clone(false));
-    operators.solve_softened(basis[k], response[k]);
+    linearization.solve(basis[k], response[k]);
     MixedVector next = increment.clone(false);
-    operators.softening(response[k], next);
+    linearization.cap_compliance_rows(response[k], next);
     next.update(1.0, basis[k], -1.0);
     if (!(norm(next) > kRigidAnswer * cap_ratio)) break;
     std::vector<double> column;

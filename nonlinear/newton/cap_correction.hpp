@@ -6,23 +6,15 @@
 /// are distinct ways of sharing.
 #pragma once
 
-#include "discretization/mesh/mixed_vector.hpp"
-
-#include <functional>
+#include "nonlinear/newton/step.hpp"
 
 namespace mixbeam {
 
-struct SofteningOperators {
-  std::function<void(const MixedVector& scaled_rhs, MixedVector& increment)> solve_softened;  ///< J_c d = -rhs
-  std::function<void(const MixedVector& increment, MixedVector& rows)> softening;             ///< rows = D d, scaled
-};
-
-/// From d with J_c d = -r to d with (J_c + D) d = -r. `left_out`: D d of the given increment. `cap_ratio`: of the cap
-/// to the largest finite stiffness (Assembler::least_cap_ratio); what answers less belongs to closed frames that are
-/// exactly rigid, may carry any stress of their own, and are left alone. The increment stays as it is where the
-/// iteration gains nothing. Returns whether it gained something. Throws what the operators throw, the increment
-/// being untouched then. Collective; the same for any number of threads.
-bool remove_softening(const SofteningOperators& operators, const MixedVector& left_out, double cap_ratio,
-                      MixedVector& increment);
+/// From d with J_c d = -r to d with (J_c + D) d = -r. `cap_ratio`: of the cap to the largest finite stiffness
+/// (Cap::least_ratio); what answers less belongs to closed frames that are exactly rigid, may carry any stress of their
+/// own, and are left alone. The increment stays as it is where the iteration gains nothing. Returns whether it gained
+/// something. Throws LinearSolverError, the increment being untouched then. Collective; the same for any number of
+/// threads.
+bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment);
 
 }  // namespace mixbeam

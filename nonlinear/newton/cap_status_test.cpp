@@ -20,8 +20,8 @@ constexpr int kMostRefusals = 2;
 
 }  // namespace
 
-NOX::StatusTest::StatusType SofteningStatusTest::checkStatus(const NOX::Solver::Generic& solver,
-                                                             NOX::StatusTest::CheckType type) {
+NOX::StatusTest::StatusType CapStatusTest::checkStatus(const NOX::Solver::Generic& solver,
+                                                       NOX::StatusTest::CheckType type) {
   using namespace NOX::StatusTest;
   if (solver.getNumIterations() == 0) refusals_ = 0;
   status_ = Converged;
@@ -35,7 +35,7 @@ NOX::StatusTest::StatusType SofteningStatusTest::checkStatus(const NOX::Solver::
   return status_;
 }
 
-std::ostream& SofteningStatusTest::print(std::ostream& stream, int indent) const {
+std::ostream& CapStatusTest::print(std::ostream& stream, int indent) const {
   return stream << std::string(static_cast<std::size_t>(indent), ' ') << status_ << "the cap of the tangent\n";
 }
 

@@ -7,9 +7,9 @@
 
 namespace mixbeam {
 
-/// Converged when the cap of the tangent has left nothing worth mentioning out of the last step, theory (38). For use
-/// in AND combinations behind a test of the residual.
-class SofteningStatusTest : public NOX::StatusTest::Generic {
+/// Converged when the cap of the tangent has left nothing worth mentioning out of the last step. For use in AND
+/// combinations behind a test of the residual.
+class CapStatusTest : public NOX::StatusTest::Generic {
  public:
   NOX::StatusTest::StatusType checkStatus(const NOX::Solver::Generic& solver, NOX::StatusTest::CheckType type) override;
   NOX::StatusTest::StatusType getStatus() const override { return status_; }

@@ -69,7 +69,7 @@ Teuchos::RCP<NOX::StatusTest::Generic> default_status_tests(const NewtonParamete
   const auto converged = Teuchos::rcp(new Test::Combo(Test::Combo::AND));
   converged->addStatusTest(
       Teuchos::rcp(new Test::NormF(newton.residual_tolerance, NOX::Abstract::Vector::MaxNorm, Test::NormF::Unscaled)));
-  converged->addStatusTest(Teuchos::rcp(new SofteningStatusTest()));
+  converged->addStatusTest(Teuchos::rcp(new CapStatusTest()));
   const auto tests = Teuchos::rcp(new Test::Combo(Test::Combo::OR, converged));
   tests->addStatusTest(finite_residual());
   tests->addStatusTest(Teuchos::rcp(new Test::MaxIters(newton.maximum_iterations)));
@@ -87,7 +87,7 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
   return nox;
 }
 
-/// A user's status tests need not end an iteration that wanders or leaves the numbers; these always do.
+/// A user's status tests need not end an iteration that wanders or whose residual is NaN; these always do.
 Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
   constexpr int kIterationsWithoutEnd = 1000;
   const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));

@@ -29,7 +29,7 @@ enum class NewtonPurpose { step, check };
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
 
-/// The user's tests, or the default ones, and two that always end an iteration that wanders or leaves the numbers.
+/// The user's tests, or the default ones, and two that always end an iteration that wanders or whose residual is NaN.
 /// Throws what NOX throws for lists that it refuses.
 Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
                                                             const NOX::Utils& utils);

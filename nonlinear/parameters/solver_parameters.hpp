@@ -51,7 +51,7 @@ struct SolverParameters {
   NewtonParameters newton;
   LinearSolverParameters linear;
   int threads = 0;     ///< 0: as OMP_NUM_THREADS says
-  bool planar = true;  ///< scenes in a plane are solved with three unknowns per vertex; see Assembler::plane()
+  bool planar = true;  ///< scenes in a plane are solved with three unknowns per vertex; see Model::plane()
   // Null unless the user gave the list; then it holds what was given and nothing else.
   Teuchos::RCP<Teuchos::ParameterList> nox;
   Teuchos::RCP<Teuchos::ParameterList> status_tests;

@@ -68,14 +68,14 @@ struct GaveUp {
 };
 
 /// Of the controlled displacement over the length of the scene.
-MixedVector weights_of(const Assembler& assembler, const MonitoredComponent& control) {
-  MixedVector weights = assembler.create_vector();
+MixedVector weights_of(const Model& model, const MonitoredComponent& control) {
+  MixedVector weights = model.create_vector();
   weights.fill(0.0);
-  const VertexPartition& partition = assembler.structure().partition;
-  const int vertex = vertex_of(assembler.mesh(), control.point);
+  const VertexPartition& partition = model.structure().partition;
+  const int vertex = vertex_of(model.mesh(), control.point);
   if (partition.owns(vertex))
     weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control.component) =
-        1.0 / assembler.structure().length;
+        1.0 / model.structure().length;
   return weights;
 }
 
@@ -92,13 +92,13 @@ class AutomaticPath {
         parameters_(parameters),
         range_(range),
         recorder_(recorder),
-        rule_(step_size_rule(problem->assembler.scene(), parameters)),
+        rule_(step_size_rule(problem->model.scene(), parameters)),
         corrector_(problem, parameters, recorder.record()),
         examiner_(problem, parameters, recorder.counts(), range.to),
         measure_(examiner_.measure()),
-        here_{start, range.from, {problem->assembler.create_vector(), 0.0}, {}},
+        here_{start, range.from, {problem->model.create_vector(), 0.0}, {}},
         begin_(here_),
-        way_{problem->assembler.create_vector(), 0.0},
+        way_{problem->model.create_vector(), 0.0},
         attempts_left_(range.attempts) {}
 
   bool follow();
@@ -111,7 +111,7 @@ class AutomaticPath {
   double goal() const;
   double goal_at(const State& state, double load_factor) const;
   double goal_rate(const PathDirection& direction) const;
-  MixedVector control_weights() const { return weights_of(problem_->assembler, *parameters_.analysis.control); }
+  MixedVector control_weights() const { return weights_of(problem_->model, *parameters_.analysis.control); }
   ControlRow control_row(double change) const;
   Correction correct_at_goal(double goal, const PathDirection* way, int most_iterations);
   bool arrived() const;
@@ -163,16 +163,16 @@ class AutomaticPath {
 
 double AutomaticPath::controlled_displacement(const State& state) const {
   const MonitoredComponent& control = *parameters_.analysis.control;
-  const Assembler& assembler = problem_->assembler;
-  return vertex_motion(assembler, state, vertex_of(assembler.mesh(), control.point))[control.component];
+  const Model& model = problem_->model;
+  return vertex_motion(model, state, vertex_of(model.mesh(), control.point))[control.component];
 }
 
 double AutomaticPath::goal() const {
-  return is_controlled() ? parameters_.analysis.control->target / problem_->assembler.structure().length : range_.to;
+  return is_controlled() ? parameters_.analysis.control->target / problem_->model.structure().length : range_.to;
 }
 
 double AutomaticPath::goal_at(const State& state, double load_factor) const {
-  return is_controlled() ? controlled_displacement(state) / problem_->assembler.structure().length : load_factor;
+  return is_controlled() ? controlled_displacement(state) / problem_->model.structure().length : load_factor;
 }
 
 double AutomaticPath::goal_rate(const PathDirection& direction) const {
@@ -191,8 +191,10 @@ ControlRow AutomaticPath::control_row(double change) const {
 
 /// Newton's method at a value of the goal. `way`: what is known of the way there.
 Correction AutomaticPath::correct_at_goal(double goal, const PathDirection* way, int most_iterations) {
-  if (!is_controlled())
-    return corrector_.at_load_along({here_.state, goal}, way == nullptr ? nullptr : &way->x, most_iterations);
+  if (!is_controlled()) {
+    const bool predicts = way != nullptr && here_.cap_ratio == 0.0;
+    return corrector_.at_load_along({here_.state, goal}, predicts ? &way->x : nullptr, most_iterations);
+  }
   const ControlRow row = control_row(goal - goal_at(here_.state, here_.load_factor));
   Guess guess{here_.state, here_.load_factor};
   if (way != nullptr) {
@@ -311,8 +313,8 @@ bool AutomaticPath::step_to_goal() {
   const double rate = goal_rate(here_.tangent);
   PathDirection way = scaled(here_.tangent, size / rate);
   const bool is_known = here_.has_tangent() && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
-  const Correction found =
-      correct_at_goal(is_last ? goal() : now + size, is_known && !is_controlled() ? &way : nullptr, most);
+  const Correction found = correct_at_goal(
+      is_last ? goal() : now + size, is_known && !is_controlled() ? &way : nullptr, most);
   const bool turns = !is_controlled() && !examiner_.loads_are_straight(now, now + size);
   if (!found.converged) {
     not_converged();
@@ -403,7 +405,7 @@ void AutomaticPath::adapt_length(const Correction& found, double length, const P
 
 bool AutomaticPath::step_along_path() {
   if (meets_turning_loads()) return true;
-  Correction found{false, here_.state, here_.load_factor, problem_->assembler.create_vector()};
+  Correction found{false, here_.state, here_.load_factor, problem_->model.create_vector()};
   double length = 0.0;
   if (!attempt(found, length)) {
     not_converged();
@@ -428,8 +430,8 @@ bool AutomaticPath::take_branch(const CriticalPoint& from, std::vector<CriticalP
   if (!direction)
     throw GaveUp{"the mode of the bifurcation at load factor " + plain_text(from.load_factor) +
                  " does not move the point that chooses the branch"};
-  const LargestParts parts = largest_parts(*problem_->assembler.map()->getComm(), direction->vertex());
-  const double size = 1.0 / std::max(parts.moved / problem_->assembler.structure().length, parts.turned);
+  const LargestParts parts = largest_parts(*problem_->model.map()->getComm(), direction->vertex());
+  const double size = 1.0 / std::max(parts.moved / problem_->model.structure().length, parts.turned);
   const PathDirection unit{direction->clone(true), 0.0};
   double amplitude = kBranchAmplitude * size;
   for (int i = 0; i < kBranchAttempts; ++i, amplitude *= 0.5) {
@@ -484,11 +486,11 @@ bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const 
 
 bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters) {
   if (!parameters.analysis.control) return true;
-  const Assembler& assembler = problem->assembler;
+  const Model& model = problem->model;
   const StepExaminer examiner(problem, parameters, nullptr, 1.0);
   try {
-    const PathDirection tangent = examiner.station(assembler.reference_state(), 0.0, nullptr).tangent;
-    const double rate = weights_of(assembler, *parameters.analysis.control).inner_product(tangent.x);
+    const PathDirection tangent = examiner.station(model.reference_state(), 0.0, nullptr).tangent;
+    const double rate = weights_of(model, *parameters.analysis.control).inner_product(tangent.x);
     return !std::isfinite(rate) || moves(examiner.measure(), tangent, rate);
   } catch (const LinearSolverError&) {
     return true;

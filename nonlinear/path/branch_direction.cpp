@@ -22,9 +22,9 @@ constexpr double kNearlyLargest = 0.9;
 using VertexWeights = std::vector<std::pair<int, double>>;
 
 /// Sums of the weighted displacements over the length of the structure: (component, mode).
-std::array<std::vector<double>, 3> displacements(const Assembler& assembler, const VertexWeights& weights,
+std::array<std::vector<double>, 3> displacements(const Model& model, const VertexWeights& weights,
                                                  const std::vector<MixedVector>& modes) {
-  const VertexPartition& partition = assembler.structure().partition;
+  const VertexPartition& partition = model.structure().partition;
   std::array<std::vector<double>, 3> sums;
   for (int c = 0; c < 3; ++c) {
     std::vector<double> mine(modes.size(), 0.0);
@@ -35,9 +35,9 @@ std::array<std::vector<double>, 3> displacements(const Assembler& assembler, con
           mine[m] += weight * rows(static_cast<size_t>(kVertexDofs) * (vertex - partition.owned_first()) + c);
     }
     sums[c].resize(modes.size());
-    Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(modes.size()), mine.data(),
+    Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(modes.size()), mine.data(),
                        sums[c].data());
-    for (double& sum : sums[c]) sum /= assembler.structure().length;
+    for (double& sum : sums[c]) sum /= model.structure().length;
   }
   return sums;
 }
@@ -68,13 +68,13 @@ int leading(const std::array<std::vector<double>, 3>& sums) {
 }
 
 /// Shares of the modes in the direction; empty: the rule finds none.
-std::vector<double> shares_by_rule(const Assembler& assembler, const std::vector<MixedVector>& modes) {
-  const Mesh& mesh = assembler.mesh();
-  const auto of_all = displacements(assembler, mean_of(mesh, 0, static_cast<int>(mesh.elements.size())), modes);
+std::vector<double> shares_by_rule(const Model& model, const std::vector<MixedVector>& modes) {
+  const Mesh& mesh = model.mesh();
+  const auto of_all = displacements(model, mean_of(mesh, 0, static_cast<int>(mesh.elements.size())), modes);
   if (leading(of_all) >= 0) return of_all[leading(of_all)];
   for (const MeshMember& member : mesh.members) {
     const int half = std::max(1, member.elements / 2);
-    const auto sums = displacements(assembler, mean_of(mesh, member.first_element, member.first_element + half), modes);
+    const auto sums = displacements(model, mean_of(mesh, member.first_element, member.first_element + half), modes);
     if (leading(sums) >= 0) return sums[leading(sums)];
   }
   return {};
@@ -84,7 +84,7 @@ std::vector<double> shares_by_rule(const Assembler& assembler, const std::vector
 
 std::optional<MixedVector> branch_direction(const BeamProblem& problem, const AnalysisParameters& analysis,
                                             const PathMeasure& measure, const std::vector<MixedVector>& eigenspace) {
-  const Assembler& assembler = problem.assembler;
+  const Model& model = problem.model;
   std::vector<MixedVector> modes;  // orthonormal
   for (const MixedVector& given : eigenspace) {
     MixedVector v = given.clone(true);
@@ -97,17 +97,17 @@ std::optional<MixedVector> branch_direction(const BeamProblem& problem, const An
   if (modes.empty()) return std::nullopt;
   std::vector<double> shares;
   if (analysis.branch_point) {
-    const int vertex = vertex_of(assembler.mesh(), analysis.branch_point->point);
-    shares = displacements(assembler, {{vertex, 1.0}}, modes)[analysis.branch_point->component];
+    const int vertex = vertex_of(model.mesh(), analysis.branch_point->point);
+    shares = displacements(model, {{vertex, 1.0}}, modes)[analysis.branch_point->component];
     if (!(norm(shares) > kMoves)) return std::nullopt;
   } else {
-    shares = shares_by_rule(assembler, modes);
+    shares = shares_by_rule(model, modes);
     if (shares.empty()) {
       shares.assign(modes.size(), 0.0);
       shares.front() = 1.0;
     }
   }
-  MixedVector direction = assembler.create_vector();
+  MixedVector direction = model.create_vector();
   direction.fill(0.0);
   const double sign = analysis.branch == Branch::negative ? -1.0 : 1.0;
   for (size_t m = 0; m < modes.size(); ++m) direction.update(sign * shares[m] / norm(shares), modes[m], 1.0);

@@ -30,8 +30,8 @@ Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 namespace {
 
 Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
-                                 const Guess& guess) {
-  return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}));
+                                 const Guess& guess, const TangentChoice& choice = {}) {
+  return Teuchos::rcp(new BeamGroup(global, problem, guess.state, guess.load_factor, {}, choice));
 }
 
 }  // namespace
@@ -44,9 +44,7 @@ Correction Corrector::at_load(const Guess& guess, int most_iterations) {
 
 Correction Corrector::at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations) {
   const auto start = group_at(global_, problem_, guess);
-  // Where forces are shared by stiffnesses that the cap cuts off, a prediction shares them less well than iterations
-  // do.
-  if (prediction == nullptr || problem_->assembler.least_cap_ratio() > 0.0) return solve(start, most_iterations);
+  if (prediction == nullptr) return solve(start, most_iterations);
   start->computeF();
   const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));
   step_within_rotation(*group, *start, BeamVector(*prediction), parameters_.newton.maximum_rotation);
@@ -56,7 +54,10 @@ Correction Corrector::at_load_along(const Guess& guess, const MixedVector* predi
 }
 
 Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most_iterations) {
-  const auto group = group_at(global_, problem_, guess);
+  const Model& model = problem_->model;
+  const bool in_plane = guess.state.in_plane && model.is_in_plane(row.weights) &&
+                        (guess.moved == nullptr || model.is_in_plane(*guess.moved));
+  const auto group = group_at(global_, problem_, guess, near_critical(!in_plane));
   const auto parser = Teuchos::rcp(new LOCA::Parameter::SublistParser(global_));
   parser->parseSublists(lists_);
   const auto control = Teuchos::rcp(new LinearControl(row, guess.load_factor));
@@ -69,10 +70,6 @@ Correction Corrector::on_row(const Guess& guess, const ControlRow& row, int most
     *extended.getXVec() = BeamVector(*guess.moved);
     constrained->setX(*x);
   }
-  const Assembler& assembler = problem_->assembler;
-  const bool in_plane = guess.state.in_plane && assembler.is_in_plane(row.weights) &&
-                        (guess.moved == nullptr || assembler.is_in_plane(*guess.moved));
-  const NearCritical near(*problem_, !in_plane);
   return solve(constrained, most_iterations);
 }
 
@@ -126,7 +123,7 @@ Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int
   if (!problem_->last_failure.empty())
     result.cause = problem_->last_failure;
   else if (!std::isfinite(result.residual))
-    result.cause = "numbers left the range of double precision";
+    result.cause = "the residual is not finite";
   else
     result.cause = "no convergence in " + std::to_string(result.iterations) + " iterations";
   return result;

@@ -230,8 +230,7 @@ bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
   if (turns(bracket) || bracket.space) return false;
   if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric) return true;
   const auto interior = [&](const Sample& sample) {
-    stability_.count(sample.station.state, sample.station.load_factor);
-    return problem_->assembler.interior_count().negative;
+    return stability_.count(sample.station.state, sample.station.load_factor).inside;
   };
   const int changes = std::abs(interior(bracket.high) - interior(bracket.low));
   return changes == bracket.changes() || (changes > 0 && bracket.width() < kTogether);
@@ -396,7 +395,7 @@ CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const
   }
   require_smoothness(piece, low.station, high.station);
   CriticalPoint point{CriticalKind::bifurcation, high.station.load_factor, low.negative(),
-                      high.negative(),           high.station.state,       problem_->assembler.create_vector()};
+                      high.negative(),           high.station.state,       problem_->model.create_vector()};
   point.mode.fill(0.0);
   point.modes = std::abs(high.negative() - low.negative());
   if (!high.station.stability->symmetric) find_modes(point);
@@ -451,7 +450,7 @@ CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& brack
                       bracket.low.negative(),
                       bracket.high.negative(),
                       beside.station.state,
-                      problem_->assembler.create_vector()};
+                      problem_->model.create_vector()};
   point.modes = bracket.changes();
   if (is_limit) {
     const Sample there = sample(piece, root, Asked::tangent);
@@ -522,7 +521,7 @@ std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece)
     CriticalPoint point{
         CriticalKind::bifurcation,  0.5 * (bracket.low.station.load_factor + bracket.high.station.load_factor),
         bracket.low.negative(),     bracket.high.negative(),
-        bracket.high.station.state, problem_->assembler.create_vector()};
+        bracket.high.station.state, problem_->model.create_vector()};
     point.modes = bracket.changes();
     point.error = 0.5 * std::abs(bracket.high.station.load_factor - bracket.low.station.load_factor);
     point.located = false;

@@ -15,11 +15,10 @@ constexpr double kHalfTurn = 3.14159265358979323846;
 
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
 /// which element turns by as much at the end of a stage, if any.
-std::string problem_of_end_angles(BeamProblem& problem, const State& state, double load_factor) {
+std::string problem_of_end_angles(const BeamProblem& problem, const State& state, double load_factor) {
   constexpr double kMargin = 1e-9;
-  MixedVector residual = problem.assembler.create_vector();
-  problem.assembler.residual(state, load_factor, residual);
-  const Assembler::EndAngle angle = problem.assembler.largest_end_angle();
+  MixedVector residual = problem.model.create_vector();
+  const EndAngle angle = largest_end_angle(problem.model, mixed_residual(problem.model, state, load_factor, residual));
   if (angle.angle < kHalfTurn * (1.0 - kMargin)) return "";
   return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
          "\" turns by pi against its vertices, where rotations are no longer unique";
@@ -60,8 +59,8 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
 
 void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
              LoadPathResult& result) {
-  const double minimum = step_size_rule(problem->assembler.scene(), parameters).minimum;
-  const int most = parameters.load_path.most_steps(problem->assembler.scene().stages);
+  const double minimum = step_size_rule(problem->model.scene(), parameters).minimum;
+  const int most = parameters.load_path.most_steps(problem->model.scene().stages);
   const bool used_up = result.steps + result.failed_steps >= most;
   result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
   result.failure = text_of(*result.report);
@@ -82,7 +81,7 @@ constexpr int kMostIterationsToSettle = 12;
 
 LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
                              const PathObserver& observer) {
-  const int end = problem->assembler.scene().stages, before = problem->work.newton_iterations;
+  const int end = problem->model.scene().stages, before = problem->work.newton_iterations;
   LoadPathResult result;
   PathControl control;
   control.resume.emplace();  // the step that is reported is the first one, not the start of a path
@@ -113,7 +112,7 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
   problem->leave_if_asked = [&control] {
     if (control.stop && control.stop()) throw PathInterrupted();
   };
-  const int stages = problem->assembler.scene().stages, finished = finished_stages(control);
+  const int stages = problem->model.scene().stages, finished = finished_stages(control);
   bool goes_on = finished == 0 || is_trustworthy(problem, state, recorder);
   for (int stage = finished + 1; goes_on && stage <= stages; ++stage) {
     const int before = problem->work.newton_iterations;

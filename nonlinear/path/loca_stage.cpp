@@ -123,7 +123,7 @@ StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& paramete
 
 bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                             const State& start, const StageRange& range, PathRecorder& recorder) {
-  const Scene& scene = problem->assembler.scene();
+  const Scene& scene = problem->model.scene();
   const auto top = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
   top->sublist("LOCA") = loca_list(scene, parameters, range.from, range.to, range.attempts);
   top->sublist("NOX") = nox_list(problem, parameters, recorder.record());

@@ -11,9 +11,6 @@ namespace {
 /// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size is
 /// measured by its load, all others by their motion.
 constexpr double kLoadWeight = 1e-6;
-/// With the usual cap Newton's method comes to a stop at 1e-8 next to a critical point; the condition of the tangent,
-/// which limits the first increments only, is of less importance there.
-constexpr double kCapRaise = 100.0;
 
 /// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
 std::vector<int> connected_parts(const Mesh& mesh) {
@@ -38,19 +35,19 @@ std::vector<int> connected_parts(const Mesh& mesh) {
 
 }  // namespace
 
-PathMeasure::PathMeasure(const Assembler& assembler) : weights_(assembler.create_vector()) {
+PathMeasure::PathMeasure(const Model& model) : weights_(model.create_vector()) {
   weights_.fill(0.0);
-  const double length = assembler.structure().length;
-  const double vertices = static_cast<double>(assembler.map()->getGlobalNumElements()) / kVertexDofs;
+  const double length = model.structure().length;
+  const double vertices = static_cast<double>(model.map()->getGlobalNumElements()) / kVertexDofs;
   const double displacement = 1.0 / (length * length * vertices), rotation = 1.0 / vertices;
   const KernelView<double*> w = weights_.vertex();
   Kokkos::parallel_for(
       "mixbeam::path_measure", Kokkos::RangePolicy<ExecutionSpace>(0, w.extent(0)),
       KOKKOS_LAMBDA(size_t i) { w(i) = i % kVertexDofs < 3 ? displacement : rotation; });
-  const std::vector<int> parts = connected_parts(assembler.mesh());
+  const std::vector<int> parts = connected_parts(model.mesh());
   parts_ = 1 + *std::max_element(parts.begin(), parts.end());
   if (parts_ == 1) return;
-  const int first = assembler.structure().partition.owned_first();
+  const int first = model.structure().partition.owned_first();
   part_of_vertex_.assign(parts.begin() + first, parts.begin() + first + w.extent(0) / kVertexDofs);
 }
 
@@ -90,17 +87,6 @@ PathDirection scaled(const PathDirection& a, double factor) {
   PathDirection result{a.x.clone(true), factor * a.load};
   result.x.scale(factor);
   return result;
-}
-
-NearCritical::NearCritical(BeamProblem& problem, bool leaves_plane) : problem_(problem) {
-  problem_.leaves_plane = leaves_plane;
-  problem_.keeps_cap = true;
-  problem_.assembler.raise_cap(kCapRaise);
-}
-
-NearCritical::~NearCritical() {
-  problem_.assembler.raise_cap(1.0);
-  problem_.keeps_cap = problem_.leaves_plane = false;
 }
 
 double within_stage(double load_factor, double stage_end) {

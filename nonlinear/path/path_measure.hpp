@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// Increments (spatial, Assembler::apply) and change of the load factor.
+/// Increments (spatial, Model::apply) and change of the load factor.
 struct PathDirection {
   MixedVector x;
   double load = 0.0;
@@ -25,7 +25,7 @@ PathDirection scaled(const PathDirection& a, double factor);
 /// nothing moves. All functions are collective.
 class PathMeasure {
  public:
-  explicit PathMeasure(const Assembler& assembler);
+  explicit PathMeasure(const Model& model);
   /// Of the motions alone.
   double motion(const MixedVector& a, const MixedVector& b) const;
   double motion(const MixedVector& a) const;
@@ -53,26 +53,14 @@ struct Station {
   double load_factor = 0.0;
   PathDirection tangent;                       ///< theory (54); not finite where the tangent matrix is singular
   std::optional<StabilityResult> stability{};  ///< none: not affordable
+  /// Cap::least_ratio of the tangent that was counted, or of Newton's where none was: above zero, forces are shared by
+  /// stiffnesses that it cuts off, and a prediction shares them less well than iterations do.
+  double cap_ratio = 0.0;
 
   bool has_tangent() const { return std::isfinite(tangent.load); }
 };
 
 /// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
 double within_stage(double load_factor, double stage_end);
-
-/// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
-/// only if it is one and the same; and there the cap of the tangent is felt more than its condition. As long as this
-/// lives all increments are those of a tangent with a raised cap, in space if the path may leave the plane of the
-/// scene.
-class NearCritical {
- public:
-  NearCritical(BeamProblem& problem, bool leaves_plane);
-  ~NearCritical();
-  NearCritical(const NearCritical&) = delete;
-  NearCritical& operator=(const NearCritical&) = delete;
-
- private:
-  BeamProblem& problem_;
-};
 
 }  // namespace mixbeam

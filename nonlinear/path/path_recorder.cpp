@@ -10,7 +10,7 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
                            const PathObserver& observer, const PathControl& control, LoadPathResult& result)
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
   is_controlled_ = parameters.analysis.control.has_value();
-  const int vertices = problem->assembler.mesh().vertices();
+  const int vertices = problem->model.mesh().vertices();
   reports_stability_ = looks_at_stability(parameters.analysis, vertices);
   if (reports_stability_ || vertices <= kVerticesForStability) stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
@@ -60,7 +60,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
   record_.clear();
   problem_->attempts.step_completed(result_.steps);
   if (observer_) observer_(report, state_);
-  const bool at_end = !is_controlled_ && step.load_factor >= problem_->assembler.scene().stages;
+  const bool at_end = !is_controlled_ && step.load_factor >= problem_->model.scene().stages;
   if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
 }
 

@@ -10,7 +10,7 @@ StepExaminer::StepExaminer(const Teuchos::RCP<BeamProblem>& problem, const Solve
     : problem_(problem),
       stability_(stability),
       corrector_(problem, parameters, checks_, NewtonPurpose::check),
-      measure_(problem->assembler),
+      measure_(problem->model),
       judge_(problem, corrector_, measure_, stability, stage_end) {}
 
 StepFindings StepExaminer::examine(const PathPiece& piece, const StepTest& test) {

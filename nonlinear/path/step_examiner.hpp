@@ -30,7 +30,7 @@ class StepExaminer {
     return judge_.station(state, load_factor, along);
   }
 
-  /// Leaves another tangent in the assembler. Collective.
+  /// Collective.
   StepFindings examine(const PathPiece& piece, const StepTest& test);
 
  private:

@@ -39,7 +39,7 @@ constexpr double kLeastShare = 1e-8;
 /// Points of the middle rule for the change of loads.
 constexpr int kHistoryParts = 64;
 /// Newton's method half-way starts near the path.
-constexpr int kMostIterations = 15;
+constexpr int kMostIterationsHalfway = 15;
 
 const char* const kBends = "the path bends too much: another one may have been met";
 const char* const kGoesBack = "the load factor goes back within the step";
@@ -136,7 +136,7 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
   try {
     const StabilityResult result = stability_->count(state, load_factor);
     // elements that turn nearly by pi against their vertices have no stiffness to count by
-    if (problem_->assembler.largest_end_angle().angle > kLargestEndAngle) return std::nullopt;
+    if (result.end_angle > kLargestEndAngle) return std::nullopt;
     return result;
   } catch (const LinearSolverError&) {
     return std::nullopt;  // a singular tangent without symmetry has no count
@@ -146,31 +146,40 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
 /// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
 PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
   group.computeJacobian();
-  BeamVector by_load(problem_->assembler.create_vector());
+  BeamVector by_load(problem_->model.create_vector());
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, BeamVector(slope), by_load);
   const PathDirection rate{by_load.values().clone(true), -1.0};
   return scaled(rate, -1.0 / measure_.length(rate));
 }
 
-Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
+PathDirection StepJudge::tangent_at(const State& state, double load_factor) const {
   BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
-  group.computeJacobian();
-  MixedVector slope = problem_->assembler.create_vector();
-  problem_->assembler.load_derivative(state, within_stage(load_factor, stage_end_), slope);
-  PathDirection tangent = tangent_of(group, slope);
+  group.computeF();
+  MixedVector slope = problem_->model.create_vector();
+  load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
+  return tangent_of(group, slope);
+}
+
+Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
+  PathDirection tangent = tangent_at(state, load_factor);
   if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
-  return {state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
+  Station here{state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
+  here.cap_ratio = here.stability
+                       ? here.stability->cap_ratio
+                       : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;
+  return here;
 }
 
 /// For the mean of the derivatives between two load factors.
 PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
   BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
-  group.computeJacobian();
-  MixedVector mean = problem_->assembler.create_vector(), slope = mean.clone(false);
+  group.computeF();
+  MixedVector mean = problem_->model.create_vector(), slope = mean.clone(false);
   mean.fill(0.0);
   for (int part = 0; part < kHistoryParts; ++part) {
-    problem_->assembler.load_derivative(at.state, from + (to - from) * (part + 0.5) / kHistoryParts, slope);
+    load_derivative(problem_->model, at.state, from + (to - from) * (part + 0.5) / kHistoryParts, group.scales(),
+                    slope);
     mean.update(1.0 / kHistoryParts, slope, 1.0);
   }
   return tangent_of(group, mean);
@@ -215,19 +224,24 @@ StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
 /// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
 bool StepJudge::ends_stiff(const PathPiece& piece) const { return whole(piece).ends_stiff; }
 
-StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
-  const bool in_plane = piece.start.state.in_plane && problem_->assembler.is_in_plane(guess.x);
-  const NearCritical near(*problem_, !in_plane);
-  const double load_factor = piece.start.load_factor + guess.load;
-  BeamGroup group(corrector_.global(), problem_, piece.start.state, load_factor, {});
+/// The tangent next to a critical point, maybe, at a state moved by a guess.
+StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
+  const Model& model = problem_->model;
+  const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
+  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, near_critical(!in_plane));
   group.setX(BeamVector(guess.x));
   group.computeJacobian();
-  BeamVector slope(problem_->assembler.create_vector()), by_load(problem_->assembler.create_vector());
-  problem_->assembler.load_derivative(group.state(), within_stage(load_factor, stage_end_), slope.values());
+  BeamVector slope(model.create_vector()), by_load(model.create_vector());
+  load_derivative(model, group.state(), within_stage(load_factor, stage_end_), group.scales(), slope.values());
   Teuchos::ParameterList none;
-  group.applyJacobianInverse(none, slope, by_load);  // less du/dlambda
-  const MixedVector& newton = BeamVector::of(group.getNewton());
-  const MixedVector &chord = piece.moved.x, &rate = by_load.values();
+  group.applyJacobianInverse(none, slope, by_load);
+  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values())};
+}
+
+StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
+  const double load_factor = piece.start.load_factor + guess.load;
+  const Linear at = linear_at(piece.start.state, guess, load_factor);
+  const MixedVector &chord = piece.moved.x, &newton = at.newton, &rate = at.less_rate;
   const std::vector<double> cc = measure_.motion_of_parts(chord, chord), cr = measure_.motion_of_parts(chord, rate),
                             cn = measure_.motion_of_parts(chord, newton), nn = measure_.motion_of_parts(newton, newton),
                             nr = measure_.motion_of_parts(newton, rate), rr = measure_.motion_of_parts(rate, rate);
@@ -246,7 +260,7 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   if (!std::isfinite(seen.correction)) return seen;
   seen.corrected.x.update(1.0, newton, -change, rate, 1.0);
   seen.corrected.load += change;
-  const std::optional<StabilityResult> there = count(group.state(), load_factor + change);
+  const std::optional<StabilityResult> there = count(at.state, load_factor + change);
   if (there) seen.negative = there->negative;
   return seen;
 }
@@ -321,7 +335,7 @@ std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTes
   const PathDirection guess = cubic(piece, 0.5);
   const Correction found = corrector_.on_row(
       {piece.start.state, piece.start.load_factor + guess.load, &guess.x},
-      measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, 0.5 * chord), kMostIterations);
+      measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, 0.5 * chord), kMostIterationsHalfway);
   if (!found.converged) return "no equilibrium half-way: " + found.cause;
   const PathDirection there{found.moved.clone(true), found.load_factor - piece.start.load_factor};
   PathDirection rest = scaled(piece.moved, 1.0);

@@ -46,7 +46,7 @@ class StepJudge {
         measure_(measure),
         stability_(stability),
         stage_end_(stage_end),
-        loads_(problem->assembler.scene()) {}
+        loads_(problem->model.scene()) {}
 
   /// Empty when the end lies on the path of the start; else what disagrees. Collective.
   std::string objection(const PathPiece& piece, const StepTest& test) const;
@@ -65,6 +65,13 @@ class StepJudge {
   struct Part;
   std::string objection(const PathPiece& piece, const StepTest& test, int depth) const;
   std::string objection_where_loads_turn(const PathPiece& piece) const;
+  /// What the tangent at a state tells: Newton's increment, and that for the load less du/dlambda.
+  struct Linear {
+    State state;
+    MixedVector newton, less_rate;
+  };
+  Linear linear_at(const State& start, const PathDirection& guess, double load_factor) const;
+  PathDirection tangent_at(const State& state, double load_factor) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;

@@ -118,10 +118,10 @@ bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_fac
   if (load_factor <= 0.0) return false;
   const bool goes_on = load_factor >= largest_load_factor_;
   largest_load_factor_ = std::max(largest_load_factor_, load_factor);
-  const StateSnapshot snapshot = snapshot_of(simulation.assembler(), simulation.state());
+  const StateSnapshot snapshot = snapshot_of(simulation.model(), simulation.state());
   std::vector<double> turning(scene_.members.size());
   if (comm_->getRank() == 0)
-    turning = element_turning(simulation.scene(), simulation.assembler().mesh(), snapshot.vertex_rotation);
+    turning = element_turning(simulation.scene(), simulation.model().mesh(), snapshot.vertex_rotation);
   Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
   if (goes_on)
     for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
@@ -188,10 +188,10 @@ bool AccurateSolver::settle(const Simulation& last, const StepReport& last_repor
   if (observer_.begin) observer_.begin(*simulation_);
   Simulation& running = *simulation_;
   try {
-    const State carried = transfer(last.assembler(), last.state(), running.assembler());
+    const State carried = transfer(last.model(), last.state(), running.model());
     running.settle(carried, [&](const StepReport& report, const State&) { report_ = report; });
     if (!running.result().finished) return false;
-    const StateDifference moved = difference(running.assembler(), carried, running.state());
+    const StateDifference moved = difference(running.model(), carried, running.state());
     double largest = 0.0;
     for (const Vector3& u : moved.vertex_displacement) largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
     const double size = std::max(moved.largest_displacement, least_displacement_);
@@ -217,7 +217,7 @@ bool AccurateSolver::solve() {
   }
   rounds_.back().followed = !solved;
   if (!solved) solved = follow();
-  rounds_.back().elements = static_cast<int>(simulation_->assembler().mesh().elements.size());
+  rounds_.back().elements = static_cast<int>(simulation_->model().mesh().elements.size());
   return solved;
 }
 
@@ -239,7 +239,7 @@ void AccurateSolver::compare_critical_points() {
 
 void AccurateSolver::estimate() {
   ++estimated_;
-  least_displacement_ = least_displacement(simulation_->assembler().structure().length, accuracy_);
+  least_displacement_ = least_displacement(simulation_->model().structure().length, accuracy_);
   compare_critical_points();
   ErrorEstimate estimate;
   if (stops())
@@ -264,7 +264,7 @@ std::optional<AccuracyEnd> AccurateSolver::judge() {
   const MeshRound& round = rounds_.back();
   const bool is_known = is_reached(round.critical_error) || !compares_;
   if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
-  if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->assembler().mesh(), estimate_)))
+  if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->model().mesh(), estimate_)))
     return AccuracyEnd::kept_meshes;
   if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
   if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
@@ -286,7 +286,7 @@ bool AccurateSolver::choose_finer() {
     choice_ = richer(scene_, choice_);
     return !(choice_ == before);
   }
-  choice_ = next_mesh(scene_, simulation_->assembler().mesh(), choice_, estimate_, aim_ * accuracy_);
+  choice_ = next_mesh(scene_, simulation_->model().mesh(), choice_, estimate_, aim_ * accuracy_);
   aim_ *= kNextAim;
   return !(choice_ == before);
 }

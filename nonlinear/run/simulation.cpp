@@ -35,7 +35,7 @@ Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, c
     : parameters_(parameters) {
   if (parameters.threads > 0) set_number_of_threads(parameters.threads);
   problem_ = Teuchos::rcp(new BeamProblem(scene, comm, parameters));
-  state_ = problem_->assembler.reference_state();
+  state_ = problem_->model.reference_state();
 }
 
 const LoadPathResult& Simulation::run(const PathObserver& observer, const PathControl& control) {
@@ -69,11 +69,11 @@ bool Simulation::is_end_of_path(double load_factor) const {
   if (!parameters_.analysis.control) return std::abs(scene().stages - load_factor) <= kSameLoadFactor;
   const MonitoredComponent& control = *parameters_.analysis.control;
   const double rest = control.target - displacement(control.point)[control.component];
-  return std::abs(rest) <= kSameLoadFactor * assembler().structure().length;
+  return std::abs(rest) <= kSameLoadFactor * model().structure().length;
 }
 
 void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known) {
-  state_ = mixbeam::restore(assembler(), snapshot);
+  state_ = mixbeam::restore(model(), snapshot);
   load_factor_ = load_factor;
   stability_ = known;
 }
@@ -87,16 +87,11 @@ Simulation Simulation::at(const State& state, double load_factor) const {
 }
 
 double Simulation::condition_estimate() {
-  Assembler& equations = problem_->assembler;
-  MixedVector residual = equations.create_vector();
-  equations.residual(state_, load_factor_, residual);
-  equations.tangent(state_, load_factor_);
-  return mixbeam::condition_estimate(equations.matrix(), sparse_solver_of(parameters_.linear.method),
-                                     equations.structure().length);
+  return condition_of_tangent(problem_->model, state_, load_factor_, sparse_solver_of(parameters_.linear.method));
 }
 
 std::array<double, 6> Simulation::motion(const std::string& point) const {
-  return vertex_motion(assembler(), state_, vertex_of(assembler().mesh(), point));
+  return vertex_motion(model(), state_, vertex_of(model().mesh(), point));
 }
 
 Vector3 Simulation::displacement(const std::string& point) const {
@@ -106,7 +101,7 @@ Vector3 Simulation::displacement(const std::string& point) const {
 
 Vector3 Simulation::position(const std::string& point) const {
   const auto m = motion(point);
-  const Vector3& reference = assembler().mesh().vertex_position[vertex_of(assembler().mesh(), point)];
+  const Vector3& reference = model().mesh().vertex_position[vertex_of(model().mesh(), point)];
   return {reference[0] + m[0], reference[1] + m[1], reference[2] + m[2]};
 }
 
@@ -116,7 +111,7 @@ Vector3 Simulation::rotation(const std::string& point) const {
 }
 
 std::vector<MemberSamples> Simulation::samples(int points_per_element) const {
-  return sample_members(scene(), assembler(), state_, points_per_element);
+  return sample_members(scene(), model(), state_, points_per_element);
 }
 
 StepRecord Simulation::record(const StepReport& report, int points_per_element,
@@ -131,9 +126,9 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.force_energy = energy.force;
   record.moment_energy = energy.moment;
   record.history = report.history;
-  record.state = share_of(assembler(), state_);
+  record.state = share_of(model(), state_);
   record.point = report.point;
-  record.members = sample_own_elements(scene(), assembler(), state_, points_per_element);
+  record.members = sample_own_elements(scene(), model(), state_, points_per_element);
   record.reactions = recorded_reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
@@ -155,14 +150,14 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   record.negative_before = point.negative_before;
   record.negative_after = point.negative_after;
   record.modes = point.modes;
-  for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state_, points_per_element)) {
+  for (const MemberSamples& member : sample_own_elements(scene(), model(), state_, points_per_element)) {
     record.position.insert(record.position.end(), member.position.begin(), member.position.end());
     record.displacement.insert(record.displacement.end(), member.displacement.begin(), member.displacement.end());
   }
   record.mode = displacement_of_mode(point.mode, points_per_element);
   record.monitored = motions(monitored_points);
   record.reactions = recorded_reactions();
-  record.state = share_of(assembler(), state_);
+  record.state = share_of(model(), state_);
   return record;
 }
 
@@ -180,14 +175,14 @@ RecordedErrorEstimate Simulation::record_error(const ErrorEstimate& estimate,
   record.moment = recorded(estimate.moment);
   record.energy = recorded(estimate.energy);
   for (const std::string& point : points) {
-    const Vector3& error = estimate.vertex_displacement[vertex_of(assembler().mesh(), point)];
+    const Vector3& error = estimate.vertex_displacement[vertex_of(model().mesh(), point)];
     record.points.push_back({point, {error[0], error[1], error[2]}});
   }
   return record;
 }
 
 std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int points_per_element) const {
-  const Simulation undeformed = at(assembler().reference_state(), 0.0);
+  const Simulation undeformed = at(model().reference_state(), 0.0);
   std::vector<RecordedBucklingMode> recorded;
   try {
     for (const EigenMode& mode : linear_buckling(*problem_, count))
@@ -203,8 +198,8 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
 std::vector<Vector3> Simulation::displacement_of_mode(const MixedVector& mode, int points_per_element) const {
   const auto moved = [&](double amplitude) {
     std::vector<Vector3> positions;
-    const State state = problem_->assembler.apply(state_, mode, amplitude);
-    for (const MemberSamples& member : sample_own_elements(scene(), assembler(), state, points_per_element))
+    const State state = problem_->model.apply(state_, mode, amplitude);
+    for (const MemberSamples& member : sample_own_elements(scene(), model(), state, points_per_element))
       positions.insert(positions.end(), member.position.begin(), member.position.end());
     return positions;
   };

@@ -43,9 +43,10 @@ class Simulation {
   const RecordedStability& stability() const { return stability_; }
   /// Share of the path that is behind state(): of its load factor, or of the way of the controlled displacement.
   double share_done() const;
-  const Scene& scene() const { return problem_->assembler.scene(); }
-  const Assembler& assembler() const { return problem_->assembler; }
-  const PhaseTimes& times() const { return problem_->assembler.times(); }
+  const Scene& scene() const { return problem_->model.scene(); }
+  const Model& model() const { return problem_->model; }
+  const Model& assembler() const { return model(); }  ///< the same, as the studies call it
+  const PhaseTimes& times() const { return problem_->model.times(); }
   const WorkCount& work() const { return problem_->work; }
 
   /// Of the linear system that Newton's method would solve next: condition_estimate() of the tangent at state(). Costs
@@ -59,9 +60,7 @@ class Simulation {
   std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }
 
   /// How far state() is from the solution of the continuous equations, see error_estimate.hpp. Collective.
-  ErrorEstimate estimate_error() const {
-    return mixbeam::estimate_error(assembler(), parameters_, state_, load_factor_);
-  }
+  ErrorEstimate estimate_error() const { return mixbeam::estimate_error(model(), parameters_, state_, load_factor_); }
   /// The same for a result file, with the errors of some points.
   RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
 
@@ -71,22 +70,22 @@ class Simulation {
   /// Rotation vector of Lambda_V, norm at most pi.
   Vector3 rotation(const std::string& point) const;
   /// Forces and moments of the supports on the structure, in the order of the scene.
-  std::vector<Reaction> reactions() const { return mixbeam::reactions(problem_->assembler, state_, load_factor_); }
-  /// Sums of loads and reactions: errors below 1e-10 in every converged state.
+  std::vector<Reaction> reactions() const { return mixbeam::reactions(problem_->model, state_, load_factor_); }
   /// Residual and balance of every part of a structure of several, each measured by itself. One rank only.
   std::vector<PartCheck> check_parts(const StructureParts& parts) const {
-    return mixbeam::check_parts(problem_->assembler, state_, load_factor_, parts);
+    return mixbeam::check_parts(problem_->model, state_, load_factor_, parts);
   }
-  Balance balance() const { return mixbeam::balance(problem_->assembler, state_, load_factor_); }
+  /// Sums of loads and reactions: errors below 1e-10 in every converged state.
+  Balance balance() const { return mixbeam::balance(problem_->model, state_, load_factor_); }
   std::vector<MemberSamples> samples(int points_per_element) const;
   /// All fields at relative arc length `position` in [0, 1] of a member, see sample_member.
   PointSample sample(const std::string& member, double position) const {
-    return sample_member(assembler(), state_, member_index(scene(), member), position);
+    return sample_member(model(), state_, member_index(scene(), member), position);
   }
-  StrainEnergy strain_energy() const { return mixbeam::strain_energy(assembler(), state_); }
+  StrainEnergy strain_energy() const { return mixbeam::strain_energy(model(), state_); }
   /// See l2_norm in sampling.hpp.
   double l2_norm(int gauss_points, const std::function<Vec3<double>(const PointSample&, int member)>& field) const {
-    return mixbeam::l2_norm(assembler(), state_, gauss_points, field);
+    return mixbeam::l2_norm(model(), state_, gauss_points, field);
   }
   /// Record of the present state for a result file, with all that resuming needs: the share of this rank.
   StepRecord record(const StepReport& report, int points_per_element,

@@ -15,12 +15,11 @@ constexpr double kAlmostLargest = 1.0 - 1e-6;
 
 }  // namespace
 
-MixedVector complete_motion(Assembler& assembler, const IndependentUnknowns& unknowns, const State& state,
-                            const std::vector<double>& y) {
-  MixedVector by_residual = assembler.create_vector(), motion = assembler.create_vector();
-  assembler.recover(state, by_residual);
+MixedVector complete_motion(const Tangent& tangent, const IndependentUnknowns& unknowns, const std::vector<double>& y) {
+  MixedVector by_residual = tangent.model().create_vector(), motion = by_residual.clone(false);
+  tangent.recover(by_residual);
   unknowns.expand(y.data(), motion.vertex_dofs());
-  assembler.recover(state, motion);
+  tangent.recover(motion);
   motion.update(-1.0, by_residual, 1.0);
   return motion;
 }
@@ -32,13 +31,13 @@ MixedVector combination(const std::vector<MixedVector>& vectors, const double* w
   return sum;
 }
 
-void normalize_mode(const Assembler& assembler, MixedVector& mode) {
+void normalize_mode(const Model& model, MixedVector& mode) {
   const KernelView<double*> rows = mode.vertex();
-  const double length = assembler.structure().length;
+  const double length = model.structure().length;
   const auto size = [&](size_t i) { return rows(i) / (i % kVertexDofs < 3 ? length : 1.0); };
   double largest = 0.0;
   for (size_t i = 0; i < rows.extent(0); ++i) largest = std::max(largest, std::abs(size(i)));
-  const Teuchos::Comm<int>& comm = *assembler.map()->getComm();
+  const Teuchos::Comm<int>& comm = *model.map()->getComm();
   largest = maximum_over_ranks(comm, largest);
   // rank and sign of the first of the largest components as one number, of which the lowest rank has the largest
   double first = -2.0 * comm.getSize();

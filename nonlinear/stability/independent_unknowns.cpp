@@ -7,25 +7,28 @@
 
 namespace mixbeam {
 
-IndependentUnknowns::IndependentUnknowns(const Assembler& assembler)
-    : root_(assembler.matrix()), map_(assembler.map()), rows_(assembler.map()) {
-  own_.resize(assembler.structure().owned_vertices);
+IndependentUnknowns::IndependentUnknowns(const Model& model)
+    : whole_(std::make_unique<VertexMatrix>(whole_matrix(model))),
+      root_(whole_->matrix()),
+      map_(model.map()),
+      rows_(model.map()) {
+  own_.resize(model.structure().owned_vertices);
   std::iota(own_.begin(), own_.end(), 0);
-  set_up(assembler);
+  set_up(model);
 }
 
-IndependentUnknowns::IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining)
-    : root_(remaining.matrix()), map_(assembler.map()), rows_(remaining.matrix()->getRowMap()), remaining_(&remaining) {
+IndependentUnknowns::IndependentUnknowns(const Model& model, const VertexMatrix& remaining)
+    : root_(remaining.matrix()), map_(model.map()), rows_(remaining.matrix()->getRowMap()) {
   const KernelView<int*> vertices = remaining.vertices();
   own_.assign(vertices.data(), vertices.data() + vertices.extent(0));
-  set_up(assembler);
+  set_up(model);
 }
 
-void IndependentUnknowns::set_up(const Assembler& assembler) {
+void IndependentUnknowns::set_up(const Model& model) {
   vertices_ = static_cast<int>(rows_->getGlobalNumElements()) / kVertexDofs;
-  number(assembler);
+  number(model);
   if (is_root()) {
-    measure(assembler);
+    measure(model);
     build_structure();
   }
 }
@@ -43,24 +46,24 @@ std::vector<double> IndependentUnknowns::gather_rows(const DofVector& all) const
 }
 
 /// Free rows are the unknowns, in the order of the vertices.
-void IndependentUnknowns::number(const Assembler& assembler) {
-  const Structure& structure = assembler.structure();
+void IndependentUnknowns::number(const Model& model) {
+  const Structure& structure = model.structure();
   DofVector numbers(map_), fixed(map_);
   const KernelView<double*> names = MixedVector::view_of(numbers), held = MixedVector::view_of(fixed);
   for (size_t i = 0; i < held.extent(0); ++i) {
-    held(i) = assembler.fixed_rows()(i);
+    held(i) = model.fixed_rows()(i);
     names(i) = structure.local_vertex_to_global[i / kVertexDofs];
   }
   const std::vector<double> name = gather_rows(numbers), is_fixed = gather_rows(fixed);
-  std::vector<int> place(is_root() ? assembler.mesh().vertices() : 0, -1);
+  std::vector<int> place(is_root() ? model.mesh().vertices() : 0, -1);
   for (int v = 0; is_root() && v < vertices_; ++v) {
     vertex_of_mesh_.push_back(static_cast<int>(name[static_cast<size_t>(kVertexDofs) * v]));
     place[vertex_of_mesh_.back()] = v;
   }
   master_.assign(is_root() ? vertices_ : 0, -1);
-  colour_.assign(assembler.mesh().vertices(), 0);
-  std::vector<int> slaves(assembler.mesh().vertices(), 0);
-  for (const MeshJoint& joint : assembler.mesh().joints) {
+  colour_.assign(model.mesh().vertices(), 0);
+  std::vector<int> slaves(model.mesh().vertices(), 0);
+  for (const MeshJoint& joint : model.mesh().joints) {
     if (is_root()) master_[place[joint.slave]] = place[joint.master];
     colour_[joint.slave] = ++slaves[joint.master];
     colours_ = std::max(colours_, 1 + colour_[joint.slave]);
@@ -71,9 +74,9 @@ void IndependentUnknowns::number(const Assembler& assembler) {
   MPI_Bcast(&count_, 1, MPI_INT, 0, root_.communicator());
 }
 
-void IndependentUnknowns::measure(const Assembler& assembler) {
-  const Structure& structure = assembler.structure();
-  const Mesh& mesh = assembler.mesh();
+void IndependentUnknowns::measure(const Model& model) {
+  const Structure& structure = model.structure();
+  const Mesh& mesh = model.mesh();
   std::vector<double> length(mesh.vertices(), 0.0);
   for (const MeshElement& element : mesh.elements)
     for (int vertex : element.vertex) length[vertex] += 0.5 * mesh.element_length(element);
@@ -110,8 +113,8 @@ void IndependentUnknowns::build_structure() {
 
 /// Unit forces on all vertices of one colour at once: a row takes from its own vertex and from slaves of it, which all
 /// have other colours.
-void IndependentUnknowns::probe(const Assembler& assembler, const State& state) {
-  const Structure& structure = assembler.structure();
+void IndependentUnknowns::probe(const Tangent& tangent) {
+  const Structure& structure = tangent.model().structure();
   unit_force_.resize(static_cast<size_t>(kVertexDofs) * colours_);
   DofVector rows(map_);
   for (int k = 0; k < kVertexDofs * colours_; ++k) {
@@ -119,7 +122,7 @@ void IndependentUnknowns::probe(const Assembler& assembler, const State& state) 
     for (int v = 0; v < structure.owned_vertices; ++v)
       for (int c = 0; c < kVertexDofs; ++c)
         mine(kVertexDofs * v + c) = kVertexDofs * colour_[structure.local_vertex_to_global[v]] + c == k ? 1.0 : 0.0;
-    assembler.turn_rows(state, mine);
+    tangent.project_on_free_motions(mine);
     unit_force_[k] = gather_rows(rows);
   }
 }
@@ -143,9 +146,9 @@ void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& fu
   }
 }
 
-const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, const State& state) {
-  probe(assembler, state);
-  if (remaining_ == nullptr) assembler.matrix();  // gathers the present tangent
+const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent) {
+  probe(tangent);
+  if (whole_ != nullptr) tangent.gather(*whole_);
   root_.gather_values();
   if (!is_root()) return reduced_;
   const auto local = root_.matrix()->getLocalMatrixHost();
@@ -163,8 +166,8 @@ const SparseMatrix& IndependentUnknowns::reduce(const Assembler& assembler, cons
   return reduced_;
 }
 
-std::vector<double> IndependentUnknowns::reduced_rows(const DofVector& turned) const {
-  return measured(gather_rows(turned));
+std::vector<double> IndependentUnknowns::reduced_rows(const DofVector& projected) const {
+  return measured(gather_rows(projected));
 }
 
 std::vector<double> IndependentUnknowns::reduced_remaining_rows(const DofVector& rows) const {

@@ -3,14 +3,16 @@
 /// With Z the motions of all vertices that belong to the independent unknowns y, dx = Z y, the free rows of the
 /// equations are Z^T times forces and moments; their derivative A therefore gives A_free Z, which is the second
 /// derivative of the energy along the constraints: symmetric in equilibrium when the loads are conservative, and with
-/// its true inertia. Z is not derived once more: its transpose is how the equations turn forces, Assembler::turn_rows,
-/// applied to unit forces.
+/// its true inertia. Z is not derived once more: its transpose is how the equations project forces on free motions,
+/// Model::project_on_free_motions, applied to unit forces.
 #pragma once
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
 #include "nonlinear/linear/root_copy.hpp"
+
+#include <memory>
 
 namespace mixbeam {
 
@@ -22,37 +24,37 @@ namespace mixbeam {
 /// are resolved, on the number of elements.
 class IndependentUnknowns {
  public:
-  explicit IndependentUnknowns(const Assembler& assembler);
-  /// Those of the vertices that are left when chains are condensed to their ends: by theory (47) the
+  explicit IndependentUnknowns(const Model& model);
+  /// Those of the vertices that are left when chains are condensed to their ends: by Sylvester's law of inertia the
   /// reduced matrix has as many negative eigenvalues less as pivots of the chains are negative. `remaining` must
-  /// outlive this and hold the tangent that is to be reduced.
-  IndependentUnknowns(const Assembler& assembler, const VertexMatrix& remaining);
+  /// hold the tangent that is to be reduced.
+  IndependentUnknowns(const Model& model, const VertexMatrix& remaining);
 
   const RootCopy& root() const { return root_; }
   bool is_root() const { return root_.is_root(); }
   int count() const { return count_; }  ///< on every rank
 
-  /// Takes Z of a state and reduces the tangent that the assembler holds of this state. Collective; rank 0 has the
-  /// result, other ranks an empty matrix.
-  const SparseMatrix& reduce(const Assembler& assembler, const State& state);
+  /// Takes Z of the state of a tangent and reduces the tangent. Collective; rank 0 has the result, other ranks an empty
+  /// matrix.
+  const SparseMatrix& reduce(const Tangent& tangent);
   const SparseMatrix& matrix() const { return reduced_; }
   /// Motion of all vertices that belongs to y (rank 0, `count()` numbers; ignored elsewhere) at the state of reduce();
   /// not for the vertices that chains leave.
   void expand(const double* y, DofVector& motion) const;
-  /// Z^T times forces and moments on all vertices that Assembler::turn_rows() has turned, at the state of reduce();
+  /// Z^T times forces and moments on all vertices that are projected on free motions, at the state of reduce();
   /// rank 0 has the result. Collective.
-  std::vector<double> reduced_rows(const DofVector& turned) const;
+  std::vector<double> reduced_rows(const DofVector& projected) const;
   /// The same for rows of the remaining matrix.
   std::vector<double> reduced_remaining_rows(const DofVector& rows) const;
 
  private:
-  void set_up(const Assembler& assembler);
+  void set_up(const Model& model);
   std::vector<double> gather_rows(const DofVector& all) const;
   std::vector<double> measured(const std::vector<double>& rows) const;
-  void number(const Assembler& assembler);
-  void measure(const Assembler& assembler);
+  void number(const Model& model);
+  void measure(const Model& model);
   void build_structure();
-  void probe(const Assembler& assembler, const State& state);
+  void probe(const Tangent& tangent);
   void reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row, const std::vector<int>& slot,
                   double* out) const;
   int unknown(int vertex, int component) const {
@@ -60,13 +62,13 @@ class IndependentUnknowns {
   }
   double motion_of(int vertex, int component, int by_vertex, int by_component) const;
 
+  std::unique_ptr<VertexMatrix> whole_;  ///< null: of the vertices that chains leave
   RootCopy root_;
-  Teuchos::RCP<const DofMap> map_, rows_;    ///< of all vertices, and of those that are numbered here
-  std::vector<int> own_;                     ///< local vertices of this rank among those, in the order of the rows
-  const VertexMatrix* remaining_ = nullptr;  ///< null: all vertices
-  int vertices_ = 0, count_ = 0;             ///< vertices below are places among those that are numbered here
-  std::vector<int> vertex_of_mesh_;          ///< (vertex); rank 0
-  std::vector<int> master_;                  ///< (vertex): -1 where it is no slave; rank 0
+  Teuchos::RCP<const DofMap> map_, rows_;  ///< of all vertices, and of those that are numbered here
+  std::vector<int> own_;                   ///< local vertices of this rank among those, in the order of the rows
+  int vertices_ = 0, count_ = 0;           ///< vertices below are places among those that are numbered here
+  std::vector<int> vertex_of_mesh_;        ///< (vertex); rank 0
+  std::vector<int> master_;                ///< (vertex): -1 where it is no slave; rank 0
   std::vector<int> colour_;  ///< (vertex of the mesh): slaves of one master differ; 0 where it is no slave
   int colours_ = 1;
   std::vector<int> unknown_;                     ///< (6 * vertex + component): -1 where fixed; rank 0

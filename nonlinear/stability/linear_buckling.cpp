@@ -1,6 +1,6 @@
 #include "nonlinear/stability/linear_buckling.hpp"
 
-#include "discretization/assembly/added_compliance.hpp"
+#include "nonlinear/newton/step.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
 
 #include <Teuchos_LAPACK.hpp>
@@ -48,19 +48,19 @@ class LinearBuckling {
  public:
   explicit LinearBuckling(BeamProblem& problem)
       : problem_(problem),
-        assembler_(problem.assembler),
-        unknowns_(assembler_),
-        reference_(assembler_.reference_state()),
-        scales_(assembler_.scales_of(reference_, 0.0)),
-        response_(assembler_.create_vector()),
-        work_(assembler_.create_vector()) {
+        model_(problem.model),
+        unknowns_(model_),
+        reference_(model_.reference_state()),
+        scales_(scales_of(model_, reference_, 0.0)),
+        cap_(cap_for(model_, scales_, kBucklingCap)),
+        response_(model_.create_vector()),
+        work_(model_.create_vector()) {
     find_response();
     keep_stresses();
-    assembler_.raise_cap(kBucklingCap);
-    stiffness_ = tangent_at(reference_, 0.0);
+    stiffness_ = stiffness_at(reference_, 0.0);
     factorize();
   }
-  ~LinearBuckling() { assembler_.raise_cap(1.0); }
+  ~LinearBuckling() = default;
   LinearBuckling(const LinearBuckling&) = delete;
   LinearBuckling& operator=(const LinearBuckling&) = delete;
 
@@ -74,14 +74,19 @@ class LinearBuckling {
 
  private:
   /// All tangents have the cap of the reference state: else their differences would be those of their caps.
-  std::vector<double> tangent_at(const State& state, double load_factor) {
-    assembler_.residual(state, load_factor, work_);
-    assembler_.use_scales(scales_);
-    assembler_.tangent(state, load_factor);
-    return unknowns_.reduce(assembler_, state).value;
+  Tangent tangent_at(const State& state, double load_factor) {
+    return Tangent(model_, point_at(state, load_factor), cap_, {true, true});
+  }
+  EvaluationPoint point_at(const State& state, double load_factor) {
+    EvaluationPoint point = mixed_residual(model_, state, load_factor, work_);
+    point.scales = scales_;
+    return point;
+  }
+  std::vector<double> stiffness_at(const State& state, double load_factor) {
+    return unknowns_.reduce(tangent_at(state, load_factor)).value;
   }
   /// The undeformed structure with the stresses of a load factor.
-  State state_at(double load_factor) { return assembler_.apply(reference_, response_, load_factor); }
+  State state_at(double load_factor) { return model_.apply(reference_, response_, load_factor); }
 
   void factorize() {
     on_root(unknowns_.root(), [&] {
@@ -103,7 +108,7 @@ class LinearBuckling {
   void keep_stresses() {
     const KernelView<double*> vertex = response_.vertex(), interior = response_.writable_interior(true);
     for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = 0.0;
-    for (const ElementBlock& block : assembler_.structure().blocks)
+    for (const ElementBlock& block : model_.structure().blocks)
       for (int e = 0; e < block.count; ++e) {
         const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
         for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i)
@@ -114,30 +119,21 @@ class LinearBuckling {
   /// dx / d(load factor) at the reference state. Solved with the capped tangent and refined to the true one: where
   /// forces are shared according to stiffness the cap would shift them.
   void find_response() {
-    tangent_at(reference_, 0.0);
-    problem_.linear_solver->factorize();
-    MixedVector rhs = assembler_.create_vector();
-    assembler_.load_derivative(reference_, 0.0, rhs);
-    solve(rhs, response_);
+    Linearization linearization(problem_, point_at(reference_, 0.0), cap_for(model_, scales_), {true, false});
+    MixedVector rhs = model_.create_vector();
+    load_derivative(model_, reference_, 0.0, scales_, rhs);
+    linearization.solve(rhs, response_);
     MixedVector correction = response_.clone(true);
     for (int i = 0; i < kRefinements; ++i) {
-      added_strains(assembler_, correction, rhs);
-      solve(rhs, correction);
+      added_strains(model_, linearization.tangent().cap(), scales_, correction, rhs);
+      linearization.solve(rhs, correction);
       response_.update(1.0, correction, 1.0);
     }
-  }
-  void solve(const MixedVector& rhs, MixedVector& solution) {
-    assembler_.use_scales(scales_);
-    assembler_.condense(reference_, 0.0, rhs);
-    DofVector& condensed = assembler_.condensed_residual();
-    condensed.scale(-1.0);
-    problem_.linear_solver->solve(condensed, solution.vertex_dofs());
-    assembler_.recover(reference_, solution);
   }
 
   /// Largest of N L^2/EI and M L/EI per load factor.
   double largest_stress() const {
-    const Structure& structure = assembler_.structure();
+    const Structure& structure = model_.structure();
     const double L = structure.length, EI = structure.bending_reference;
     double largest = 0.0;
     for (const ElementBlock& block : structure.blocks)
@@ -147,7 +143,7 @@ class LinearBuckling {
         for (int i = 0; i < block.interior.relative_rotation(1); ++i)
           largest = std::max(largest, std::abs(row[i]) * (i < block.interior.moment(0) ? L * L : L) / EI);
       }
-    return maximum_over_ranks(*assembler_.map()->getComm(), largest);
+    return maximum_over_ranks(*model_.map()->getComm(), largest);
   }
 
   /// K_g = (4 D(t) - D(2t))/3 with central differences D of the internal part; loads are evaluated at factor zero there
@@ -158,11 +154,11 @@ class LinearBuckling {
       for (size_t i = 0; i < result.size(); ++i) result[i] += factor * k[i];
     };
     for (double sign : {1.0, -1.0}) {
-      add(sign * 4.0 / (6.0 * t), tangent_at(state_at(sign * t), 0.0));
-      add(-sign / (12.0 * t), tangent_at(state_at(sign * 2.0 * t), 0.0));
+      add(sign * 4.0 / (6.0 * t), stiffness_at(state_at(sign * t), 0.0));
+      add(-sign / (12.0 * t), stiffness_at(state_at(sign * 2.0 * t), 0.0));
     }
     const double load_factor = std::min(t, 1.0);
-    by_loads_ = tangent_at(reference_, load_factor);
+    by_loads_ = stiffness_at(reference_, load_factor);
     for (size_t i = 0; i < by_loads_.size(); ++i) {
       by_loads_[i] = (by_loads_[i] - stiffness_[i]) / load_factor;
       result[i] += by_loads_[i];
@@ -212,11 +208,13 @@ class LinearBuckling {
   }
 
   /// K at the stresses of a load factor, interiors condensed exactly; loads without a potential apart.
-  void tangent_under_stress(double load_factor) {
+  Tangent tangent_under_stress(double load_factor) {
+    Tangent tangent = tangent_at(state_at(load_factor), 0.0);
     under_stress_.row_start = matrix_.row_start;
     under_stress_.column = matrix_.column;
-    under_stress_.value = tangent_at(state_at(load_factor), 0.0);
+    under_stress_.value = unknowns_.reduce(tangent).value;
     for (size_t i = 0; i < by_loads_.size(); ++i) under_stress_.value[i] += load_factor * by_loads_[i];
+    return tangent;
   }
 
   InertiaSolver::Signs factorize_under_stress() {
@@ -227,7 +225,7 @@ class LinearBuckling {
 
   /// y . K y at the stresses of a load factor with the true compliance: zero where y is a mode.
   double energy_at(double load_factor, const std::vector<double>& y) {
-    tangent_under_stress(load_factor);
+    const Tangent tangent = tangent_under_stress(load_factor);
     double energy = 0.0;
     if (unknowns_.is_root()) {
       std::vector<double> force(y.size());
@@ -235,8 +233,8 @@ class LinearBuckling {
       energy = std::inner_product(y.begin(), y.end(), force.begin(), 0.0);
     }
     MPI_Bcast(&energy, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
-    const MixedVector motion = complete_motion(assembler_, unknowns_, state_at(load_factor), y);
-    return energy + added_compliance(assembler_, motion, motion);
+    const MixedVector motion = complete_motion(tangent, unknowns_, y);
+    return energy + cap_compliance_form(model_, cap_, motion, motion);
   }
 
   /// Where energy_at() vanishes, by the secant method; y . K_0 y = 1.
@@ -287,8 +285,7 @@ class LinearBuckling {
 
   /// Eigenvalues of K below zero at the stresses of a load factor, interiors included.
   long negative_at(double load_factor) {
-    tangent_under_stress(load_factor);
-    const Assembler::InteriorCount interior = assembler_.interior_count();
+    const Tangent::InteriorCount interior = tangent_under_stress(load_factor).interior_count();
     long negative = 0;
     on_root(unknowns_.root(), [&] { negative = factorize_under_stress().negative; });
     MPI_Bcast(&negative, 1, MPI_LONG, 0, unknowns_.root().communicator());
@@ -354,16 +351,22 @@ class LinearBuckling {
     return asymmetry(together);
   }
 
+  std::vector<MixedVector> motions_at(const State& state, const std::vector<std::vector<double>>& y) {
+    const Tangent tangent = tangent_at(state, 0.0);
+    unknowns_.reduce(tangent);
+    std::vector<MixedVector> motions;
+    for (const std::vector<double>& one : y) motions.push_back(complete_motion(tangent, unknowns_, one));
+    return motions;
+  }
+
   /// Weights of the compliance that the cap adds, between all modes, at one state: lower triangle, column-major.
   std::vector<double> added_at(const State& state, const std::vector<std::vector<double>>& y) {
-    tangent_at(state, 0.0);
     const int m = static_cast<int>(y.size());
-    std::vector<MixedVector> motion;
-    for (const std::vector<double>& one : y) motion.push_back(complete_motion(assembler_, unknowns_, state, one));
+    const std::vector<MixedVector> motion = motions_at(state, y);
     std::vector<double> weights(static_cast<size_t>(m) * m, 0.0);
     for (int j = 0; j < m; ++j)
       for (int i = j; i < m; ++i)
-        weights[i + static_cast<size_t>(j) * m] = added_compliance(assembler_, motion[i], motion[j]);
+        weights[i + static_cast<size_t>(j) * m] = cap_compliance_form(model_, cap_, motion[i], motion[j]);
     return weights;
   }
 
@@ -388,11 +391,12 @@ class LinearBuckling {
 
   /// At the reference state.
   std::vector<EigenMode> modes_of(const std::vector<Factor>& factors) {
-    tangent_at(reference_, 0.0);
+    const Tangent tangent = tangent_at(reference_, 0.0);
+    unknowns_.reduce(tangent);
     std::vector<EigenMode> result;
     for (const Factor& factor : factors) {
-      MixedVector mode = complete_motion(assembler_, unknowns_, reference_, factor.y);
-      normalize_mode(assembler_, mode);
+      MixedVector mode = complete_motion(tangent, unknowns_, factor.y);
+      normalize_mode(model_, mode);
       result.push_back({factor.value, std::move(mode), factor.residual, factor.confirmed});
     }
     return result;
@@ -404,7 +408,6 @@ class LinearBuckling {
     const int m = static_cast<int>(y.size());
     std::vector<double> identity(static_cast<size_t>(m) * m, 0.0);
     for (int i = 0; i < m; ++i) identity[i * (m + 1)] = 1.0;
-    tangent_at(reference_, 0.0);
     return sorted_modes(inverse_factor, identity, y);
   }
 
@@ -412,12 +415,11 @@ class LinearBuckling {
   std::vector<EigenMode> sorted_modes(const std::vector<double>& inverse_factor, const std::vector<double>& weights,
                                       const std::vector<std::vector<double>>& y) {
     const int m = static_cast<int>(y.size());
-    std::vector<MixedVector> motion;
-    for (const std::vector<double>& one : y) motion.push_back(complete_motion(assembler_, unknowns_, reference_, one));
+    const std::vector<MixedVector> motion = motions_at(reference_, y);
     std::vector<EigenMode> result;
     for (int k = 0; k < m; ++k) {
       MixedVector mode = combination(motion, &weights[static_cast<size_t>(k) * m]);
-      normalize_mode(assembler_, mode);
+      normalize_mode(model_, mode);
       result.push_back({1.0 / inverse_factor[k], std::move(mode)});
     }
     std::stable_sort(result.begin(), result.end(),
@@ -426,10 +428,11 @@ class LinearBuckling {
   }
 
   BeamProblem& problem_;
-  Assembler& assembler_;
+  const Model& model_;
   IndependentUnknowns unknowns_;
   State reference_;
   ResidualScales scales_;
+  Cap cap_;
   MixedVector response_, work_;
   bool symmetric_ = true;  ///< rank 0
   std::vector<double> stiffness_, by_loads_;

@@ -23,7 +23,7 @@ namespace mixbeam {
 /// never confirmed.
 ///
 /// Exact in the limit of small displacements before buckling (columns, frames, beams that are stiff in the plane of the
-/// load); it overestimates where the structure softens before. Collective; leaves another tangent in the assembler.
+/// load); it overestimates where the structure softens before. Collective.
 /// Throws LinearSolverError when the unloaded structure is not stable.
 std::vector<EigenMode> linear_buckling(BeamProblem& problem, int count);
 

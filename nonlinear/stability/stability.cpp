@@ -1,7 +1,5 @@
 #include "nonlinear/stability/stability.hpp"
 
-#include "discretization/assembly/added_compliance.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -101,20 +99,6 @@ std::pair<double, double> nearest_to_zero(const SparseMatrix& a, InertiaSolver& 
   return {size, rounding_level(a, y)};
 }
 
-class RaisedCap {
- public:
-  RaisedCap(Assembler& assembler, double raise) : assembler_(assembler), before_(assembler.cap_raise()) {
-    assembler_.raise_cap(raise);
-  }
-  ~RaisedCap() { assembler_.raise_cap(before_); }
-  RaisedCap(const RaisedCap&) = delete;
-  RaisedCap& operator=(const RaisedCap&) = delete;
-
- private:
-  Assembler& assembler_;
-  double before_;
-};
-
 }  // namespace
 
 const char* text_of(Verdict verdict) {
@@ -146,34 +130,35 @@ int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ?
 Stability::Stability(BeamProblem& problem) : problem_(problem) {}
 
 /// With a cap at which no pivot inside an element is zero, if there is one.
-void Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
-  Assembler& assembler = problem_.assembler;
-  MixedVector residual = assembler.create_vector();
-  const Structure& structure = assembler.structure();
-  const StateMagnitude size = assembler.magnitude(state);
+Stability::Look Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
+  const Model& model = problem_.model;
+  const Structure& structure = model.structure();
+  const StateMagnitude size = magnitude_of(model, state, load_factor);
   const double stress =
       structure.length / structure.bending_reference * std::max(size.force * structure.length, size.moment);
-  zero_ = kZero * stress;
   const double share = stress >= kSmallStress ? std::min(1.0, stress) : std::max(stress, softness());
-  assembler.residual(state, load_factor, residual);
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  std::optional<Tangent> tangent;
+  Tangent::InteriorCount interior;
   for (double part : kCapParts) {
-    const RaisedCap raised(assembler, part * std::min(raise, kCapOfCount * share));
-    assembler.tangent(state, load_factor);
-    interior_ = assembler.interior_count();
-    if (!interior_.uncertain) break;
+    const Cap cap = cap_for(model, point.scales, part * std::min(raise, kCapOfCount * share));
+    tangent.reset();  // its arrays are used again
+    tangent.emplace(model, point, cap, TangentKind{true, true});
+    interior = tangent->interior_count();
+    if (!interior.uncertain) break;
   }
+  return {std::move(*tangent), interior, kZero * stress};
 }
 
 /// The smallest eigenvalue of the unloaded structure in units of its largest EI/L, roughly, and at most one: from what
 /// chains leave.
 double Stability::softness() {
   if (softness_) return *softness_;
-  Assembler& assembler = problem_.assembler;
-  const State reference = assembler.reference_state();
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(reference, 0.0, residual);
-  assembler.tangent(reference, 0.0);
-  const RootResult root = factorized_beside_chains(reference);
+  const Model& model = problem_.model;
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.0, residual);
+  const RootResult root = factorized_beside_chains({Tangent(model, point, cap_for(model, point.scales), {true}), {}});
   double size = root.is_reliable ? root.nearest : 0.0;
   MPI_Bcast(&size, 1, MPI_DOUBLE, 0, unknowns_beside_chains_->root().communicator());
   softness_ = std::clamp(size, kLeastCapShare, 1.0);
@@ -181,10 +166,11 @@ double Stability::softness() {
 }
 
 /// The tangent of evaluate_tangent(), all of it.
-void Stability::assemble(const State& state, double load_factor) {
-  evaluate_tangent(state, load_factor, kCapOfModes);
-  if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.assembler);
-  unknowns_->reduce(problem_.assembler, state);
+Stability::Look Stability::assemble(const State& state, double load_factor) {
+  Look look = evaluate_tangent(state, load_factor, kCapOfModes);
+  if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.model);
+  unknowns_->reduce(look.tangent);
+  return look;
 }
 
 /// Inertia, or the sign of the determinant.
@@ -205,21 +191,23 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
   return root;
 }
 
-void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, RootResult& root) const {
+void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root) {
   if (matrix.rows() == 0 || root.result.null > 0 || !root.result.symmetric) return;
   const auto [size, rounding] = nearest_to_zero(matrix, *solvers.symmetric);
   root.nearest = size;
-  root.is_near_zero = !(size > std::max(kNearZero / kZero * zero_, kNearRounding * rounding));
+  root.is_near_zero = !(size > std::max(kNearZero / kZero * zero, kNearRounding * rounding));
 }
 
 /// Adds what interiors and chains have. Collective.
-Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicator, long of_chains) const {
+Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains) {
   StabilityResult& result = root.result;
   double numbers[6] = {static_cast<double>(result.negative), static_cast<double>(result.null),
                        result.symmetric ? 1.0 : 0.0,         result.asymmetry,
                        static_cast<double>(result.sign),     root.is_near_zero ? 1.0 : 0.0};
   MPI_Bcast(numbers, 6, MPI_DOUBLE, 0, communicator);
-  const long eliminated = interior_.negative + of_chains;
+  const long eliminated = look.interior.negative + of_chains;
+  result.inside = look.interior.negative;
+  result.cap_ratio = look.tangent.cap().least_ratio;
   result.null = static_cast<int>(numbers[1]);
   result.symmetric = numbers[2] == 1.0;
   result.asymmetry = numbers[3];
@@ -234,37 +222,37 @@ Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicato
 }
 
 /// The tangent with its chains condensed, and whether their pivots can be relied on.
-Stability::RootResult Stability::factorized_beside_chains(const State& state) {
+Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   if (chains_ == nullptr) {
-    chains_ = std::make_unique<CondensedSystem>(problem_.assembler);
-    unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.assembler, chains_->remaining());
+    chains_ = std::make_unique<CondensedSystem>(problem_.model);
+    unknowns_beside_chains_ = std::make_unique<IndependentUnknowns>(problem_.model, chains_->remaining());
   }
-  int reliable = chains_->condense() ? 1 : 0;
-  const SparseMatrix& matrix = unknowns_beside_chains_->reduce(problem_.assembler, state);
+  int reliable = chains_->condense(look.tangent) ? 1 : 0;
+  const SparseMatrix& matrix = unknowns_beside_chains_->reduce(look.tangent);
   const RootCopy& copy = unknowns_beside_chains_->root();
   RootResult root;
   on_root(copy, [&] {
     root = factorized(matrix, beside_chains_);
-    look_for_zero(matrix, beside_chains_, root);
+    look_for_zero(matrix, beside_chains_, look.zero, root);
   });
   long negative = chains_->negative_pivots();
   MPI_Allreduce(MPI_IN_PLACE, &reliable, 1, MPI_INT, MPI_MIN, copy.communicator());
   MPI_Allreduce(MPI_IN_PLACE, &negative, 1, MPI_LONG, MPI_SUM, copy.communicator());
-  root = completed(root, copy.communicator(), negative);
+  root = completed(root, copy.communicator(), look, negative);
   root.is_reliable = reliable == 1;
   return root;
 }
 
 /// Size of the eigenvalue nearest to zero of the whole tangent, not below it, by inverse iteration with the factors of
 /// chains and of what they leave: a mode may live in the chains alone.
-double Stability::nearest_with_chains(const State& state) {
-  Assembler& assembler = problem_.assembler;
-  const Structure& structure = assembler.structure();
+double Stability::nearest_with_chains(const Tangent& tangent) {
+  const Model& model = tangent.model();
+  const Structure& structure = model.structure();
   const IndependentUnknowns& remaining = *unknowns_beside_chains_;
-  DofVector x(assembler.map()), b(assembler.map());
+  DofVector x(model.map()), b(model.map());
   DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
   const size_t rows = MixedVector::view_of(x).extent(0);
-  const double L = structure.length, share = structure.bending_reference / (L * assembler.mesh().vertices());
+  const double L = structure.length, share = structure.bending_reference / (L * model.mesh().vertices());
   const auto weight = [&](size_t i) { return i % kVertexDofs < 3 ? share / (L * L) : share; };
   const auto length_of = [&](const DofVector& v, bool is_force) {
     const KernelView<const double*> values = MixedVector::view_of(v);
@@ -274,12 +262,12 @@ double Stability::nearest_with_chains(const State& state) {
     return std::sqrt(sum);
   };
   for (size_t i = 0; i < rows; ++i)
-    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + assembler.map()->getGlobalElement(i));
+    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + model.map()->getGlobalElement(i));
   double size = HUGE_VAL;
   for (int step = 0; step < kInverseIterations; ++step) {
     const double scale = 1.0 / length_of(x, false);
     for (size_t i = 0; i < rows; ++i) MixedVector::view_of(b)(i) = scale * weight(i) * MixedVector::view_of(x)(i);
-    assembler.turn_rows(state, MixedVector::view_of(b));
+    tangent.project_on_free_motions(MixedVector::view_of(b));
     const double force = length_of(b, true);
     chains_->condense_rows(b, remaining_b, x);
     std::vector<double> y = remaining.reduced_remaining_rows(remaining_b);
@@ -294,21 +282,22 @@ double Stability::nearest_with_chains(const State& state) {
 }
 
 /// None where the signs of pivots cannot be relied on, next to a critical point.
-std::optional<StabilityResult> Stability::inertia_with_chains(const State& state) {
-  const RootResult root = factorized_beside_chains(state);
-  if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || interior_.uncertain) return std::nullopt;
-  if (root.result.symmetric && !(nearest_with_chains(state) > kNearZero / kZero * zero_)) return std::nullopt;
+std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
+  const RootResult root = factorized_beside_chains(look);
+  if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
+  if (root.result.symmetric && !(nearest_with_chains(look.tangent) > kNearZero / kZero * look.zero))
+    return std::nullopt;
   return root.result;
 }
 
 /// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero.
-StabilityResult Stability::inertia() {
+StabilityResult Stability::inertia(const Look& look) {
   RootResult root;
   on_root(unknowns_->root(), [&] {
     root = factorized(unknowns_->matrix(), all_);
     if (root.result.null > 0) solver(root.result).factorize(shifted(unknowns_->matrix(), kShift));
   });
-  return completed(root, unknowns_->root().communicator(), 0).result;
+  return completed(root, unknowns_->root().communicator(), look, 0).result;
 }
 
 InertiaSolver& Stability::solver(const StabilityResult& result) {
@@ -316,20 +305,24 @@ InertiaSolver& Stability::solver(const StabilityResult& result) {
 }
 
 StabilityResult Stability::count(const State& state, double load_factor) {
-  evaluate_tangent(state, load_factor, kCapOfCount);
-  if (const auto result = inertia_with_chains(state)) return *result;
-  for (int modes = kFirstNull;; modes *= 2) {
-    const StabilityResult result = spectrum(state, load_factor, modes).stability;
-    if (result.null < modes || modes >= kMostNull) return result;
+  std::optional<Look> look = evaluate_tangent(state, load_factor, kCapOfCount);
+  const double end_angle = largest_end_angle(problem_.model, look->tangent.point()).angle;
+  std::optional<StabilityResult> result = inertia_with_chains(*look);
+  look.reset();  // its arrays are used again
+  for (int modes = kFirstNull; !result; modes *= 2) {
+    const StabilityResult seen = spectrum(state, load_factor, modes).stability;
+    if (seen.null < modes || modes >= kMostNull) result = seen;
   }
+  result->end_angle = end_angle;
+  return *result;
 }
 
 /// Theory (48) with K of the tangent and the row e of the motion.
 StabilityResult Stability::count_held(const State& state, double load_factor, const MixedVector& motion) {
-  assemble(state, load_factor);
-  StabilityResult result = inertia();
+  const Look look = assemble(state, load_factor);
+  StabilityResult result = inertia(look);
   MixedVector forces = motion.clone(true);
-  problem_.assembler.turn_rows(state, forces.vertex());
+  look.tangent.project_on_free_motions(forces.vertex());
   const std::vector<double> row = unknowns_->reduced_rows(forces.vertex_dofs());
   double compliance = 0.0;
   on_root(unknowns_->root(), [&] {
@@ -397,26 +390,26 @@ Stability::Reduced Stability::nearest(const StabilityResult& stability, int coun
 }
 
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
-  assemble(state, load_factor);
-  Spectrum result{inertia(), {}};
+  const Look look = assemble(state, load_factor);
+  Spectrum result{inertia(look), {}};
   const Reduced reduced = nearest(result.stability, count, kExactModes);
-  result.modes = corrected_modes(state, load_factor, result.stability, reduced);
+  result.modes = corrected_modes(look, result.stability, reduced);
   if (result.stability.symmetric)
-    recount(reduced, result);
+    recount(reduced, look.zero, result);
   else
     recount_unsymmetric(result);
   return result;
 }
 
 /// Eigenvalues as corrected in place of those of the capped tangent, and those that are zero apart.
-void Stability::recount(const Reduced& reduced, Spectrum& spectrum) const {
+void Stability::recount(const Reduced& reduced, double zero, Spectrum& spectrum) {
   StabilityResult& stability = spectrum.stability;
   if (std::any_of(reduced.converged.begin(), reduced.converged.end(), [](int c) { return c == 0; })) return;
   for (double before : reduced.eigenvalue) stability.negative -= before < 0.0 ? 1 : 0;
   stability.negative = std::max(0, stability.negative);  // rounding may turn the sign of an inverse
   stability.null = 0;
   for (const EigenMode& mode : spectrum.modes) {
-    if (std::abs(mode.eigenvalue) <= std::max(zero_, mode.error))
+    if (std::abs(mode.eigenvalue) <= std::max(zero, mode.error))
       ++stability.null;
     else if (mode.eigenvalue < 0.0)
       ++stability.negative;
@@ -471,20 +464,17 @@ std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
   return vectors;
 }
 
-}  // namespace
-
 /// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
 /// stiffness: nothing large is there to drown what is small. Rows of N and M are zero.
-MixedVector Stability::derivative_along(const State& state, double load_factor, const MixedVector& motion) {
-  Assembler& assembler = problem_.assembler;
-  const Structure& structure = assembler.structure();
-  const LargestParts size = largest_parts(*assembler.map()->getComm(), motion.vertex());
+MixedVector derivative_along(const Model& model, const State& state, double load_factor, const MixedVector& motion) {
+  const Structure& structure = model.structure();
+  const LargestParts size = largest_parts(*model.map()->getComm(), motion.vertex());
   const double unit = kDifferenceMotion / std::max(size.moved / structure.length, size.turned);
-  MixedVector sum = assembler.create_vector(), rows = assembler.create_vector();
+  MixedVector sum = model.create_vector(), rows = model.create_vector();
   for (const auto& [part, weight] : kDifferences)
     for (double step : {part * unit, -part * unit}) {
-      assembler.residual(assembler.apply(state, motion, step), load_factor, rows);
-      assembler.unscale(rows);
+      const EvaluationPoint point = mixed_residual(model, model.apply(state, motion, step), load_factor, rows);
+      unscale_rows(model, point.scales, rows);
       sum.update(0.5 * weight / step, rows, 1.0);
     }
   const KernelView<double*> interior = sum.writable_interior(true);
@@ -496,25 +486,26 @@ MixedVector Stability::derivative_along(const State& state, double load_factor, 
   return sum;
 }
 
-/// Theory (50): of the mixed potential in motions that complete_motion() made of the vectors of `reduced`, as a matrix;
-/// symmetric tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves
-/// added_compliance().
-std::vector<double> Stability::second_variations(const State& state, double load_factor,
-                                                 const std::vector<MixedVector>& motions, const Reduced& reduced) {
+}  // namespace
+
+/// Of the mixed potential in motions that complete_motion() made of the vectors of `reduced`, as a matrix; symmetric
+/// tangents only. Their rows of N and M are solved with the compliance of the tangent, which leaves that of the cap.
+std::vector<double> Stability::second_variations(const Tangent& tangent, const std::vector<MixedVector>& motions,
+                                                 const Reduced& reduced) const {
   const int m = static_cast<int>(motions.size());
-  const ResidualScales scales = problem_.assembler.scales();
+  const Model& model = tangent.model();
+  const EvaluationPoint& point = tangent.point();
   std::vector<double> form(static_cast<size_t>(m) * m, 0.0), of_vertices(form.size(), 0.0);
   for (int j = 0; j < m; ++j) {
-    const MixedVector derivative = derivative_along(state, load_factor, motions[j]);
+    const MixedVector derivative = derivative_along(model, point.state, point.load_factor, motions[j]);
     const std::vector<double> rows = unknowns_->reduced_rows(derivative.vertex_dofs());
     derivative.vertex_dofs().putScalar(0.0);
     for (int i = 0; i < m; ++i) {
       if (unknowns_->is_root()) of_vertices[i + static_cast<size_t>(j) * m] = dot_product(reduced.vector[i], rows);
       form[i + static_cast<size_t>(j) * m] =
-          motions[i].inner_product(derivative) + added_compliance(problem_.assembler, motions[i], motions[j]);
+          motions[i].inner_product(derivative) + cap_compliance_form(model, tangent.cap(), motions[i], motions[j]);
     }
   }
-  problem_.assembler.use_scales(scales);
   MPI_Bcast(of_vertices.data(), m * m, MPI_DOUBLE, 0, unknowns_->root().communicator());
   for (size_t i = 0; i < form.size(); ++i) of_vertices[i] += form[i];
   for (int i = 0; i < m; ++i)
@@ -522,22 +513,27 @@ std::vector<double> Stability::second_variations(const State& state, double load
   return form;
 }
 
-/// Rayleigh-Ritz in the modes found, with the true compliance, theory (49): degenerate modes separate as they should.
-std::vector<EigenMode> Stability::corrected_modes(const State& state, double load_factor,
-                                                  const StabilityResult& stability, const Reduced& reduced) {
-  Assembler& assembler = problem_.assembler;
+/// Rayleigh-Ritz in the modes found, with the true compliance: degenerate modes separate as they should.
+std::vector<EigenMode> Stability::corrected_modes(const Look& look, const StabilityResult& stability,
+                                                  const Reduced& reduced) {
+  const Model& model = problem_.model;
+  const Tangent& tangent = look.tangent;
+  const double zero = look.zero;
+  const auto of_cap = [&](const MixedVector& a, const MixedVector& b) {
+    return cap_compliance_form(model, tangent.cap(), a, b);
+  };
   const int m = static_cast<int>(reduced.eigenvalue.size());
   std::vector<MixedVector> found;
-  for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(assembler, *unknowns_, state, y));
+  for (const std::vector<double>& y : reduced.vector) found.push_back(complete_motion(tangent, *unknowns_, y));
   std::vector<double> values = reduced.eigenvalue, error = reduced.error, weights(static_cast<size_t>(m) * m, 0.0);
   if (stability.symmetric) {
     std::vector<double> form = weights;
-    if (m > 0 && zero_ > 0.0 && error.front() > kRoundingMatters * zero_) {
-      form = second_variations(state, load_factor, found, reduced);
-      for (double& e : error) e = std::min(e, kVariationError * zero_);
+    if (m > 0 && zero > 0.0 && error.front() > kRoundingMatters * zero) {
+      form = second_variations(tangent, found, reduced);
+      for (double& e : error) e = std::min(e, kVariationError * zero);
     } else {
       for (int i = 0; i < m; ++i) {
-        for (int j = 0; j < m; ++j) form[i + j * m] = added_compliance(assembler, found[i], found[j]);
+        for (int j = 0; j < m; ++j) form[i + j * m] = of_cap(found[i], found[j]);
         form[i * (m + 1)] += values[i];
       }
     }
@@ -549,9 +545,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, double loa
       double overlap = 0.0;
       if (unknowns_->is_root()) overlap = dot_product(reduced.left[i], reduced.vector[i]);
       MPI_Bcast(&overlap, 1, MPI_DOUBLE, 0, unknowns_->root().communicator());
-      values[i] +=
-          added_compliance(assembler, complete_motion(assembler, *unknowns_, state, reduced.left[i]), found[i]) /
-          overlap;
+      values[i] += of_cap(complete_motion(tangent, *unknowns_, reduced.left[i]), found[i]) / overlap;
     }
   }
   std::vector<int> order(m);
@@ -560,7 +554,7 @@ std::vector<EigenMode> Stability::corrected_modes(const State& state, double loa
   std::vector<EigenMode> modes;
   for (int k : order) {
     MixedVector mode = combination(found, &weights[static_cast<size_t>(k) * m]);
-    normalize_mode(assembler, mode);
+    normalize_mode(model, mode);
     modes.push_back({values[k], std::move(mode), error[k], reduced.converged[k] != 0});
   }
   return modes;
@@ -592,8 +586,7 @@ int SpaceValues::negative() const {
 
 CriticalSpace Stability::space_of(const State& state, double load_factor, int first, int count) {
   constexpr int kMore = 2;  // negative ones may be nearer to zero than those that come next
-  assemble(state, load_factor);
-  const StabilityResult result = inertia();
+  const StabilityResult result = inertia(assemble(state, load_factor));
   if (!result.symmetric) return {};
   Reduced reduced = nearest(result, count + kMore, kRoughModes);
   CriticalSpace space;
@@ -667,11 +660,11 @@ Stability::Reduced Stability::ritz_values(const StabilityResult& stability, cons
 }
 
 SpaceValues Stability::in_space(const State& state, double load_factor, const CriticalSpace& space) {
-  assemble(state, load_factor);
-  const StabilityResult stability = inertia();
+  const Look look = assemble(state, load_factor);
+  const StabilityResult stability = inertia(look);
   if (!stability.symmetric) return {};
   const Reduced reduced = ritz_values(stability, space);
-  SpaceValues seen{corrected_modes(state, load_factor, stability, reduced),
+  SpaceValues seen{corrected_modes(look, stability, reduced),
                    stability.negative - number_below_zero(reduced.eigenvalue)};
   std::stable_sort(seen.modes.begin(), seen.modes.end(),
                    [](const EigenMode& a, const EigenMode& b) { return a.eigenvalue < b.eigenvalue; });

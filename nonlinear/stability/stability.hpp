@@ -12,7 +12,7 @@
 /// parity is the sign of the determinant; flutter is a matter of dynamics and not seen here, so that a state that has
 /// not diverged is unknown, also where the symmetric part of K is positive (which excludes divergence alone).
 ///
-/// The tangent caps the stiffness of forces (Assembler), which lowers critical loads by about 1e-5 of them, 1e-7 where
+/// The tangent caps the stiffness of forces (Cap), which lowers critical loads by about 1e-5 of them, 1e-7 where
 /// eigenvalues are only counted. Modes are corrected to the true stiffness, to second order in the cap, and next to
 /// zero the corrected eigenvalues are counted: theory (49).
 ///
@@ -45,6 +45,9 @@ struct StabilityResult {
   bool symmetric = true;   ///< the tangent was treated as symmetric
   double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj)
   int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
+  double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was looked at
+  double end_angle = 0.0;  ///< largest relative rotation between an element and its vertices; of Stability::count
+  long inside = 0;         ///< of `negative`: inside of elements, between vertices that stand still
 
   /// Without symmetry an equilibrium that has not diverged is unknown: it may flutter.
   Verdict verdict() const;
@@ -72,7 +75,6 @@ struct SpaceValues {
   int negative() const;  ///< of the space
 };
 
-/// Works on the tangent of the assembler and leaves another state there: Newton's method assembles its own again.
 /// All functions are collective, give the same on every rank and throw LinearSolverError.
 class Stability {
  public:
@@ -118,30 +120,35 @@ class Stability {
     bool is_reliable = true;
   };
 
-  void evaluate_tangent(const State& state, double load_factor, double raise);
-  void assemble(const State& state, double load_factor);
+  /// A tangent, and what is known of it before any factorisation.
+  struct Look {
+    Tangent tangent;
+    Tangent::InteriorCount interior;
+    double zero = 0.0;  ///< eigenvalues up to this size are zero
+    const State& state() const { return tangent.point().state; }
+    double load_factor() const { return tangent.point().load_factor; }
+  };
+
+  Look evaluate_tangent(const State& state, double load_factor, double raise);
+  Look assemble(const State& state, double load_factor);
   double softness();
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
-  void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, RootResult& root) const;
-  RootResult completed(RootResult root, MPI_Comm communicator, long of_chains) const;
-  RootResult factorized_beside_chains(const State& state);
-  double nearest_with_chains(const State& state);
-  std::optional<StabilityResult> inertia_with_chains(const State& state);
-  StabilityResult inertia();
+  static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
+  static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
+  RootResult factorized_beside_chains(const Look& look);
+  double nearest_with_chains(const Tangent& tangent);
+  std::optional<StabilityResult> inertia_with_chains(const Look& look);
+  StabilityResult inertia(const Look& look);
   InertiaSolver& solver(const StabilityResult& result);
   Reduced ritz_values(const StabilityResult& stability, const CriticalSpace& space);
   Reduced nearest(const StabilityResult& stability, int count, double tolerance);
-  void recount(const Reduced& reduced, Spectrum& spectrum) const;
+  static void recount(const Reduced& reduced, double zero, Spectrum& spectrum);
   static void recount_unsymmetric(Spectrum& spectrum);
-  MixedVector derivative_along(const State& state, double load_factor, const MixedVector& motion);
-  std::vector<double> second_variations(const State& state, double load_factor, const std::vector<MixedVector>& motions,
-                                        const Reduced& reduced);
-  std::vector<EigenMode> corrected_modes(const State& state, double load_factor, const StabilityResult& stability,
-                                         const Reduced& reduced);
+  std::vector<double> second_variations(const Tangent& tangent, const std::vector<MixedVector>& motions,
+                                        const Reduced& reduced) const;
+  std::vector<EigenMode> corrected_modes(const Look& look, const StabilityResult& stability, const Reduced& reduced);
 
   BeamProblem& problem_;
-  Assembler::InteriorCount interior_;  ///< of the last tangent
-  double zero_ = 0.0;                  ///< eigenvalues up to this size are zero at the last state
   std::optional<double> softness_;
   // When first needed:
   std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;

@@ -23,8 +23,8 @@ void append(std::string& line, const Vec3<double>& v) {
 
 /// One line of values for each sample, in the order of the mesh.
 std::string values_of(const Simulation& simulation, int step) {
-  const Structure& structure = simulation.assembler().structure();
-  const Mesh& mesh = simulation.assembler().mesh();
+  const Structure& structure = simulation.model().structure();
+  const Mesh& mesh = simulation.model().mesh();
   std::string lines;
   for (size_t e = 0; e < mesh.elements.size(); ++e) {
     const int points = smooth_points(simulation.scene().members[mesh.elements[e].member].order);

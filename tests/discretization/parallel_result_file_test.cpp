@@ -100,8 +100,8 @@ void change_one_number(const fs::path& path, const std::string& dataset, size_t 
 }
 
 /// Unknowns drawn at random, the same on all ranks to the last bit, on all of them together or on each alone.
-State random_state(const Scene& scene, const Assembler& assembler, unsigned seed) {
-  Assembler alone(scene, each_alone(), {});
+State random_state(const Scene& scene, const Model& model, unsigned seed) {
+  const Model alone(scene, each_alone(), {});
   MixedVector increment = alone.create_vector();
   std::mt19937_64 generator(seed);
   std::uniform_real_distribution<double> entry(-0.1, 0.1);
@@ -109,7 +109,7 @@ State random_state(const Scene& scene, const Assembler& assembler, unsigned seed
   for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
   const auto interior = increment.writable_interior(false);
   for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
-  return restore(assembler, snapshot_of(alone, alone.apply(alone.reference_state(), increment, 1.0)));
+  return restore(model, snapshot_of(alone, alone.apply(alone.reference_state(), increment, 1.0)));
 }
 
 RecordedCriticalPoint critical_point(const StepRecord& record) {
@@ -127,25 +127,25 @@ RecordedCriticalPoint critical_point(const StepRecord& record) {
 }
 
 /// Of step 0 to 3; together they have everything that a file can hold.
-StepRecord record_of(const Scene& scene, const Assembler& assembler, int step) {
-  const State state = random_state(scene, assembler, static_cast<unsigned>(step));
+StepRecord record_of(const Scene& scene, const Model& model, int step) {
+  const State state = random_state(scene, model, static_cast<unsigned>(step));
   StepRecord record;
   record.step = step;
   record.load_factor = 0.5 * step;
-  record.members = sample_own_elements(scene, assembler, state, kPointsByOrder);
+  record.members = sample_own_elements(scene, model, state, kPointsByOrder);
   record.monitored = {{"tip.displacement", {1.0 * step, 2, 3}}};
   record.reactions = {{"clamp", {1, 2, 3}, {4, 5, 1.0 * step}}};
   record.history = {{1, 0, 1.0}, {1, 1, 1e-15}};
-  record.state = share_of(assembler, state);
+  record.state = share_of(model, state);
   record.point.step = step;
   const RecordedCriticalPoint point = critical_point(record);
   if (step == 0) record.buckling = {{2.5, point.mode}, {3.5, point.displacement}};
   if (step == 1) record.critical_points = {point, point};
   if (step < 3) return record;
   record.error_estimate.emplace();
-  for (int v = 0; v < assembler.mesh().vertices(); ++v)
+  for (int v = 0; v < model.mesh().vertices(); ++v)
     record.error_estimate->vertex_displacement.push_back({1.0 * v, 0.5, 1e-3 * v});
-  for (size_t e = 0; e < assembler.mesh().elements.size(); ++e) {
+  for (size_t e = 0; e < model.mesh().elements.size(); ++e) {
     record.error_estimate->element_displacement.push_back(0.1 * static_cast<double>(e));
     record.error_estimate->element_moment.push_back(0.2 * static_cast<double>(e));
   }
@@ -160,14 +160,14 @@ ResultHeader header_of_test() {
 
 /// Stops half-way and resumes where `resumes`.
 void write_results(const fs::path& path, const Scene& scene, const Communicator& communicator, bool resumes) {
-  const Assembler assembler(scene, communicator, {});
+  const Model model(scene, communicator, {});
   auto file = std::make_unique<ResultFile>(path, header_of_test(), communicator);
   for (int step = 0; step < kSteps; ++step) {
     if (resumes && step == 2) {
       file->close();
       file = std::make_unique<ResultFile>(StoredRun(path), communicator);
     }
-    file->append_step(record_of(scene, assembler, step));
+    file->append_step(record_of(scene, model, step));
   }
   file->close();
 }
@@ -228,7 +228,7 @@ TEST_F(MpiResultFile, GoesOnBehindAStoredRun) { expect_same_file(branched_scene(
 TEST_F(MpiResultFile, StatesComeBackOnAllRanks) {
   const Scene scene = branched_scene();
   write_results(folder_ / "run.h5", scene, all_of_them(), false);
-  const Assembler alone(scene, each_alone(), {});
+  const Model alone(scene, each_alone(), {});
   const StateSnapshot expected = snapshot_of(alone, random_state(scene, alone, 3)),
                       stored = StoredRun(folder_ / "run.h5").state(3);
   EXPECT_EQ(stored.vertex_displacement, expected.vertex_displacement);
@@ -239,31 +239,31 @@ TEST_F(MpiResultFile, StatesComeBackOnAllRanks) {
 
 TEST_F(MpiResultFile, ARecordThatDoesNotFitOnOneRankIsRefusedByAll) {
   const Scene scene = branched_scene();
-  const Assembler assembler(scene, all_of_them(), {});
+  const Model model(scene, all_of_them(), {});
   ResultFile file(folder_ / "run.h5", header_of_test(), all_of_them());
-  StepRecord broken = record_of(scene, assembler, 0);
+  StepRecord broken = record_of(scene, model, 0);
   if (is_last_rank()) broken.members.back().position.pop_back();
   const std::string error = shared_error([&] { file.append_step(broken); });
   EXPECT_NE(error.find("unequal length" + of_last_rank()), std::string::npos) << error;
-  EXPECT_EQ(shared_error([&] { file.append_step(record_of(scene, assembler, 0)); }), "no error");
+  EXPECT_EQ(shared_error([&] { file.append_step(record_of(scene, model, 0)); }), "no error");
 }
 
 // A limit on the file size stands for a full disk.
 TEST_F(MpiResultFile, AFullDiskOnOneRankIsReportedByAll) {
   const Scene scene = branched_scene();
-  const Assembler assembler(scene, all_of_them(), {});
+  const Model model(scene, all_of_them(), {});
   ResultFile file(folder_ / "run.h5", header_of_test(), all_of_them());
-  file.append_step(record_of(scene, assembler, 0));
+  file.append_step(record_of(scene, model, 0));
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{40000, before.rlim_max};  // less than the file has with its first step
   if (is_last_rank()) setrlimit(RLIMIT_FSIZE, &limit);
-  const std::string error = shared_error([&] { file.append_step(record_of(scene, assembler, 1)); });
+  const std::string error = shared_error([&] { file.append_step(record_of(scene, model, 1)); });
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, handler);
   EXPECT_NE(error.find("File too large" + of_last_rank()), std::string::npos) << error;
-  EXPECT_NE(shared_error([&] { file.append_step(record_of(scene, assembler, 1)); }).find("takes no more steps"),
+  EXPECT_NE(shared_error([&] { file.append_step(record_of(scene, model, 1)); }).find("takes no more steps"),
             std::string::npos);
   EXPECT_EQ(StoredRun(folder_ / "run.h5").steps().size(), 1U);  // the file keeps what it had
   EXPECT_FALSE(fs::exists(folder_ / ".run.h5.a"));

@@ -1,7 +1,7 @@
 // The undeformed state of curved members: no residual, whatever curve, order and integration rule.
 #include "discretization/mesh/reference_element.hpp"
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 #include "discretization/text/errors.hpp"
 #include "tests/problems/scenes.hpp"
 #include "tests/worst_error.hpp"
@@ -50,9 +50,9 @@ Curve formula_curve() {
 
 /// Largest residual of the elements in the undeformed state, unscaled.
 double largest_row(const Scene& scene) {
-  Assembler assembler(scene, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
-  MixedVector rows = assembler.create_vector();
-  assembler.element_rows(assembler.reference_state(), 0.0, false, rows);
+  const Model model(scene, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
+  MixedVector rows = model.create_vector();
+  element_rows(model, model.reference_state(), 0.0, false, rows);
   double largest = 0.0;
   const auto see = [&](double row) {
     if (!(std::abs(row) <= largest)) largest = std::abs(row);
@@ -99,17 +99,17 @@ TEST(ReferenceElement, WithoutTheJumpsTheStateIsNot) {
   const Scene scene = clamped(formula_curve(), 2, 5);
   Scene placed = scene;
   placed.points.pop_back();
-  Assembler assembler(placed, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
-  const ElementBlock& block = assembler.structure().blocks[0];
-  const MeshMember& member = assembler.mesh().members[0];
+  const Model model(placed, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
+  const ElementBlock& block = model.structure().blocks[0];
+  const MeshMember& member = model.mesh().members[0];
   double points[3], weights[3];
   gauss_rule(3, points, weights);
   for (int q = 0; q < 3; ++q) {
     const Vec3<double> exact = member.curve.curvature(member.arc_length(2, points[q]));
     for (int i = 0; i < 3; ++i) block.reference(2, block.reference_layout.curvature(q) + i) = exact[i];
   }
-  MixedVector rows = assembler.create_vector();
-  assembler.element_rows(assembler.reference_state(), 0.0, false, rows);
+  MixedVector rows = model.create_vector();
+  element_rows(model, model.reference_state(), 0.0, false, rows);
   double largest = 0.0;
   for (size_t i = 0; i < rows.interior().extent(0); ++i) largest = std::max(largest, std::abs(rows.interior()(i)));
   EXPECT_GT(largest, 1e-5);

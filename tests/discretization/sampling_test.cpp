@@ -50,11 +50,11 @@ Scene scene() {
   return beam;
 }
 
-State known_state(const Assembler& assembler) {
-  const State state = assembler.reference_state();
+State known_state(const Model& model) {
+  const State state = model.reference_state();
   for (int v = 0; v <= kElements; ++v)
     store_vector(displacement(v * kElementLength), &state.views.vertex_displacement(v, 0));
-  const ElementBlock& block = assembler.structure().blocks.front();
+  const ElementBlock& block = model.structure().blocks.front();
   for (int e = 0; e < kElements; ++e) {
     const double start = e * kElementLength;
     double* interior = &state.views.interior(block.interior_offset + e * block.interior.unknowns());
@@ -75,12 +75,12 @@ State known_state(const Assembler& assembler) {
 double difference(const Vec3<double>& a, const Vec3<double>& b) { return norm(a - b); }
 
 TEST(Sampling, PolynomialsOfTheElementSpacesAreExact) {
-  const Assembler assembler(scene(), this_rank(), {});
-  const State state = known_state(assembler);
+  const Model model(scene(), this_rank(), {});
+  const State state = known_state(model);
   WorstError worst;
   for (int e = 0; e < kElements; ++e)
     for (double xi : {-1.0, -0.6, 0.0, 0.3, 1.0}) {
-      const PointSample p = sample_element(assembler.structure(), assembler.mesh(), state, e, xi);
+      const PointSample p = sample_element(model.structure(), model.mesh(), state, e, xi);
       const double s = kElementLength * (e + 0.5 * (1.0 + xi));
       worst.see(std::abs(p.arc_length - s), "arc length");
       worst.see(difference(p.reference_position, {{s, 0, 0}}), "reference position");
@@ -101,9 +101,9 @@ TEST(Sampling, AxialAndShearForcesMayHaveTheirOwnPoints) {
   for (ForceIntegration rule : {ForceIntegration::axial_reduced, ForceIntegration::shear_reduced}) {
     Scene beam = scene();
     beam.members[0].force_integration = rule;
-    const Assembler assembler(beam, this_rank(), {});
-    const State state = assembler.reference_state();
-    const ElementBlock& block = assembler.structure().blocks.front();
+    const Model model(beam, this_rank(), {});
+    const State state = model.reference_state();
+    const ElementBlock& block = model.structure().blocks.front();
     const int axial = axial_points(kOrder, rule), shear = shear_points(kOrder, rule);
     std::vector<double> xi(axial + shear), weight(axial + shear);
     gauss_rule(axial, xi.data(), weight.data());
@@ -118,15 +118,15 @@ TEST(Sampling, AxialAndShearForcesMayHaveTheirOwnPoints) {
       store_vector(n, &state.views.interior(block.interior_offset + block.interior.force(q)));
     }
     for (double x : {-1.0, 0.4}) {
-      const PointSample p = sample_element(assembler.structure(), assembler.mesh(), state, 0, x);
+      const PointSample p = sample_element(model.structure(), model.mesh(), state, 0, x);
       EXPECT_LE(difference(p.force, force(p.arc_length)), kFewRoundings * 10) << "xi " << x;
     }
   }
 }
 
 TEST(Sampling, MembersAreSampledFromEndToEnd) {
-  const Assembler assembler(scene(), this_rank(), {});
-  const std::vector<MemberSamples> members = sample_members(assembler.scene(), assembler, known_state(assembler), 4);
+  const Model model(scene(), this_rank(), {});
+  const std::vector<MemberSamples> members = sample_members(model.scene(), model, known_state(model), 4);
   ASSERT_EQ(members.size(), 1u);
   const MemberSamples& beam = members[0];
   EXPECT_EQ(beam.name, "beam");
@@ -142,9 +142,9 @@ TEST(Sampling, MembersAreSampledFromEndToEnd) {
 }
 
 TEST(Sampling, L2NormOfKnownFields) {
-  const Assembler assembler(fork(2, 3), this_rank(), {});
-  const State state = assembler.reference_state();
-  const auto norm_of = [&](const auto& field) { return l2_norm(assembler, state, 4, field); };
+  const Model model(fork(2, 3), this_rank(), {});
+  const State state = model.reference_state();
+  const auto norm_of = [&](const auto& field) { return l2_norm(model, state, 4, field); };
   const auto constant = [](const PointSample&, int) { return Vec3<double>{{2.0, -3.0, 6.0}}; };
   EXPECT_NEAR(norm_of(constant), 7.0, kFewRoundings * 7.0);
   const auto zero = [](const PointSample& p, int) { return p.displacement; };
@@ -165,27 +165,27 @@ TEST(Sampling, StrainEnergyOfConstantForcesAndMoments) {
                                 ForceIntegration::shear_reduced, ForceIntegration::both_reduced}) {
     Scene beam = scene();
     beam.members[0].force_integration = rule;
-    const Assembler assembler(beam, this_rank(), {});
-    const State state = assembler.reference_state();
-    const ElementBlock& block = assembler.structure().blocks.front();
+    const Model model(beam, this_rank(), {});
+    const State state = model.reference_state();
+    const ElementBlock& block = model.structure().blocks.front();
     const Vec3<double> n{{2.0, 3.0, 4.0}}, m{{1.0, 2.0, 3.0}};
     for (int e = 0; e < kElements; ++e) {
       double* interior = &state.views.interior(block.interior_offset + e * block.interior.unknowns());
       for (int q = 0; q < block.interior.force_points; ++q) store_vector(n, interior + block.interior.force(q));
       store_vector(m, interior + block.interior.moment(0));
     }
-    const StrainEnergy energy = strain_energy(assembler, state);
+    const StrainEnergy energy = strain_energy(model, state);
     EXPECT_NEAR(energy.force, 0.5 * kLength * (4.0 / 2.0 + 9.0 / 3.0), 100 * kFewRoundings);  // GA3 is rigid
     EXPECT_NEAR(energy.moment, 0.5 * kLength * (1.0 / 4.0 + 4.0 / 5.0 + 9.0 / 5.0), 100 * kFewRoundings);
   }
 }
 
 TEST(Sampling, MotionOfAVertex) {
-  const Assembler assembler(scene(), this_rank(), {});
-  const State state = known_state(assembler);
+  const Model model(scene(), this_rank(), {});
+  const State state = known_state(model);
   const Vec3<double> rotation{{0.5, -2.0, 1.0}};
   store_quaternion(exp_quaternion(rotation), &state.views.vertex_rotation(1, 0));
-  const auto motion = vertex_motion(assembler, state, 1);
+  const auto motion = vertex_motion(model, state, 1);
   const Vec3<double> u = displacement(kElementLength);
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(motion[i], u[i]);

@@ -21,21 +21,21 @@ Communicator together() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM
 constexpr double kRounding = 1e-12;
 
 /// Any state: every unknown drawn at random, so that nothing happens to fit.
-State moved_at_random(Assembler& assembler, double size) {
-  MixedVector increment = assembler.create_vector();
+State moved_at_random(const Model& model, double size) {
+  MixedVector increment = model.create_vector();
   std::mt19937_64 generator(1234);
   std::uniform_real_distribution<double> entry(-size, size);
   const auto vertex = increment.vertex();
   for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
   const auto interior = increment.writable_interior(false);
   for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
-  return assembler.apply(assembler.reference_state(), increment, 1.0);
+  return model.apply(model.reference_state(), increment, 1.0);
 }
 
 enum class Rotations { compared, left_out };
 
 /// Largest difference of displacements, rotations, forces and moments at points of all members.
-double largest_difference(const Assembler& a, const State& in_a, const Assembler& b, const State& in_b,
+double largest_difference(const Model& a, const State& in_a, const Model& b, const State& in_b,
                           Rotations rotations = Rotations::compared) {
   double largest = 0.0;
   const auto note = [&largest](double value) { largest = std::max(largest, value); };
@@ -51,7 +51,7 @@ double largest_difference(const Assembler& a, const State& in_a, const Assembler
   return largest;
 }
 
-double largest_vertex_difference(const Assembler& a, const State& in_a, const Assembler& b, const State& in_b) {
+double largest_vertex_difference(const Model& a, const State& in_a, const Model& b, const State& in_b) {
   double largest = 0.0;
   for (const auto& [point, vertex] : a.mesh().vertex_of_point) {
     const auto p = vertex_motion(a, in_a, vertex), q = vertex_motion(b, in_b, vertex_of(b.mesh(), point));
@@ -80,7 +80,7 @@ Scene spline(int order, int elements) {
 TEST(StateTransfer, HigherOrderReproducesEveryField) {
   for (const Scene& scene : {fork(1, 3), portal_of_joints(1, 2)})
     for (int order : {2, 3, 5, 7}) {
-      Assembler low(with_orders(scene, order), alone(), {}), high(with_orders(scene, order + 1), alone(), {});
+      const Model low(with_orders(scene, order), alone(), {}), high(with_orders(scene, order + 1), alone(), {});
       const State state = moved_at_random(low, 0.2);
       const State carried = transfer(low, state, high);
       EXPECT_LT(largest_difference(low, state, high, carried), kRounding) << scene.name << ", order " << order;
@@ -89,7 +89,7 @@ TEST(StateTransfer, HigherOrderReproducesEveryField) {
 }
 
 TEST(StateTransfer, DifferencesAreSeen) {
-  Assembler low(fork(3, 3), alone(), {}), high(fork(4, 3), alone(), {});
+  const Model low(fork(3, 3), alone(), {}), high(fork(4, 3), alone(), {});
   const State carried = transfer(low, moved_at_random(low, 0.2), high);
   EXPECT_GT(largest_difference(low, moved_at_random(low, 0.2 + 1e-9), high, carried), kRounding);
 }
@@ -97,7 +97,7 @@ TEST(StateTransfer, DifferencesAreSeen) {
 TEST(StateTransfer, OneRuleOfIntegrationToAnother) {
   Scene full = with_orders(fork(3, 2), 3);
   for (Member& member : full.members) member.force_integration = ForceIntegration::shear_reduced;
-  Assembler low(full, alone(), {}), high(fork(5, 2), alone(), {});
+  const Model low(full, alone(), {}), high(fork(5, 2), alone(), {});
   const State state = moved_at_random(low, 0.2);
   EXPECT_LT(largest_difference(low, state, high, transfer(low, state, high)), kRounding);
 }
@@ -106,7 +106,7 @@ TEST(StateTransfer, UndeformedStaysUndeformed) {
   for (const Scene& scene : {spline(1, 4), fork(1, 2)})
     for (int order : {1, 2, 4, 8})
       for (int elements : {3, 4, 7}) {
-        const Assembler from(scene, alone(), {}), to(with_elements(with_orders(scene, order), elements), alone(), {});
+        const Model from(scene, alone(), {}), to(with_elements(with_orders(scene, order), elements), alone(), {});
         const State carried = transfer(from, from.reference_state(), to);
         EXPECT_LT(largest_difference(to, to.reference_state(), to, carried), kRounding) << order << " " << elements;
       }
@@ -115,8 +115,8 @@ TEST(StateTransfer, UndeformedStaysUndeformed) {
 TEST(StateTransfer, FinerMeshReproducesPolynomials) {
   for (const Scene& scene : {fork(1, 2), portal_of_joints(1, 1), spline(1, 2)})
     for (int order : {1, 3, 8}) {
-      Assembler coarse(with_orders(scene, order), alone(), {});
-      Assembler fine(with_elements(with_orders(scene, order), 3 * scene.members[0].elements), alone(), {});
+      const Model coarse(with_orders(scene, order), alone(), {});
+      const Model fine(with_elements(with_orders(scene, order), 3 * scene.members[0].elements), alone(), {});
       const State state = moved_at_random(coarse, 0.1);
       const State carried = transfer(coarse, state, fine);
       EXPECT_LT(largest_difference(coarse, state, fine, carried, Rotations::left_out), kRounding) << scene.name;
@@ -128,11 +128,11 @@ TEST(StateTransfer, FinerMeshReproducesPolynomials) {
 
 // psi of the parts is not that of the whole, which is a polynomial: the more degrees there are, the nearer it comes.
 TEST(StateTransfer, RotationsConvergeInFinerElements) {
-  Assembler coarse(fork(3, 2), alone(), {});
+  const Model coarse(fork(3, 2), alone(), {});
   const State state = moved_at_random(coarse, 0.2);
   std::vector<double> difference;
   for (int order : {3, 5, 7}) {
-    const Assembler fine(fork(order, 4), alone(), {});
+    const Model fine(fork(order, 4), alone(), {});
     difference.push_back(largest_difference(coarse, state, fine, transfer(coarse, state, fine)));
   }
   EXPECT_LT(difference[1], 0.2 * difference[0]);
@@ -141,28 +141,28 @@ TEST(StateTransfer, RotationsConvergeInFinerElements) {
 
 TEST(StateTransfer, MeshesThatShareNoVertex) {
   Scene scene = spline(4, 5);
-  Assembler from(scene, alone(), {});
+  const Model from(scene, alone(), {});
   MixedVector increment = from.create_vector();
   increment.fill(0.0);
   const auto vertex = increment.vertex();
   for (int v = 0; v < from.mesh().vertices(); ++v)  // smooth: it bends by the square of the arc length
     vertex(kVertexDofs * v + 2) = 0.04 * v * v / 25.0;
   const State state = from.apply(from.reference_state(), increment, 1.0);
-  const Assembler to(with_elements(scene, 7), alone(), {});
+  const Model to(with_elements(scene, 7), alone(), {});
   const State carried = transfer(from, state, to);
   constexpr double kKinks = 2e-3;  // of the slope, at the old vertices
   EXPECT_LT(largest_difference(from, state, to, carried, Rotations::left_out), kKinks);
 }
 
 TEST(StateTransfer, OtherSceneIsRefused) {
-  Assembler from(fork(2, 2), alone(), {}), to(spline(2, 2), alone(), {});
+  const Model from(fork(2, 2), alone(), {}), to(spline(2, 2), alone(), {});
   EXPECT_THROW(transfer(from, from.reference_state(), to), std::invalid_argument);
 }
 
 TEST(MpiStateTransfer, SameBitsOnAllRanks) {
   const Scene scene = fork(2, 5), finer = with_elements(with_orders(scene, 3), 7);
-  Assembler from(scene, alone(), {}), from_together(scene, together(), {});
-  const Assembler to(finer, alone(), {}), to_together(finer, together(), {});
+  const Model from(scene, alone(), {}), from_together(scene, together(), {});
+  const Model to(finer, alone(), {}), to_together(finer, together(), {});
   const State state = moved_at_random(from, 0.1);
   const StateSnapshot expected = snapshot_of(to, transfer(from, state, to));
   const State shared = restore(from_together, snapshot_of(from, state));

@@ -52,8 +52,7 @@ class BeamFixture {
       : list_(Teuchos::rcp(new Teuchos::ParameterList("mixbeam"))),
         global_(LOCA::createGlobalData(list_, Teuchos::null)),
         problem_(Teuchos::rcp(new BeamProblem(scene, this_rank(), parameters))),
-        group_(Teuchos::rcp(new BeamGroup(global_, problem_, problem_->assembler.reference_state(), load_factor, {}))) {
-  }
+        group_(Teuchos::rcp(new BeamGroup(global_, problem_, problem_->model.reference_state(), load_factor, {}))) {}
   ~BeamFixture() {
     group_ = Teuchos::null;
     LOCA::destroyGlobalData(global_);
@@ -63,7 +62,7 @@ class BeamFixture {
 
   BeamGroup& group() { return *group_; }
   BeamProblem& problem() { return *problem_; }
-  BeamVector create_vector() const { return BeamVector(problem_->assembler.create_vector()); }
+  BeamVector create_vector() const { return BeamVector(problem_->model.create_vector()); }
   BeamVector random_vector(double size, unsigned seed) const {
     BeamVector v = create_vector();
     fill_at_random(v.values(), size, seed);

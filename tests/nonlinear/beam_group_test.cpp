@@ -30,23 +30,22 @@ class BeamGroupTest : public testing::Test, public BeamFixture {
 
 /// What the cap leaves out is measured without writing its rows; the same number, but for the rounding of products that
 /// the compiler fuses in one place and not in the other.
-TEST(Softening, LargestRowIsThatOfAllRows) {
+TEST(CapCompliance, LargestRowIsThatOfAllRows) {
   constexpr double kFusedProducts = 1e-14;  // a few roundings of one product of four factors
   Section rigid = section(1.0, 1.0, 1.0, 1.0);
   rigid.axial_stiffness = rigid.shear_stiffness[0] = rigid.shear_stiffness[1] = std::numeric_limits<double>::infinity();
-  Assembler assembler(cantilever(rigid, 1.0, 3, 5), this_rank(), {});
-  const State state = assembler.reference_state();
-  MixedVector residual = assembler.create_vector(), increment = assembler.create_vector(),
-              rows = assembler.create_vector();
-  assembler.residual(state, 1.0, residual);
-  assembler.tangent(state, 1.0);
+  const Model model(cantilever(rigid, 1.0, 3, 5), this_rank(), {});
+  const ResidualScales scales = scales_of(model, model.reference_state(), 1.0);
+  const Cap cap = cap_for(model, scales);
+  MixedVector increment = model.create_vector(), rows = model.create_vector();
   fill_at_random(increment, 1.0, 11);
-  assembler.softening_rows(increment, rows);
+  cap_compliance_rows(model, cap, scales, increment, rows);
   const double largest = rows.maximum_norm();
   EXPECT_GT(largest, 0.0);
-  EXPECT_NEAR(assembler.largest_softening_row(increment) / largest, 1.0, kFusedProducts);
+  EXPECT_NEAR(largest_cap_compliance_row(model, cap, scales, increment) / largest, 1.0, kFusedProducts);
   fill_at_random(increment, 2.0, 12);
-  EXPECT_GT(std::abs(assembler.largest_softening_row(increment) / largest - 1.0), 1e-3) << "another one is seen";
+  EXPECT_GT(std::abs(largest_cap_compliance_row(model, cap, scales, increment) / largest - 1.0), 1e-3)
+      << "another one is seen";
 }
 
 TEST_F(BeamGroupTest, PresentCoordinateChangesNothing) {
@@ -85,7 +84,7 @@ TEST_F(BeamGroupTest, ComposesRotations) {
   BeamVector first = create_vector(), second = create_vector();
   first.init(0.0);
   second.init(0.0);
-  const int vertex = vertex_of(problem().assembler.mesh(), "tip");
+  const int vertex = vertex_of(problem().model.mesh(), "tip");
   first.values().vertex()(kVertexDofs * vertex + 3) = kPi;
   second.values().vertex()(kVertexDofs * vertex + 4) = 2.0 * kPi;
   group().computeX(*group().clone(NOX::DeepCopy), first, 1.0);
@@ -122,13 +121,16 @@ TEST_F(BeamGroupTest, ChangingACopyLeavesTheOriginal) {
   group().computeNewton(no_parameters());
   // the numbers themselves, not views of them
   const State before = group().state();
-  State kept = allocate_state(problem().assembler.structure());
+  State kept = allocate_state(problem().model.structure());
   Kokkos::deep_copy(kept.views.vertex_displacement, before.views.vertex_displacement);
   Kokkos::deep_copy(kept.views.vertex_rotation, before.views.vertex_rotation);
   Kokkos::deep_copy(kept.views.element_triad, before.views.element_triad);
   Kokkos::deep_copy(kept.views.interior, before.views.interior);
   const MixedVector f = BeamVector::of(group().getF()).clone(true),
                     newton = BeamVector::of(group().getNewton()).clone(true);
+  BeamVector twice_f = create_vector(), solved_before = create_vector();
+  twice_f.update(2.0, group().getF(), 0.0);
+  ASSERT_EQ(group().applyJacobianInverse(no_parameters(), twice_f, solved_before), Group::Ok);
   const Teuchos::RCP<Group> clone = group().clone(NOX::DeepCopy);
   clone->computeX(group(), group().getNewton(), 1.0);
   clone->computeF();
@@ -138,42 +140,58 @@ TEST_F(BeamGroupTest, ChangingACopyLeavesTheOriginal) {
   EXPECT_TRUE(same_bits(group().state(), kept));
   EXPECT_TRUE(same_bits(BeamVector::of(group().getF()), f));
   EXPECT_TRUE(same_bits(BeamVector::of(group().getNewton()), newton));
-  EXPECT_FALSE(group().isJacobian());  // the matrix belongs to the clone now
+  BeamVector minus_newton = create_vector();
+  ASSERT_TRUE(group().isJacobian());  // each has a tangent of its own
+  twice_f.update(2.0, group().getF(), 0.0);
+  ASSERT_EQ(group().applyJacobianInverse(no_parameters(), twice_f, minus_newton), Group::Ok);
+  EXPECT_TRUE(same_bits(minus_newton, solved_before));
 }
 
-// Another tangent, or another cap, and the matrix is not that of the group any more; nobody has to tell the group.
-TEST_F(BeamGroupTest, KnowsWhoseTheTangentIs) {
-  Assembler& assembler = problem().assembler;
+// Whoever holds a tangent holds it: others, with another state or cap, leave its answers as they are.
+TEST_F(BeamGroupTest, KeepsItsTangent) {
+  const Model& model = problem().model;
   const BeamVector rhs = random_vector(0.1, 5);
-  BeamVector solution = create_vector();
-  const auto take = [&] {
-    newton_step(0.1);
-    group().computeF();
-    group().computeJacobian();
-    EXPECT_TRUE(group().isJacobian());
-    assembler.matrix();  // of the same tangent
-    EXPECT_EQ(group().applyJacobianInverse(no_parameters(), rhs, solution), Group::Ok);
-    EXPECT_TRUE(group().isJacobian());
-  };
-  const auto expect_lost = [&] {
-    EXPECT_FALSE(group().isJacobian());
-    EXPECT_EQ(group().applyJacobianInverse(no_parameters(), rhs, solution), Group::BadDependency);
-  };
-  take();
-  assembler.tangent(assembler.reference_state(), 0.5);
-  expect_lost();
-  take();
-  assembler.newton_tangent(group().state(), group().load_factor());
-  expect_lost();
-  take();
-  assembler.raise_cap(10.0);
-  expect_lost();
-  assembler.raise_cap(1.0);
-  expect_lost();
-  take();
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(assembler.reference_state(), 0.5, residual);  // no tangent
+  BeamVector before = create_vector(), after = create_vector();
+  newton_step(0.1);
+  group().computeF();
+  group().computeJacobian();
+  ASSERT_EQ(group().applyJacobianInverse(no_parameters(), rhs, before), Group::Ok);
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint elsewhere = mixed_residual(model, model.reference_state(), 0.5, residual);
+  Linearization other(problem(), elsewhere, cap_for(model, elsewhere.scales, 10.0), {});
+  MixedVector solution = model.create_vector();
+  other.solve(rhs.values(), solution);
+  EXPECT_FALSE(same_bits(solution, BeamVector::of(before)));
   EXPECT_TRUE(group().isJacobian());
+  ASSERT_EQ(group().applyJacobianInverse(no_parameters(), rhs, after), Group::Ok);
+  EXPECT_TRUE(same_bits(after, before));
+}
+
+/// The Newton increment is that of the residual, whatever was solved before.
+TEST_F(BeamGroupTest, NewtonIncrementDoesNotDependOnTheOrderOfSolves) {
+  const Model& model = problem().model;
+  newton_step(0.1);
+  MixedVector residual = model.create_vector(), first = residual.clone(true), again = residual.clone(true),
+              between = residual.clone(true);
+  const EvaluationPoint point = mixed_residual(model, group().state(), 1.0, residual);
+  Linearization linearization(problem(), point, cap_for(model, point.scales), {});
+  linearization.newton_increment(first);
+  linearization.solve(random_vector(0.1, 7).values(), between);
+  EXPECT_FALSE(same_bits(between, first));
+  linearization.newton_increment(again);
+  EXPECT_TRUE(same_bits(again, first));
+}
+
+/// Arrays of a tangent that is gone are those of the next one.
+TEST_F(BeamGroupTest, TangentsUseTheSameArraysOneAfterTheOther) {
+  const Model& model = problem().model;
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, model.reference_state(), 1.0, residual);
+  const Cap cap = cap_for(model, point.scales);
+  const double* first = Tangent(model, point, cap).elements().response.data();
+  const Tangent second(model, point, cap);
+  EXPECT_EQ(second.elements().response.data(), first);
+  EXPECT_NE(Tangent(model, point, cap).elements().response.data(), first);
 }
 
 // What a step control does: try, reject, return, and take a shorter step.
@@ -223,7 +241,7 @@ TEST_F(BeamGroupTest, FractionOfAStepMovesTheInteriorToo) {
   group().computeX(*old, old->getNewton(), 0.25);
   const auto before = BeamGroup::of(*old).state().views.interior, after = group().state().views.interior;
   const auto newton = BeamVector::of(old->getNewton()).interior();
-  for (const ElementBlock& block : problem().assembler.structure().blocks)
+  for (const ElementBlock& block : problem().model.structure().blocks)
     for (int e = 0; e < block.count; ++e)
       for (int i = 0; i < block.interior.unknowns(); ++i) {
         const size_t place = block.interior_offset + e * block.interior.unknowns() + i;

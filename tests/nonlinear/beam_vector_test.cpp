@@ -156,9 +156,9 @@ TEST_F(BeamVectorTest, LargestSpin) {
 // Sums and maxima count elements that are cut by the partition once: the same on any number of ranks.
 TEST(MpiBeamVector, NormsDoNotDependOnRanks) {
   const auto norms = [](const Communicator& comm) {
-    Assembler assembler(fork(2, 3), comm, {});
-    MixedVector v = assembler.create_vector();
-    const Structure& s = assembler.structure();
+    const Model model(fork(2, 3), comm, {});
+    MixedVector v = model.create_vector();
+    const Structure& s = model.structure();
     for (int i = 0; i < s.owned_vertices; ++i)
       for (int c = 0; c < kVertexDofs; ++c)
         v.vertex()(kVertexDofs * i + c) = std::sin(kVertexDofs * s.local_vertex_to_global[i] + c);

@@ -17,32 +17,34 @@ constexpr double kCheckTolerance = 1e-8;  // of the solver's own check: its defa
 /// (300 at most) times the ratio of axial to bending stiffness (1e3 per element) in the softest motion.
 constexpr double kAgreement = 1e-8;
 
-/// A scene in a state off equilibrium and away from the reference, with its tangent.
-class Tangent {
+EvaluationPoint moved_point(const Model& model) {
+  MixedVector motion = model.create_vector(), residual = model.create_vector();
+  const auto vertex = motion.vertex();
+  const double length = model.structure().length;
+  for (size_t i = 0; i < vertex.extent(0); ++i)
+    vertex(i) = 0.05 * std::sin(1.0 + 0.3 * model.map()->getGlobalElement(static_cast<int>(i))) *
+                (i % kVertexDofs < 3 ? 0.02 * length : 1.0);
+  return mixed_residual(model, model.apply(model.reference_state(), motion, 1.0), 0.5, residual);
+}
+
+/// A scene in a state off equilibrium and away from the reference, with its tangent in space.
+class MovedScene {
  public:
-  Tangent(const Scene& scene, const Communicator& comm)
-      : assembler(scene, comm, {}), state(assembler.reference_state()) {
-    MixedVector motion = assembler.create_vector(), residual = assembler.create_vector();
-    const auto vertex = motion.vertex();
-    const double length = assembler.structure().length;
-    for (size_t i = 0; i < vertex.extent(0); ++i)
-      vertex(i) = 0.05 * std::sin(1.0 + 0.3 * global(i)) * (i % kVertexDofs < 3 ? 0.02 * length : 1.0);
-    state = assembler.apply(state, motion, 1.0);
-    assembler.residual(state, 0.5, residual);
-    assembler.tangent(state, 0.5);
-    b = Teuchos::rcp(new DofVector(assembler.map()));
+  MovedScene(const Scene& scene, const Communicator& comm)
+      : model(scene, comm, {}), point(moved_point(model)), tangent(model, point, cap_for(model, point.scales), {true}) {
+    b = Teuchos::rcp(new DofVector(model.map()));
     const auto rows = MixedVector::view_of(*b);
     for (size_t i = 0; i < rows.extent(0); ++i) rows(i) = std::cos(2.0 + 1.7 * global(i));
   }
 
-  DofVector solution(LinearSolver& solver) const {
-    DofVector x(assembler.map());
-    solver.factorize();
+  DofVector solution(TangentSolver& solver) const {
+    DofVector x(model.map());
+    solver.factorize(tangent);
     EXPECT_LE(solver.solve(*b, x), kCheckTolerance);
     return x;
   }
   DofVector solution_of_the_whole() const {
-    const auto solver = make_linear_solver(assembler, kSparseSolver, kCheckTolerance);
+    const auto solver = make_tangent_solver(model, kSparseSolver, kCheckTolerance);
     return solution(*solver);
   }
   /// The largest difference of displacements and of rotations, each relative to the largest of its kind.
@@ -54,17 +56,18 @@ class Tangent {
     return worst;
   }
 
-  Assembler assembler;
-  State state;
+  const Model model;
+  EvaluationPoint point;
+  Tangent tangent;
   Teuchos::RCP<DofVector> b;
 
  private:
   double largest(const DofVector& x, int part) const {
-    const LargestParts parts = largest_parts(*assembler.map()->getComm(), MixedVector::view_of(x));
+    const LargestParts parts = largest_parts(*model.map()->getComm(), MixedVector::view_of(x));
     return part == kForcePart ? parts.moved : parts.turned;
   }
   double global(size_t local) const {
-    return static_cast<double>(assembler.map()->getGlobalElement(static_cast<int>(local)));
+    return static_cast<double>(model.map()->getGlobalElement(static_cast<int>(local)));
   }
 };
 
@@ -88,68 +91,68 @@ std::vector<Scene> scenes() {
 
 void expect_solution_of_the_whole(const Communicator& comm) {
   for (const Scene& scene : scenes()) {
-    const Tangent tangent(scene, comm);
-    ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-    const DofVector x = tangent.solution(chains), y = tangent.solution_of_the_whole();
-    EXPECT_LE(tangent.difference(x, y), kAgreement) << scene.members[0].elements;
+    const MovedScene moved(scene, comm);
+    ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+    const DofVector x = moved.solution(chains), y = moved.solution_of_the_whole();
+    EXPECT_LE(moved.difference(x, y), kAgreement) << scene.members[0].elements;
     EXPECT_EQ(chains.whole_solves(), 0);
     // a later right-hand side uses the same factors
-    tangent.b->scale(-3.0);
-    DofVector again(tangent.assembler.map());
-    chains.solve(*tangent.b, again);
+    moved.b->scale(-3.0);
+    DofVector again(moved.model.map());
+    chains.solve(*moved.b, again);
     again.scale(-1.0 / 3.0);
-    EXPECT_LE(tangent.difference(again, y), kAgreement);
+    EXPECT_LE(moved.difference(again, y), kAgreement);
   }
 }
 TEST(ChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(this_rank()); }
 TEST(MpiChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(all_ranks()); }
 
 TEST(ChainSolver, OnlyEndsJunctionsAndConditionsRemain) {
-  const Tangent tangent(backward_member(20), this_rank());
-  const CondensedSystem system(tangent.assembler);
+  const MovedScene moved(backward_member(20), this_rank());
+  const CondensedSystem system(moved.model);
   // the clamp and the free end
   EXPECT_EQ(system.matrix()->getNodeNumRows(), size_t{2} * kVertexDofs);
-  EXPECT_EQ(system.eliminated_vertices(), tangent.assembler.mesh().vertices() - 2);
+  EXPECT_EQ(system.eliminated_vertices(), moved.model.mesh().vertices() - 2);
 }
 
 TEST(ChainSolver, AWrongTangentWouldBeNoticed) {
-  const Tangent tangent(fork(2, 12), this_rank());
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-  const DofVector x = tangent.solution(chains);
-  tangent.assembler.equations().condensed_tangent(5, 0) *= 1.01;
-  const auto whole = make_linear_solver(tangent.assembler, kSparseSolver, kCheckTolerance);
-  EXPECT_GT(tangent.difference(x, tangent.solution(chains)), 1e3 * kAgreement);
+  const MovedScene moved(fork(2, 12), this_rank());
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  const DofVector x = moved.solution(chains);
+  moved.tangent.elements().condensed_tangent(5, 0) *= 1.01;
+  const auto whole = make_tangent_solver(moved.model, kSparseSolver, kCheckTolerance);
+  EXPECT_GT(moved.difference(x, moved.solution(chains)), 1e3 * kAgreement);
 }
 
 TEST(ChainSolver, ErrorIsSeenInEveryRowOfAChain) {
-  const Tangent tangent(fork(1, 12), this_rank());
-  CondensedSystem system(tangent.assembler);
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-  const DofVector x = tangent.solution(chains);
-  ASSERT_TRUE(system.condense());
-  DofVector half(tangent.assembler.map()), rows(system.matrix()->getRangeMap());
-  system.condense_rows(*tangent.b, rows, half);
-  EXPECT_LE(system.chain_error(*tangent.b, x), 1e-13);
+  const MovedScene moved(fork(1, 12), this_rank());
+  CondensedSystem system(moved.model);
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  const DofVector x = moved.solution(chains);
+  ASSERT_TRUE(system.condense(moved.tangent));
+  DofVector half(moved.model.map()), rows(system.matrix()->getRangeMap());
+  system.condense_rows(*moved.b, rows, half);
+  EXPECT_LE(system.chain_error(*moved.b, x), 1e-13);
   for (int vertex : {0, 3, 12, 20}) {
     DofVector wrong(x, Teuchos::Copy);
     MixedVector::view_of(wrong)(vertex_row(vertex, 1)) *= 1.0 + 1e-4;
     MixedVector::view_of(wrong)(vertex_row(vertex, 1)) += 1e-6;
-    EXPECT_GT(system.chain_error(*tangent.b, wrong), 1e-9) << vertex;
+    EXPECT_GT(system.chain_error(*moved.b, wrong), 1e-9) << vertex;
   }
 }
 
 /// What a refinement works on: b - K x at vertices inside chains.
 TEST(ChainSolver, ResidualIsWhereTheErrorIs) {
-  const Tangent tangent(fork(1, 12), this_rank());
-  CondensedSystem system(tangent.assembler);
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-  const DofVector x = tangent.solution(chains);
-  ASSERT_TRUE(system.condense());
-  DofVector half(tangent.assembler.map()), rows(system.matrix()->getRangeMap()), residual(tangent.assembler.map());
-  system.condense_rows(*tangent.b, rows, half);
+  const MovedScene moved(fork(1, 12), this_rank());
+  CondensedSystem system(moved.model);
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  const DofVector x = moved.solution(chains);
+  ASSERT_TRUE(system.condense(moved.tangent));
+  DofVector half(moved.model.map()), rows(system.matrix()->getRangeMap()), residual(moved.model.map());
+  system.condense_rows(*moved.b, rows, half);
   const auto largest = [&](const DofVector& of) {
-    system.chain_residual(*tangent.b, of, residual);
-    return largest_parts(*tangent.assembler.map()->getComm(), MixedVector::view_of(residual)).moved;
+    system.chain_residual(*moved.b, of, residual);
+    return largest_parts(*moved.model.map()->getComm(), MixedVector::view_of(residual)).moved;
   };
   DofVector wrong(x, Teuchos::Copy);
   MixedVector::view_of(wrong)(vertex_row(3, 1)) += 1e-6;
@@ -159,32 +162,32 @@ TEST(ChainSolver, ResidualIsWhereTheErrorIs) {
 
 /// Lets both links at an inner vertex of a straight row cancel in the diagonal entry of its first unknown, so that the
 /// first pivot there is as good as zero; its neighbours still hold it. (An exact zero is too much for KLU2 as well.)
-void make_pivot_zero(const Tangent& tangent, int vertex) {
-  const auto adjacency = tangent.assembler.adjacency();
-  const auto tangents = tangent.assembler.equations().condensed_tangent;
+void make_pivot_zero(const MovedScene& moved, int vertex) {
+  const auto adjacency = moved.model.adjacency();
+  const auto tangents = moved.tangent.elements().condensed_tangent;
   ASSERT_EQ(tangents.extent(1), size_t{kSymmetricTangent});
   const int a = adjacency.element(adjacency.start(vertex), 0), b = adjacency.element(adjacency.start(vertex) + 1, 0);
   tangents(b, 0) = -tangents(a, 0) * (1.0 - 1e-13);
 }
 
 TEST(ChainSolver, ZeroPivotInAChainIsSolvedAsAWhole) {
-  const Tangent tangent(fork(1, 12), this_rank());
-  make_pivot_zero(tangent, 4);  // the first one in a run of three
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-  const DofVector x = tangent.solution(chains);
+  const MovedScene moved(fork(1, 12), this_rank());
+  make_pivot_zero(moved, 4);  // the first one in a run of three
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  const DofVector x = moved.solution(chains);
   EXPECT_EQ(chains.whole_solves(), 1);
-  EXPECT_LE(tangent.difference(x, tangent.solution_of_the_whole()), kAgreement);
+  EXPECT_LE(moved.difference(x, moved.solution_of_the_whole()), kAgreement);
 }
 
 TEST(ChainSolver, MechanismIsReported) {
   Scene scene = cantilever(section(1e4, 5e3, 2.0, 1.0), 1.0, 1, 12);
   scene.supports[0].displacement_fixed[0] = false;  // free along the rod
-  const Tangent tangent(scene, this_rank());
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
-  chains.factorize();
-  DofVector x(tangent.assembler.map());
+  const MovedScene moved(scene, this_rank());
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+  chains.factorize(moved.tangent);
+  DofVector x(moved.model.map());
   try {
-    chains.solve(*tangent.b, x);
+    chains.solve(*moved.b, x);
   } catch (const LinearSolverError&) {
   }
   EXPECT_EQ(chains.whole_solves(), 1);  // and what a sparse solver makes of rounding errors is its own business
@@ -192,14 +195,14 @@ TEST(ChainSolver, MechanismIsReported) {
 
 TEST(ChainSolver, SameBitsForAnyNumberOfThreads) {
   const int before = number_of_threads();
-  const Tangent tangent(fork(2, 150), this_rank());
-  ChainSolver chains(tangent.assembler, kSparseSolver, kCheckTolerance);
+  const MovedScene moved(fork(2, 150), this_rank());
+  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
   set_number_of_threads(1);
-  const DofVector x = tangent.solution(chains);
+  const DofVector x = moved.solution(chains);
   for (int threads : {2, 4}) {
     set_number_of_threads(threads);
-    const DofVector y = tangent.solution(chains);
-    EXPECT_EQ(tangent.difference(x, y), 0.0);
+    const DofVector y = moved.solution(chains);
+    EXPECT_EQ(moved.difference(x, y), 0.0);
   }
   set_number_of_threads(before);
 }

@@ -2,7 +2,7 @@
 // included, do not matter.
 #include "nonlinear/linear/condition_estimate.hpp"
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/scene_units.hpp"
@@ -22,31 +22,48 @@ constexpr double kDigitsLeft = 1e-6;
 constexpr double kUnderestimate = 3.0;
 
 /// The assembled tangent of a bent state: every vertex coupled, rows of supports.
-std::unique_ptr<Assembler> bent(const Scene& scene, const Communicator& comm) {
-  auto assembler = std::make_unique<Assembler>(scene, comm, AssemblerOptions{});
-  MixedVector increment = assembler->create_vector(), residual = assembler->create_vector();
+class BentState {
+ public:
+  BentState(const Scene& scene, const Communicator& comm)
+      : model_(scene, comm, {}), all_(whole_matrix(model_)), matrix(all_.matrix()), length(model_.structure().length) {
+    bend();
+  }
+
+ private:
+  void bend();
+
+  const Model model_;
+  VertexMatrix all_;
+
+ public:
+  Teuchos::RCP<DofMatrix> matrix;
+  double length;
+};
+
+void BentState::bend() {
+  MixedVector increment = model_.create_vector(), residual = model_.create_vector();
   const auto rows = increment.vertex();
   for (size_t i = 0; i < rows.extent(0); ++i) {
-    const auto dof = assembler->map()->getGlobalElement(static_cast<LocalOrdinal>(i));
+    const auto dof = model_.map()->getGlobalElement(static_cast<LocalOrdinal>(i));
     rows(i) = dof % kVertexDofs < 3 ? 0.0 : 0.3 * std::sin(1.0 + static_cast<double>(dof));
   }
-  const State state = assembler->apply(assembler->reference_state(), increment, 1.0);
-  assembler->residual(state, 1.0, residual);
-  assembler->tangent(state, 1.0);
-  return assembler;
+  const State state = model_.apply(model_.reference_state(), increment, 1.0);
+  const EvaluationPoint point = mixed_residual(model_, state, 1.0, residual);
+  Tangent(model_, point, cap_for(model_, point.scales), {true}).gather(all_);
 }
 
 /// sum over columns j of |C^-1 A^-1|_ij times the sum of magnitudes in row j of A C, its largest entry.
-double exact_condition(Assembler& assembler, double length) {
-  const Teuchos::RCP<DofMatrix>& matrix = assembler.matrix();
+double exact_condition(const Teuchos::RCP<DofMatrix>& matrix, double length) {
+  PhaseTimes times;
+  const Teuchos::RCP<const DofMap> map = matrix->getRowMap();
   const Communicator comm = matrix->getRowMap()->getComm();
-  const auto solver = make_direct_solver(matrix, kMethod, kUsable, assembler.times());
+  const auto solver = make_direct_solver(matrix, kMethod, kUsable, times);
   solver->factorize();
-  DofVector unit(assembler.map()), column(assembler.map()), sum(assembler.map());
+  DofVector unit(map), column(map), sum(map);
   const auto local = matrix->getLocalMatrixHost();
   const auto scale = [length](GlobalOrdinal dof) { return dof % kVertexDofs < 3 ? length : 1.0; };
   for (size_t j = 0; j < unit.getGlobalLength(); ++j) {
-    const auto row = assembler.map()->getLocalElement(static_cast<GlobalOrdinal>(j));
+    const auto row = map->getLocalElement(static_cast<GlobalOrdinal>(j));
     const bool mine = row != Teuchos::OrdinalTraits<LocalOrdinal>::invalid();
     double size = 0.0, size_everywhere = 0.0;
     if (mine)
@@ -58,20 +75,19 @@ double exact_condition(Assembler& assembler, double length) {
     solver->solve(unit, column);
     const auto x = MixedVector::view_of(column), s = MixedVector::view_of(sum);
     for (size_t i = 0; i < x.extent(0); ++i)
-      s(i) += size_everywhere * std::abs(x(i)) / scale(assembler.map()->getGlobalElement(static_cast<LocalOrdinal>(i)));
+      s(i) += size_everywhere * std::abs(x(i)) / scale(map->getGlobalElement(static_cast<LocalOrdinal>(i)));
   }
   return sum.normInf();
 }
 
 void expect_bounds(const Scene& scene, const Communicator& comm) {
-  const auto assembler = bent(scene, comm);
-  const double length = assembler->structure().length;
-  const double exact = exact_condition(*assembler, length);
-  const double estimate = condition_estimate(assembler->matrix(), kMethod, length);
+  const BentState bent(scene, comm);
+  const double length = bent.length, exact = exact_condition(bent.matrix, length);
+  const double estimate = condition_estimate(bent.matrix, kMethod, length);
   EXPECT_LE(estimate, exact * (1.0 + kDigitsLeft)) << scene.name;
   EXPECT_GE(estimate, exact / kUnderestimate) << scene.name;
   // twin: another length is another number, so that the bounds are those of this one
-  const double other = condition_estimate(assembler->matrix(), kMethod, 1e3 * length);
+  const double other = condition_estimate(bent.matrix, kMethod, 1e3 * length);
   EXPECT_FALSE(other <= exact * (1.0 + kDigitsLeft) && other >= exact / kUnderestimate);
 }
 
@@ -82,8 +98,8 @@ TEST(ConditionEstimate, IsALowerBoundWithinAFactor) {
 TEST(MpiConditionEstimate, IsALowerBoundWithinAFactor) { expect_bounds(fork(2, 2), all_ranks()); }
 
 double condition_of(const Scene& scene) {
-  const auto assembler = bent(scene, this_rank());
-  return condition_estimate(assembler->matrix(), kMethod, assembler->structure().length);
+  const BentState bent(scene, this_rank());
+  return condition_estimate(bent.matrix, kMethod, bent.length);
 }
 
 TEST(ConditionEstimate, DoesNotSeeUnits) {
@@ -93,15 +109,15 @@ TEST(ConditionEstimate, DoesNotSeeUnits) {
     for (double force : {1e-9, 1e9})
       EXPECT_NEAR(condition_of(in_other_units(scene, length, force)), one, kDigitsLeft * one) << length << " " << force;
   // twin: without the length of the scene the unit is seen
-  const auto assembler = bent(in_other_units(scene, 1e6, 1.0), this_rank());
-  EXPECT_GT(std::abs(condition_estimate(assembler->matrix(), kMethod, 1.0) - one), one);
+  const BentState bent(in_other_units(scene, 1e6, 1.0), this_rank());
+  EXPECT_GT(std::abs(condition_estimate(bent.matrix, kMethod, 1.0) - one), one);
 }
 
 TEST(ConditionEstimate, SingularMatrixHasNone) {
-  const auto assembler = bent(fork(1, 1), this_rank());
-  const auto local = assembler->matrix()->getLocalMatrixHost();
+  const BentState bent(fork(1, 1), this_rank());
+  const auto local = bent.matrix->getLocalMatrixHost();
   for (size_t k = local.graph.row_map(7); k < local.graph.row_map(8); ++k) local.values(k) = 0.0;
-  EXPECT_TRUE(std::isinf(condition_estimate(assembler->matrix(), kMethod, 1.0)));
+  EXPECT_TRUE(std::isinf(condition_estimate(bent.matrix, kMethod, 1.0)));
 }
 
 }  // namespace

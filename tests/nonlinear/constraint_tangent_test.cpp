@@ -74,11 +74,14 @@ TEST(ConstraintTangent, OfSupportsWithOneOrTwoFixedRotations) {
 
 /// Entries of the whole matrix of the tangent at the state of `fixture`, gathered after a residual at `between`.
 std::vector<double> matrix_gathered_after(BeamFixture& fixture, const State& between) {
-  Assembler& assembler = fixture.problem().assembler;
-  MixedVector residual = assembler.create_vector();
-  assembler.tangent(fixture.group().state(), 1.0);
-  assembler.residual(between, 1.0, residual);
-  const auto values = assembler.matrix()->getLocalMatrixHost().values;
+  const Model& model = fixture.problem().model;
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, fixture.group().state(), 1.0, residual);
+  const Tangent tangent(model, point, cap_for(model, point.scales), {true});
+  mixed_residual(model, between, 1.0, residual);
+  const VertexMatrix matrix = whole_matrix(model);
+  tangent.gather(matrix);
+  const auto values = matrix.matrix()->getLocalMatrixHost().values;
   return std::vector<double>(values.data(), values.data() + values.extent(0));
 }
 
@@ -87,7 +90,7 @@ TEST(ConstraintTangent, KeepsTheForcesOfItsOwnState) {
   BeamFixture fixture(portal_of_joints(2, 2), 1.0);
   fixture.converge();
   const std::vector<double> own = matrix_gathered_after(fixture, fixture.group().state());
-  const State other = fixture.problem().assembler.reference_state();
+  const State other = fixture.problem().model.reference_state();
   EXPECT_EQ(own, matrix_gathered_after(fixture, other));
   BeamFixture at_rest(portal_of_joints(2, 2), 1.0);  // the twin that must fail: at another state it is another matrix
   EXPECT_NE(own, matrix_gathered_after(at_rest, at_rest.group().state()));

@@ -122,12 +122,12 @@ TEST(AttemptLog, FindsEveryInteriorUnknownThatIsNotANumber) {
   for (int order : {1, 3}) {
     const Scene scene = cantilever(section(1e6, 1e6, 1.0, 1.0), 1.0, order, 4);
     const auto problem = Teuchos::rcp(new BeamProblem(scene, this_rank(), SolverParameters()));
-    const ElementBlock& block = problem->assembler.structure().blocks.front();
+    const ElementBlock& block = problem->model.structure().blocks.front();
     const int unknowns = block.interior.unknowns();
     for (int i = 0; i < unknowns; ++i)
       for (double value : {kNaN, kRigid, -kRigid}) {
         const std::string what = "order " + std::to_string(order) + ", unknown " + std::to_string(i);
-        State state = problem->assembler.reference_state();
+        State state = problem->model.reference_state();
         state.in_plane = false;  // numbers that leave the plane are written to it
         state.views.interior(block.interior_offset + static_cast<size_t>(kElement) * unknowns + i) = value;
         BeamGroup group(global, problem, state, 0.0, {});
@@ -284,13 +284,13 @@ TEST(FailureReport, OfTooFewIterations) {
 /// Without the small print that follows from a run: the peak is where the vector has it.
 TEST(EquationPlace, OfTheLargestRow) {
   BeamFixture fixture(fork(3, 3), 0.5);
-  const Assembler& assembler = fixture.problem().assembler;
+  const Model& model = fixture.problem().model;
   MixedVector rows = fixture.random_vector(1.0, 5).values().clone(true);
-  const int vertex = vertex_of(assembler.mesh(), "tine 2");
+  const int vertex = vertex_of(model.mesh(), "tine 2");
   rows.vertex()(6 * vertex + 4) = -7.0;
   ResidualScales scales;
   scales.moment = 3.0;
-  const auto peak = largest_row(assembler, rows, scales);
+  const auto peak = largest_row(model, rows, scales);
   ASSERT_TRUE(peak.has_value());
   EXPECT_EQ(peak->place.point, "tine 2");
   EXPECT_EQ(peak->place.member, "right");
@@ -299,7 +299,7 @@ TEST(EquationPlace, OfTheLargestRow) {
   EXPECT_EQ(peak->place.component, 1);
   EXPECT_EQ(peak->scaled, 7.0);
   EXPECT_EQ(peak->value, -21.0);
-  EXPECT_FALSE(first_not_finite(assembler, rows, SearchOrder::elements_first).has_value());
+  EXPECT_FALSE(first_not_finite(model, rows, SearchOrder::elements_first).has_value());
 }
 
 }  // namespace

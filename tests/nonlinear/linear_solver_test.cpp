@@ -1,7 +1,7 @@
 // Right solutions are returned with a small backward error, wrong ones are never returned.
 #include "nonlinear/linear/linear_solver.hpp"
 
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 #include "tests/problems/solve.hpp"
 #include "tests/worst_error.hpp"
 
@@ -16,16 +16,16 @@ constexpr double kTolerance = 1e-8;  // of the solver's own check: its default
 /// conditioned, not symmetric, the same matrix on any number of ranks.
 class Equations {
  public:
-  explicit Equations(const Communicator& comm) : assembler_(fork(2, 3), comm, {}) {
+  explicit Equations(const Communicator& comm) : model_(fork(2, 3), comm, {}), all_(whole_matrix(model_)) {
     fill();
-    solver = make_direct_solver(assembler_.matrix(), "KLU2", kTolerance, assembler_.times());
+    solver = make_direct_solver(all_.matrix(), "KLU2", kTolerance, model_.times());
     known = right_hand_side = solution = Teuchos::null;
-    known = Teuchos::rcp(new DofVector(assembler_.map()));
-    right_hand_side = Teuchos::rcp(new DofVector(assembler_.map()));
-    solution = Teuchos::rcp(new DofVector(assembler_.map()));
+    known = Teuchos::rcp(new DofVector(model_.map()));
+    right_hand_side = Teuchos::rcp(new DofVector(model_.map()));
+    solution = Teuchos::rcp(new DofVector(model_.map()));
     const auto x = MixedVector::view_of(*known);
     for (size_t i = 0; i < x.extent(0); ++i) x(i) = std::sin(1.0 + global_row(static_cast<int>(i)));
-    assembler_.apply_matrix(*known, *right_hand_side);
+    matrix().apply(*known, *right_hand_side);
   }
 
   /// Multiplies the rows of one vertex, wherever it is.
@@ -36,8 +36,8 @@ class Equations {
   }
   template <class Action>
   void for_each_entry(const Action& action) {
-    const auto local = assembler_.matrix()->getLocalMatrixHost();
-    const auto columns = assembler_.matrix()->getColMap();
+    const auto local = all_.matrix()->getLocalMatrixHost();
+    const auto columns = all_.matrix()->getColMap();
     for (int i = 0; i < local.numRows(); ++i)
       for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
         action(global_row(i), static_cast<int>(columns->getGlobalElement(local.graph.entries(k))), local.values(k));
@@ -47,20 +47,21 @@ class Equations {
     difference.update(-1.0, *known, 1.0);
     return difference.normInf();
   }
-  const DofMatrix& matrix() const { return *assembler_.matrix(); }
+  const DofMatrix& matrix() const { return *all_.matrix(); }
 
   std::unique_ptr<LinearSolver> solver;
   Teuchos::RCP<DofVector> known, right_hand_side, solution;
 
  private:
-  int global_row(int local) const { return static_cast<int>(assembler_.map()->getGlobalElement(local)); }
+  int global_row(int local) const { return static_cast<int>(model_.map()->getGlobalElement(local)); }
   void fill() {
     for_each_entry([](int row, int column, double& value) {
       value = std::cos(3.0 * row + 7.0 * column) + (row == column ? 30.0 : 0.0);
     });
   }
 
-  Assembler assembler_;
+  const Model model_;
+  VertexMatrix all_;
 };
 
 // Condition below 10, systems of 60 unknowns.
@@ -148,8 +149,9 @@ TEST(LinearSolver, MatrixThatIsNotANumberIsReported) {
 
 TEST(LinearSolver, UnknownMethodIsRefused) {
   PhaseTimes times;
-  Assembler assembler(fork(1, 1), this_rank(), {});
-  EXPECT_THROW(make_direct_solver(assembler.matrix(), "no such solver", kTolerance, times), LinearSolverError);
+  const Model model(fork(1, 1), this_rank(), {});
+  EXPECT_THROW(make_direct_solver(whole_matrix(model).matrix(), "no such solver", kTolerance, times),
+               LinearSolverError);
 }
 
 void expect_backward_error(const Communicator& comm) {

@@ -232,13 +232,13 @@ TEST(LoadPath, ManyTurnsOfASupportAreFollowedInShortSteps) {
 TEST(LoadPath, TurningTheBentBeamChangesNeitherHeightNorEnergy) {
   constexpr double kObjective = 1e-12;
   Simulation simulation(superimposed_rotation(10.0), fixed_steps(71), this_rank());
-  const int tip = vertex_of(simulation.assembler().mesh(), "tip");
+  const int tip = vertex_of(simulation.model().mesh(), "tip");
   double height = 0.0, energy = 0.0, largest = 0.0;
   int steps = 0;
   simulation.run([&](const StepReport& report, const State& state) {
     if (report.load_factor < 1.0) return;
-    const double h = vertex_motion(simulation.assembler(), state, tip)[2];
-    const StrainEnergy e = strain_energy(simulation.assembler(), state);
+    const double h = vertex_motion(simulation.model(), state, tip)[2];
+    const StrainEnergy e = strain_energy(simulation.model(), state);
     if (report.load_factor == 1.0) {
       height = h;
       energy = e.moment;
@@ -275,10 +275,10 @@ Vector3 plain_newton(const Scene& scene, int most_iterations) {
   const auto problem = Teuchos::rcp(new BeamProblem(scene, this_rank(), parameters));
   SolveRecord record;
   Corrector corrector(problem, parameters, record);
-  const Correction found = corrector.at_load({problem->assembler.reference_state(), 1.0}, most_iterations);
+  const Correction found = corrector.at_load({problem->model.reference_state(), 1.0}, most_iterations);
   EXPECT_TRUE(found.converged) << found.cause;
   const std::array<double, 6> motion =
-      vertex_motion(problem->assembler, found.state, vertex_of(problem->assembler.mesh(), "tip"));
+      vertex_motion(problem->model, found.state, vertex_of(problem->model.mesh(), "tip"));
   return {motion[0], motion[1], motion[2]};
 }
 

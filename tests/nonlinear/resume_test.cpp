@@ -16,7 +16,7 @@ std::vector<Step> steps_of(Simulation& simulation, const PathControl& control = 
   std::vector<Step> steps;
   simulation.run(
       [&](const StepReport& report, const State& state) {
-        steps.push_back({report, snapshot_of(simulation.assembler(), state)});
+        steps.push_back({report, snapshot_of(simulation.model(), state)});
       },
       control);
   return steps;
@@ -104,7 +104,7 @@ void expect_resumable_everywhere(const Scene& scene, const SolverParameters& par
     SCOPED_TRACE("resumed behind step " + std::to_string(from));
     Simulation rest(scene, parameters, this_rank());
     rest.restore(steps[from].state, steps[from].report.load_factor);
-    expect_same(snapshot_of(rest.assembler(), rest.state()), steps[from].state);
+    expect_same(snapshot_of(rest.model(), rest.state()), steps[from].state);
     const std::vector<Step> later = steps_of(rest, {steps[from].report.point, {}});
     EXPECT_TRUE(rest.result().finished) << rest.result().failure;
     EXPECT_EQ(rest.result().steps, whole.result().steps);
@@ -238,7 +238,7 @@ TEST(Resume, RefusesTheStateOfAnotherMesh) {
   Scene other = two_stages();
   other.members[0].elements = 9;
   Simulation another(other, eventful(), this_rank());
-  const StateSnapshot snapshot = snapshot_of(another.assembler(), another.state());
+  const StateSnapshot snapshot = snapshot_of(another.model(), another.state());
   EXPECT_THROW(one.restore(snapshot, 0.0), std::invalid_argument);
 }
 

@@ -17,7 +17,7 @@ class StabilityFixture {
     for (PointLoad& load : scene.point_loads) load.amplitude = "t";
     for (DistributedLoad& load : scene.distributed_loads) load.amplitude = "t";
     problem_ = Teuchos::rcp(new BeamProblem(scene, comm, parameters));
-    state_ = problem_->assembler.reference_state();
+    state_ = problem_->model.reference_state();
     stability_ = std::make_unique<Stability>(*problem_);
   }
   ~StabilityFixture() { LOCA::destroyGlobalData(global_); }
@@ -43,6 +43,12 @@ class StabilityFixture {
     group.computeF();
     EXPECT_LT(group.getNormF(), 1e-10) << "load factor " << load_factor;
     return state_ = group.state();
+  }
+  /// In space, at the last equilibrium; with its interior counted.
+  Tangent tangent(double load_factor) const {
+    MixedVector residual = problem_->model.create_vector();
+    const EvaluationPoint point = mixed_residual(problem_->model, state_, load_factor, residual);
+    return Tangent(problem_->model, point, cap_for(problem_->model, point.scales), {true, true});
   }
   StabilityResult count(double load_factor) { return stability_->count(equilibrium(load_factor), load_factor); }
   Spectrum spectrum(double load_factor, int modes) {

@@ -202,10 +202,10 @@ TEST(Stability, AnElementThatBucklesBetweenItsVertices) {
 // The twin that must fail: without the interiors nothing would be seen.
 TEST(Stability, ItsVerticesAloneSeeNothing) {
   StabilityFixture fixture(column(8, 1, euler_columns()[4].supports));
-  const int complete = fixture.count(60.0).negative;
-  fixture.problem().assembler.tangent(fixture.state(), 60.0);
-  EXPECT_EQ(fixture.problem().assembler.interior_count().negative, 1);
-  EXPECT_EQ(complete - fixture.problem().assembler.interior_count().negative, 0);
+  const StabilityResult complete = fixture.count(60.0);
+  EXPECT_EQ(fixture.tangent(60.0).interior_count().negative, 1);
+  EXPECT_EQ(complete.inside, 1);
+  EXPECT_EQ(complete.negative - complete.inside, 0);
 }
 
 /// Critical loads (2 n - 1)^2 pi^2/4 EI of a cantilever, EI = 1 and 6.
@@ -248,7 +248,7 @@ TEST(Stability, Verdicts) {
 /// A motion across the column that is held at its tip leaves the buckling load of the clamped and hinged one.
 TEST(Stability, CountWhileAMotionIsHeld) {
   StabilityFixture fixture(column(6, 4));
-  MixedVector motion = fixture.problem().assembler.create_vector();
+  MixedVector motion = fixture.problem().model.create_vector();
   motion.fill(0.0);
   const auto rows = motion.vertex();
   rows(rows.extent(0) - kVertexDofs + 1) = 1.0;
@@ -297,8 +297,9 @@ TEST(Stability, ReducedTangentOfAllJointsIsSymmetricAndHasTheInertiaOfLapack) {
     const StabilityResult result = fixture.count(load);
     EXPECT_TRUE(result.symmetric);
     EXPECT_LT(result.asymmetry, 1e-11);
-    IndependentUnknowns unknowns(fixture.problem().assembler);
-    const SparseMatrix& matrix = unknowns.reduce(fixture.problem().assembler, fixture.state());
+    IndependentUnknowns unknowns(fixture.problem().model);
+    const Tangent tangent = fixture.tangent(load);
+    const SparseMatrix& matrix = unknowns.reduce(tangent);
     EXPECT_EQ(result.negative, negative_by_lapack(matrix)) << load;
     // with a shift there are negative eigenvalues to count
     for (double shift : {-20.0, -1e3}) {
@@ -320,14 +321,16 @@ TEST(Stability, ReducedTangentOfAllJointsIsSymmetricAndHasTheInertiaOfLapack) {
 TEST(Stability, ModesKeepTheConstraints) {
   StabilityFixture fixture(conservative_portal());
   const Spectrum spectrum = fixture.spectrum(1.0, 3);
-  Assembler& assembler = fixture.problem().assembler;
+  const Model& model = fixture.problem().model;
+  const VertexMatrix matrix = whole_matrix(model);
+  fixture.tangent(1.0).gather(matrix);
   for (const EigenMode& mode : spectrum.modes) {
-    DofVector rows(assembler.map());
-    assembler.apply_matrix(mode.mode.vertex_dofs(), rows);
+    DofVector rows(model.map());
+    matrix.matrix()->apply(mode.mode.vertex_dofs(), rows);
     const KernelView<double*> values = MixedVector::view_of(rows);
     double largest = 0.0;
     for (size_t i = 0; i < values.extent(0); ++i)
-      if (assembler.fixed_rows()(i) != 0) largest = std::max(largest, std::abs(values(i)));
+      if (model.fixed_rows()(i) != 0) largest = std::max(largest, std::abs(values(i)));
     EXPECT_LT(largest, 1e-11);
   }
 }
@@ -349,7 +352,7 @@ TEST(MpiStability, TheSameOnAnyNumberOfRanks) {
   for (int k = 0; k < 2; ++k) {
     EXPECT_NEAR(here.modes[k].eigenvalue, there.modes[k].eigenvalue, 1e-10);
     const auto mine = here.modes[k].mode.vertex(), all = there.modes[k].mode.vertex();
-    const size_t first = fixture.problem().assembler.map()->getGlobalElement(0);
+    const size_t first = fixture.problem().model.map()->getGlobalElement(0);
     for (size_t i = 0; i < mine.extent(0); ++i) EXPECT_NEAR(mine(i), all(first + i), 1e-8);
   }
 }

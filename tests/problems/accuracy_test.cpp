@@ -52,8 +52,8 @@ TEST(Accuracy, OfTheElastica) {
 double error_against(const Simulation& fine, const Simulation& beam, const std::vector<std::string>& points) {
   constexpr int kPoints = 12;
   const auto there = [&](const PointSample& sample, int member) {
-    const double length = fine.assembler().mesh().members[member].curve.length;
-    return sample_member(fine.assembler(), fine.state(), member, sample.arc_length / length);
+    const double length = fine.model().mesh().members[member].curve.length;
+    return sample_member(fine.model(), fine.state(), member, sample.arc_length / length);
   };
   double largest = 0.0, error = 0.0;
   for (const std::string& point : points) {

@@ -22,10 +22,10 @@ Scene with_eigenstrain(int order, int elements, const Vector3& strain, const Vec
 
 /// Largest |component| of N and of M at the middle of any element.
 double largest_stress(const Simulation& beam) {
-  const Assembler& assembler = beam.assembler();
+  const Model& model = beam.model();
   double largest = 0.0;
-  for (int e = 0; e < static_cast<int>(assembler.mesh().elements.size()); ++e) {
-    const PointSample p = sample_element(assembler.structure(), assembler.mesh(), beam.state(), e, 0.0);
+  for (int e = 0; e < static_cast<int>(model.mesh().elements.size()); ++e) {
+    const PointSample p = sample_element(model.structure(), model.mesh(), beam.state(), e, 0.0);
     for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(p.force[i]), std::abs(p.moment[i])});
   }
   return largest;
@@ -55,8 +55,7 @@ TEST(Eigenstrains, HeldMemberIsCompressed) {
       scene.supports.push_back(clamp("tip"));
       const Simulation beam = solved(scene);
       for (int e = 0; e < 4; ++e) {
-        const PointSample p =
-            sample_element(beam.assembler().structure(), beam.assembler().mesh(), beam.state(), e, 0.3);
+        const PointSample p = sample_element(beam.model().structure(), beam.model().mesh(), beam.state(), e, 0.3);
         EXPECT_NEAR(p.force[0], -kAxial * strain, kSolved * kAxial * strain) << order << ", element " << e;
       }
     }
@@ -69,7 +68,7 @@ TEST(Eigenstrains, HeldMemberTakesTheMeanStrain) {
   scene.supports.push_back(clamp("tip"));
   scene.sections[0].bending_stiffness = {kAxial, kAxial};
   const Simulation beam = solved(scene);
-  const PointSample p = sample_element(beam.assembler().structure(), beam.assembler().mesh(), beam.state(), 1, 0.0);
+  const PointSample p = sample_element(beam.model().structure(), beam.model().mesh(), beam.state(), 1, 0.0);
   EXPECT_NEAR(p.force[0], -kAxial * 0.1 / 3.0, kSolved * kAxial);
 }
 
@@ -137,7 +136,7 @@ TEST(Eigenstrains, HeldMemberFeelsTheMoment) {
   Scene scene = with_eigenstrain(2, 4, {}, {0.1, 0.2, -0.3});
   scene.supports.push_back(clamp("tip"));
   const Simulation beam = solved(scene);
-  const PointSample p = sample_element(beam.assembler().structure(), beam.assembler().mesh(), beam.state(), 2, 0.0);
+  const PointSample p = sample_element(beam.model().structure(), beam.model().mesh(), beam.state(), 2, 0.0);
   EXPECT_TRUE(
       agrees({p.moment[0], p.moment[1], p.moment[2]}, {-0.1 * kTorsion, -0.2 * kBending, 0.3 * kBending}, kSolved));
   EXPECT_TRUE(agrees(beam.displacement("tip"), {0, 0, 0}, kSolved));

@@ -33,7 +33,7 @@ double length_of(const Vector3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] 
 Vector3 difference_of(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 
 Vector3 error_at(const Simulation& beam, const ErrorEstimate& estimate, const std::string& point) {
-  return estimate.vertex_displacement[vertex_of(beam.assembler().mesh(), point)];
+  return estimate.vertex_displacement[vertex_of(beam.model().mesh(), point)];
 }
 
 /// Root mean square of the distance of the centerline from a closed form.
@@ -156,8 +156,8 @@ TEST(ErrorEstimate, ElementsAddUpToTheWhole) {
   double displacement = 0.0, moment = 0.0;
   for (double error : estimate.element_displacement) displacement += error * error;
   for (double error : estimate.element_moment) moment += error * error;
-  ASSERT_EQ(estimate.element_displacement.size(), frame.assembler().mesh().elements.size());
-  ASSERT_EQ(estimate.vertex_displacement.size(), frame.assembler().mesh().vertex_position.size());
+  ASSERT_EQ(estimate.element_displacement.size(), frame.model().mesh().elements.size());
+  ASSERT_EQ(estimate.vertex_displacement.size(), frame.model().mesh().vertex_position.size());
   EXPECT_NEAR(std::sqrt(displacement), estimate.displacement.error, 1e-12 * estimate.displacement.error);
   EXPECT_NEAR(std::sqrt(moment), estimate.moment.error, 1e-12 * estimate.moment.error);
 }
@@ -190,7 +190,7 @@ TEST(ErrorEstimate, SeesWhatAFinerMeshSees) {
     ASSERT_TRUE(estimate.exists()) << scene.name << ": " << estimate.not_estimated;
     const auto largest = [&](const auto& error_of) {
       double value = 0.0;
-      for (const auto& [point, vertex] : coarse.assembler().mesh().vertex_of_point)
+      for (const auto& [point, vertex] : coarse.model().mesh().vertex_of_point)
         value = std::max(value, length_of(error_of(point)));
       return value;
     };
@@ -214,9 +214,9 @@ TEST(ErrorEstimate, SameInThePlaneAndInSpace) {
 
 TEST(ErrorEstimate, LeavesTheRunAsItIs) {
   const Simulation beam = solved(elastica(3, 4));
-  const StateSnapshot before = snapshot_of(beam.assembler(), beam.state());
+  const StateSnapshot before = snapshot_of(beam.model(), beam.state());
   beam.estimate_error();
-  const StateSnapshot after = snapshot_of(beam.assembler(), beam.state());
+  const StateSnapshot after = snapshot_of(beam.model(), beam.state());
   EXPECT_EQ(before.interior, after.interior);
   EXPECT_EQ(before.vertex_displacement, after.vertex_displacement);
 }

@@ -40,9 +40,9 @@ Scene ring(const Section& section, int order, int elements_per_half) {
 /// N and M at the middle of every element.
 std::vector<PointSample> middles(const Simulation& simulation) {
   std::vector<PointSample> samples;
-  const Assembler& assembler = simulation.assembler();
-  for (int e = 0; e < static_cast<int>(assembler.mesh().elements.size()); ++e)
-    samples.push_back(sample_element(assembler.structure(), assembler.mesh(), simulation.state(), e, 0.0));
+  const Model& model = simulation.model();
+  for (int e = 0; e < static_cast<int>(model.mesh().elements.size()); ++e)
+    samples.push_back(sample_element(model.structure(), model.mesh(), simulation.state(), e, 0.0));
   return samples;
 }
 
@@ -127,8 +127,7 @@ TEST(LineLoads, CableHangsInACatenary) {
   const std::vector<Reaction> reactions = cable.reactions();
   EXPECT_NEAR(reactions[0].force[1], 0.5 * kWeight * kLength, kSolved);
   EXPECT_NEAR(reactions[1].force[0], kPull, kModel);
-  const PointSample middle =
-      sample_element(cable.assembler().structure(), cable.assembler().mesh(), cable.state(), 20, -1.0);
+  const PointSample middle = sample_element(cable.model().structure(), cable.model().mesh(), cable.state(), 20, -1.0);
   EXPECT_NEAR(middle.position[1], -sag, kModel);
 }
 

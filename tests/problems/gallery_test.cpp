@@ -52,8 +52,8 @@ double largest_difference(const Mat3<double>& a, const Mat3<double>& b) {
 
 /// Displacements of `there`, divided by `length`, and rotations are those of `here` turned by `rotation`.
 void expect_same_answer(const Simulation& here, const Simulation& there, const Mat3<double>& rotation, double length) {
-  const double size = characteristic_length(here.assembler().mesh());
-  for (const auto& [point, vertex] : here.assembler().mesh().vertex_of_point) {
+  const double size = characteristic_length(here.model().mesh());
+  for (const auto& [point, vertex] : here.model().mesh().vertex_of_point) {
     Vector3 u = there.displacement(point);
     for (double& x : u) x /= length;
     EXPECT_TRUE(agrees(u, scene_change::turned(rotation, here.displacement(point)), kSameAnswer * size)) << point;
@@ -67,7 +67,7 @@ class Gallery : public testing::TestWithParam<std::filesystem::path> {};
 TEST_P(Gallery, KnowsNoFrameAndNoUnits) {
   const auto [scene, solver] = read_gallery_scene(GetParam());
   const Simulation here = solved(scene, solver);
-  const double size = characteristic_length(here.assembler().mesh());
+  const double size = characteristic_length(here.model().mesh());
   const Mat3<double> rotation = exp_matrix(Vec3<double>{{0.7, -1.9, 1.3}});
   const Simulation turned = solved(moved(rotation, {0.3 * size, -1.2 * size, 0.8 * size}, scene), solver);
   expect_same_answer(here, turned, rotation, 1.0);
@@ -94,9 +94,9 @@ TEST(GalleryTwin, AnotherLoadGivesAnotherAnswer) {
   for (PointLoad& load : other.point_loads) scene_change::scale(load.force, 1.001);
   const Simulation there = solved(other, solver);
   double largest = 0.0;
-  for (const auto& [point, vertex] : here.assembler().mesh().vertex_of_point)
+  for (const auto& [point, vertex] : here.model().mesh().vertex_of_point)
     largest = std::max(largest, distance(here.displacement(point), there.displacement(point)));
-  EXPECT_GT(largest, kSameAnswer * characteristic_length(here.assembler().mesh()));
+  EXPECT_GT(largest, kSameAnswer * characteristic_length(here.model().mesh()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Gallery, testing::ValuesIn(gallery_files()), [](const auto& scene) {

@@ -94,9 +94,9 @@ TEST(Identities, ReversedPathOfTheFork) {
   Simulation first(fork(3, 3, true), {}, this_rank()), second(fork(3, 3, false), {}, this_rank());
   std::vector<std::array<double, 6>> after_first_stage;
   const auto run = [&](Simulation& simulation, const std::string& loaded) {
-    const int vertex = vertex_of(simulation.assembler().mesh(), loaded);
+    const int vertex = vertex_of(simulation.model().mesh(), loaded);
     simulation.run([&](const StepReport& report, const State& state) {
-      if (report.load_factor == 1.0) after_first_stage.push_back(vertex_motion(simulation.assembler(), state, vertex));
+      if (report.load_factor == 1.0) after_first_stage.push_back(vertex_motion(simulation.model(), state, vertex));
     });
     EXPECT_TRUE(simulation.result().finished) << simulation.result().failure;
   };

@@ -17,10 +17,10 @@ void expect_balanced(const Simulation& simulation) {
 
 /// Spatial moment that the joined end of a member takes from a joint, in the order of the mesh.
 Vec joint_moment(const Simulation& simulation, int joint) {
-  Assembler assembler(simulation.scene(), this_rank(), {});
-  MixedVector rows = assembler.create_vector();
-  assembler.element_rows(simulation.state(), simulation.load_factor(), true, rows);
-  return rows_of(rows.vertex(), assembler.mesh().joints[joint].slave, kMomentPart);
+  const Model model(simulation.scene(), this_rank(), {});
+  MixedVector rows = model.create_vector();
+  element_rows(model, simulation.state(), simulation.load_factor(), true, rows);
+  return rows_of(rows.vertex(), model.mesh().joints[joint].slave, kMomentPart);
 }
 
 Scene three_hinged_frame(double force) {

@@ -87,10 +87,10 @@ TEST(LineLoads, ForcesAreInEquilibriumAtGaussPoints) {
     const Simulation beam = solved(scene);
     std::vector<double> xi(order), weight(order);
     gauss_rule(order, xi.data(), weight.data());
-    const Assembler& assembler = beam.assembler();
+    const Model& model = beam.model();
     for (int e = 0; e < 4; ++e)
       for (double x : xi) {
-        const PointSample p = sample_element(assembler.structure(), assembler.mesh(), beam.state(), e, x);
+        const PointSample p = sample_element(model.structure(), model.mesh(), beam.state(), e, x);
         const Vec3<double> n = rotation_matrix(p.triad) * p.force;
         const double beyond = kLength - p.arc_length;
         EXPECT_TRUE(agrees({n[0], n[1], n[2]}, {tip[0] + beyond * q[0], tip[1] + beyond * q[1], tip[2] + beyond * q[2]},

@@ -10,12 +10,12 @@ constexpr double kRanksAgree = 1e-11;  // relative to the largest displacement o
 void expect_same_answer(const Simulation& together, const Simulation& alone) {
   const Scene& scene = alone.scene();
   EXPECT_EQ(together.result().newton_iterations, alone.result().newton_iterations) << scene.name;
-  const Mesh& mesh = alone.assembler().mesh();
+  const Mesh& mesh = alone.model().mesh();
   double largest = 0.0;
   std::vector<std::array<double, 6>> expected, actual;
   for (int v = 0; v < mesh.vertices(); ++v) {
-    expected.push_back(vertex_motion(alone.assembler(), alone.state(), v));
-    actual.push_back(vertex_motion(together.assembler(), together.state(), v));
+    expected.push_back(vertex_motion(alone.model(), alone.state(), v));
+    actual.push_back(vertex_motion(together.model(), together.state(), v));
     largest = std::max(largest, largest_component({expected[v][0], expected[v][1], expected[v][2]}));
   }
   for (int v = 0; v < mesh.vertices(); ++v) {

@@ -61,7 +61,7 @@ TEST(PaperTables, ArcSegment) {
   for (const Row& row : rows) {
     const Simulation arc = solved(arc_segment(row.slenderness, row.order, row.elements));
     const Vector3 u = arc.displacement("tip");
-    const Vector3 offset = offset_of_projected_arc(arc.assembler().mesh().members[0].curve, row.order, row.elements);
+    const Vector3 offset = offset_of_projected_arc(arc.model().mesh().members[0].curve, row.order, row.elements);
     EXPECT_TRUE(agrees({u[0] + offset[0], u[1] + offset[1], u[2]}, row.displacement, kFifthDecimal))
         << "slenderness " << row.slenderness << ", order " << row.order << ", elements " << row.elements;
   }
@@ -92,9 +92,9 @@ TEST(PaperTables, Fork) {
                         double tolerance) {
     Simulation both(fork(order, elements_per_member), {}, this_rank());
     Vector3 after_first{};
-    const int tine = vertex_of(both.assembler().mesh(), "tine 1");
+    const int tine = vertex_of(both.model().mesh(), "tine 1");
     both.run([&](const StepReport& report, const State& state) {
-      const auto motion = vertex_motion(both.assembler(), state, tine);
+      const auto motion = vertex_motion(both.model(), state, tine);
       if (report.load_factor == 1.0) after_first = {motion[0], motion[1], motion[2]};
     });
     EXPECT_TRUE(agrees(after_first, one_force, tolerance)) << "order " << order;

@@ -251,10 +251,10 @@ TEST(Paths, LeesFrameThroughTheSnapBack) {
   constexpr double kReferenceDigits = 1e-8;  // of the reference values
   EXPECT_NEAR(2.0 * lee.critical[0].load_factor, 1.855672754, kReferenceDigits);
   EXPECT_NEAR(2.0 * lee.critical[1].load_factor, -0.9414431556, kReferenceDigits);
-  const Assembler& assembler = simulation.assembler();
-  const int loaded = vertex_of(assembler.mesh(), "loaded");
-  const auto first = vertex_motion(assembler, lee.critical[0].state, loaded);
-  const auto second = vertex_motion(assembler, lee.critical[1].state, loaded);
+  const Model& model = simulation.model();
+  const int loaded = vertex_of(model.mesh(), "loaded");
+  const auto first = vertex_motion(model, lee.critical[0].state, loaded);
+  const auto second = vertex_motion(model, lee.critical[1].state, loaded);
   EXPECT_TRUE(agrees_relatively({first[0], first[1], first[2]}, {26.88057373, -48.73513724, 0}, kPlaced));
   EXPECT_TRUE(agrees_relatively({second[0], second[1], second[2]}, {90.19567352, -58.21681530, 0}, kPlaced));
   EXPECT_FALSE(agrees_relatively({first[0], first[1], first[2]}, {26.8806, -48.7350, 0}, kPlaced));
@@ -315,7 +315,7 @@ void expect_one_end(const Scene& scene, const std::vector<std::string>& points) 
     way.newton.residual_tolerance = 1e-13;
     way.analysis.stability = false;
     ends.push_back(solved(scene, way));
-    const double length = ends[0].assembler().structure().length;
+    const double length = ends[0].model().structure().length;
     for (const std::string& point : points)
       EXPECT_TRUE(agrees(ends.back().position(point), ends[0].position(point), kSame * length))
           << scene.name << ", way " << ends.size();

@@ -19,14 +19,14 @@ SolverParameters with_planar(bool planar) {
   return parameters;
 }
 
-bool is_planar(const Scene& scene) { return Assembler(scene, this_rank(), {}).plane().has_value(); }
+bool is_planar(const Scene& scene) { return Model(scene, this_rank(), {}).plane().has_value(); }
 
 /// Displacements and rotations of points, and reactions, by both paths.
 void expect_same_solution(const Scene& scene, const std::vector<std::string>& points) {
   const Simulation plane = solved(scene, with_planar(true)), space = solved(scene, with_planar(false));
-  EXPECT_TRUE(plane.assembler().plane().has_value()) << scene.name;
+  EXPECT_TRUE(plane.model().plane().has_value()) << scene.name;
   EXPECT_TRUE(plane.state().in_plane) << scene.name;
-  EXPECT_FALSE(space.assembler().plane().has_value());
+  EXPECT_FALSE(space.model().plane().has_value());
   EXPECT_EQ(plane.work().newton_iterations, space.work().newton_iterations) << scene.name;
   for (const std::string& point : points) {
     EXPECT_TRUE(agrees(plane.displacement(point), space.displacement(point), kSameSolution)) << scene.name;
@@ -122,8 +122,8 @@ TEST(Planar, BucklesOutOfItsPlane) {
     if (!planar) continue;
     const std::vector<EigenMode> modes = stability.modes_near_zero(simulation.state(), 1.0, 1);
     ASSERT_FALSE(modes.empty());
-    EXPECT_FALSE(problem.assembler.is_in_plane(modes.front().mode));
-    EXPECT_FALSE(problem.assembler.apply(simulation.state(), modes.front().mode, 1e-3).in_plane);
+    EXPECT_FALSE(problem.model.is_in_plane(modes.front().mode));
+    EXPECT_FALSE(problem.model.apply(simulation.state(), modes.front().mode, 1e-3).in_plane);
   }
   EXPECT_EQ(negative[1], 1);
   EXPECT_EQ(negative[0], negative[1]);
@@ -131,19 +131,19 @@ TEST(Planar, BucklesOutOfItsPlane) {
 
 /// A motion in the plane stays there, one that leaves it does not come back.
 TEST(Planar, StatesKnowWhetherTheyLieInThePlane) {
-  Assembler assembler(elastica(2), this_rank(), {});
-  const State start = assembler.reference_state();
+  const Model model(elastica(2), this_rank(), {});
+  const State start = model.reference_state();
   EXPECT_TRUE(start.in_plane);
-  MixedVector motion = assembler.create_vector();
+  MixedVector motion = model.create_vector();
   motion.fill(0.0);
-  const int tip = vertex_of(assembler.mesh(), "tip");
+  const int tip = vertex_of(model.mesh(), "tip");
   motion.vertex()(6 * tip + 1) = 0.1;
-  EXPECT_TRUE(assembler.apply(start, motion, 1.0).in_plane);
+  EXPECT_TRUE(model.apply(start, motion, 1.0).in_plane);
   motion.vertex()(6 * tip + 2) = 1e-9;
-  const State out = assembler.apply(start, motion, 1.0);
+  const State out = model.apply(start, motion, 1.0);
   EXPECT_FALSE(out.in_plane);
   motion.vertex()(6 * tip + 2) = 0.0;
-  EXPECT_FALSE(assembler.apply(out, motion, 1.0).in_plane);
+  EXPECT_FALSE(model.apply(out, motion, 1.0).in_plane);
 }
 
 }  // namespace

@@ -109,10 +109,10 @@ TEST(Balance, OfEveryStepOfAFork) {
 // The twin that must fail: a state that is no equilibrium is not balanced.
 TEST(Balance, OfAStateThatIsNoEquilibriumIsSeen) {
   Simulation simulation(slope_discontinuity(2, 2), {}, this_rank());
-  Assembler assembler(simulation.scene(), this_rank(), {});
-  const Balance unloaded = balance(assembler, simulation.state(), 0.0);
+  const Model model(simulation.scene(), this_rank(), {});
+  const Balance unloaded = balance(model, simulation.state(), 0.0);
   EXPECT_LT(unloaded.force_error, kBalanced);
-  const Balance loaded = balance(assembler, simulation.state(), 1.0);
+  const Balance loaded = balance(model, simulation.state(), 1.0);
   EXPECT_GT(loaded.force_error, 0.5);
   EXPECT_GT(loaded.moment_error, 0.3);  // moments are measured by the forces at work too
 }

@@ -78,7 +78,7 @@ Stiffened solve_stiffened(const SceneToStiffen& read, double slenderness, Stiff 
     answer.imbalance = std::max({answer.imbalance, balance.force_error, balance.moment_error});
     for (const CriticalPoint& point : report.critical_points) answer.critical.push_back(point.load_factor);
   });
-  const Mesh& mesh = simulation.assembler().mesh();
+  const Mesh& mesh = simulation.model().mesh();
   for (const auto& [point, vertex] : mesh.vertex_of_point) {
     answer.displacement.push_back(simulation.displacement(point));
     for (double& u : answer.displacement.back()) u /= characteristic_length(mesh);

@@ -40,7 +40,7 @@ TEST(Rollup, VerticesLieOnACircle) {
         for (int v = 0; v <= elements; ++v) {
           const double s = static_cast<double>(v) / elements;
           const Vec3<double> expected = ratio * on_circle(s);
-          const auto motion = vertex_motion(rod.assembler(), rod.state(), v);
+          const auto motion = vertex_motion(rod.model(), rod.state(), v);
           EXPECT_TRUE(agrees({s + motion[0], motion[1], motion[2]}, {expected[0], expected[1], 0.0}, kExact))
               << "slenderness " << slenderness << ", order " << order << ", vertex " << v << " of " << elements;
           EXPECT_NEAR(std::remainder(motion[5] - kCurvature * s, 2.0 * kPi), 0.0, kExact)

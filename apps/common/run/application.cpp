@@ -103,7 +103,7 @@ std::vector<CriticalPoint> stored_critical_points(Simulation& simulation, const 
                         stored.negative_before,
                         stored.negative_after,
                         simulation.state(),
-                        simulation.assembler().create_vector(),
+                        simulation.model().create_vector(),
                         stored.modes};
     if (stored.kind == name_of(CriticalKind::bifurcation)) point.kind = CriticalKind::bifurcation;
     point.error = stored.load_factor_error;
@@ -261,7 +261,7 @@ class Application::Recorder {
     if (estimate != nullptr)
       step.error_estimate = running.record_error(*estimate, points_);
     else if (running.is_end_of_path(running.load_factor()) &&
-             estimates_error(parameters_.analysis, running.assembler().mesh().elements.size()))
+             estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
       step.error_estimate = running.record_error(running.estimate_error(), points_);
     return step;
   }

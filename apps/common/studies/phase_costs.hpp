@@ -21,7 +21,7 @@ struct PhaseCost {
   double bytes = 0.0;
 };
 
-/// By the name of the phase, for "spatial" or "planar" chains: those of Assembler::times() when chains are condensed,
+/// By the name of the phase, for "spatial" or "planar" chains: those of Model::times() when chains are condensed,
 /// and their sums.
 std::map<std::string, PhaseCost> phase_costs(const std::string& kind, int order);
 

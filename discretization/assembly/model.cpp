@@ -1,5 +1,6 @@
-// Maps and row-gather tables: done once for each scene.
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/model.hpp"
+
+#include "discretization/assembly/workspace.hpp"
 
 #include "kernels/element/kinematics.hpp"
 
@@ -10,7 +11,28 @@
 
 namespace mixbeam {
 
-void Assembler::build_maps(const Communicator& comm) {
+Model::Model(const Scene& scene, const Communicator& comm, const ModelOptions& options)
+    : scene_(scene),
+      mesh_(build_mesh(scene)),
+      structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
+      line_fields_(scene, mesh_, structure_),
+      conditions_(build_conditions(scene, mesh_, structure_)),
+      constraints_(conditions_),
+      options_(options),
+      workspace_(std::make_unique<Workspace>()) {
+  PhaseTimer timer(times_, "setup");
+  workspace_->rows = allocate_rows(structure_);
+  build_maps(comm);
+  fixed_ = KernelView<unsigned char*>("mixbeam::fixed", static_cast<size_t>(kVertexDofs) * structure_.owned_vertices);
+  constraints_.mark_fixed(fixed_);
+  mark_owned_interior();
+  build_adjacency();
+  build_plane();
+}
+
+Model::~Model() = default;
+
+void Model::build_maps(const Communicator& comm) {
   const size_t owned = static_cast<size_t>(kVertexDofs) * structure_.owned_vertices;
   maps_.rows = Teuchos::rcp(new DofMap(static_cast<GlobalOrdinal>(kVertexDofs) * mesh_.vertices(), owned, 0, comm));
   maps_.columns = maps_.rows;
@@ -21,17 +43,11 @@ void Assembler::build_maps(const Communicator& comm) {
     const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
     maps_.columns = Teuchos::rcp(new DofMap(unknown, Teuchos::arrayViewFromVector(dofs), 0, comm));
     maps_.import = Teuchos::rcp(new DofImport(maps_.rows, maps_.columns));
-    ghosted_increment_ = Teuchos::rcp(new DofVector(maps_.columns));
+    workspace_->ghosted_increment = Teuchos::rcp(new DofVector(maps_.columns));
   }
-  condensed_residual_ = Teuchos::rcp(new DofVector(maps_.rows));
 }
 
-void Assembler::mark_fixed_rows() {
-  fixed_ = KernelView<unsigned char*>("mixbeam::fixed", static_cast<size_t>(kVertexDofs) * structure_.owned_vertices);
-  constraints_.mark_fixed(fixed_);
-}
-
-void Assembler::mark_owned_interior() {
+void Model::mark_owned_interior() {
   if (maps_.import.is_null()) return;  // one rank owns everything
   owned_interior_ = KernelView<unsigned char*>("mixbeam::owned_interior", structure_.increment_size);
   for (const ElementBlock& block : structure_.blocks)
@@ -42,7 +58,7 @@ void Assembler::mark_owned_interior() {
     }
 }
 
-void Assembler::build_adjacency() {
+void Model::build_adjacency() {
   const int owned = structure_.owned_vertices;
   std::vector<int> elements(structure_.local_elements());
   std::iota(elements.begin(), elements.end(), 0);
@@ -71,19 +87,52 @@ void Assembler::build_adjacency() {
   });
 }
 
-void Assembler::build_plane() {
+void Model::build_plane() {
   if (!options_.planar) return;
   plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_);
   if (!plane_) return;
   for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
-  using Kokkos::view_alloc;
-  equations_.planar_rows = KernelView<double* [4]>(view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing),
-                                                   structure_.local_elements());
-  planar_tangents_ =
-      PlanarTangents(view_alloc("mixbeam::planar::tangents", Kokkos::WithoutInitializing), structure_.local_elements());
+  workspace_->rows.planar_rows = KernelView<double* [4]>(
+      Kokkos::view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing), structure_.local_elements());
 }
 
-State Assembler::reference_state() const {
+MixedVector Model::create_vector() const {
+  return MixedVector(maps_.rows, structure_.increment_size, owned_interior_, vectors_);
+}
+
+KernelView<const double* [6]> Model::local_increment(const MixedVector& increment) const {
+  DofVector* source = &increment.vertex_dofs();
+  if (!maps_.import.is_null()) {
+    workspace_->ghosted_increment->doImport(*source, *maps_.import, Tpetra::REPLACE);
+    source = workspace_->ghosted_increment.get();
+  }
+  const KernelView<double*> flat = MixedVector::view_of(*source);
+  return KernelView<const double* [6]>(flat.data(), flat.extent(0) / kVertexDofs);
+}
+
+State Model::apply(const State& from, const MixedVector& increment, double step) const {
+  PhaseTimer timer(times_, "update");
+  State to = allocate_state(structure_);
+  const KernelView<const double* [6]> d = local_increment(increment);
+  apply_vertex_increment(structure_.local_vertices(), from.views, d, step, to.views);
+  for (const ElementBlock& block : structure_.blocks)
+    apply_interior_increment(block, from.views, increment.interior(), step, to.views);
+  to.in_plane = from.in_plane && is_in_plane(increment);
+  return to;
+}
+
+VertexMatrix whole_matrix(const Model& model) {
+  std::vector<RemainingLink> elements;
+  for (const ElementBlock& block : model.structure().blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const int element = block.first_element + e;
+      elements.push_back({element, element, {block.vertices(e, 0), block.vertices(e, 1)}});
+    }
+  const std::vector<unsigned char> all(model.structure().local_vertices(), 1);
+  return VertexMatrix(model.structure(), model.vertex_maps(), all, std::move(elements), model.conditions().joints);
+}
+
+State Model::reference_state() const {
   State state = mixbeam::reference_state(structure_, mesh_);
   state.in_plane = plane_.has_value();
   return state;
@@ -131,7 +180,7 @@ struct PlanePartsLoop {
 }  // namespace
 
 /// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
-bool Assembler::is_in_plane(const MixedVector& v) const {
+bool Model::is_in_plane(const MixedVector& v) const {
   PlaneParts parts{};
   Kokkos::parallel_reduce("mixbeam::plane::parts", Kokkos::RangePolicy<ExecutionSpace>(0, structure_.owned_vertices),
                           PlanePartsLoop{*plane_, v.vertex()}, parts);

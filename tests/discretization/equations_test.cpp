@@ -1,6 +1,6 @@
 // The assembled equations: row gather against the naive sum, Newton's increment against differences of the mixed
 // residual, and scales that make units disappear.
-#include "discretization/assembly/assembler.hpp"
+#include "discretization/assembly/tangent.hpp"
 
 #include "kernels/element/kinematics.hpp"
 #include "tests/problems/scenes.hpp"
@@ -22,8 +22,8 @@ constexpr std::uint64_t kSeed = 20240611;
 Communicator this_rank() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
 
 /// Far above any force stiffness of these tests: the tangent is that of the residual.
-AssemblerOptions without_cap() {
-  AssemblerOptions options;
+ModelOptions without_cap() {
+  ModelOptions options;
   options.force_stiffness_cap = 1e12;
   return options;
 }
@@ -68,16 +68,21 @@ void fill_at_random(MixedVector& v, double size, std::mt19937_64& generator) {
 }
 
 /// A configuration with no symmetry, not in equilibrium: forces of the size of the loads, strains of a tenth.
-State some_state(Assembler& assembler) {
+State some_state(const Model& model) {
   std::mt19937_64 generator(kSeed);
-  MixedVector increment = assembler.create_vector();
+  MixedVector increment = model.create_vector();
   fill_at_random(increment, 0.1, generator);
   const auto interior = increment.writable_interior(true);
-  for (const ElementBlock& block : assembler.structure().blocks)
+  for (const ElementBlock& block : model.structure().blocks)
     for (int e = 0; e < block.count; ++e)
       for (int i = 0; i < block.interior.relative_rotation(1); ++i)
         interior(block.increment_offset + e * block.interior.increments() + i) *= 200.0;
-  return assembler.apply(assembler.reference_state(), increment, 1.0);
+  return model.apply(model.reference_state(), increment, 1.0);
+}
+
+/// In space.
+Tangent tangent_at(const Model& model, const EvaluationPoint& point) {
+  return Tangent(model, point, cap_for(model, point.scales), {true});
 }
 
 using Dense = std::vector<std::vector<double>>;
@@ -91,19 +96,25 @@ Dense dense(const DofMatrix& matrix) {
   return result;
 }
 
-TEST(Assembler, RowGatherIsTheSumOverElements) {
+Dense dense_matrix(const Tangent& tangent) {
+  const VertexMatrix matrix = whole_matrix(tangent.model());
+  tangent.gather(matrix);
+  return dense(*matrix.matrix());
+}
+
+TEST(Equations, RowGatherIsTheSumOverElements) {
   Scene scene = mixed_scene();
   scene.point_loads.clear();
-  Assembler assembler(scene, this_rank(), without_cap());
-  const State state = some_state(assembler);
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(state, 1.0, residual);
-  assembler.tangent(state, 1.0);
-  const int n = kVertexDofs * assembler.mesh().vertices();
+  const Model model(scene, this_rank(), without_cap());
+  const State state = some_state(model);
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, 1.0, residual);
+  const Tangent tangent = tangent_at(model, point);
+  const int n = kVertexDofs * model.mesh().vertices();
   Dense expected(n, std::vector<double>(n, 0.0)), size = expected;
   std::vector<double> rhs(n, 0.0), rhs_size(n, 0.0);
-  const auto& equations = assembler.equations();
-  for (const ElementBlock& block : assembler.structure().blocks)
+  const auto& equations = tangent.elements();
+  for (const ElementBlock& block : model.structure().blocks)
     for (int e = 0; e < block.count; ++e) {
       double room[kFullTangent];
       const double* matrix =
@@ -121,13 +132,13 @@ TEST(Assembler, RowGatherIsTheSumOverElements) {
         }
       }
     }
-  const int clamp = kVertexDofs * vertex_of(assembler.mesh(), "clamp");
+  const int clamp = kVertexDofs * vertex_of(model.mesh(), "clamp");
   for (int c = clamp; c < clamp + kVertexDofs; ++c) {
     for (int j = 0; j < n; ++j) expected[c][j] = size[c][j] = c == j ? 1.0 : 0.0;
-    rhs[c] = rhs_size[c] = residual.vertex()(c) * (c - clamp < 3 ? assembler.scales().length : 1.0);
+    rhs[c] = rhs_size[c] = residual.vertex()(c) * (c - clamp < 3 ? point.scales.length : 1.0);
   }
-  const Dense actual = dense(*assembler.matrix());
-  const auto actual_rhs = MixedVector::view_of(assembler.condensed_residual());
+  const Dense actual = dense_matrix(tangent);
+  const auto actual_rhs = MixedVector::view_of(tangent.condensed_rows());
   WorstError worst;
   for (int i = 0; i < n; ++i) {
     worst.see(std::abs(actual_rhs(i) - rhs[i]) / (std::abs(rhs_size[i]) + 1e-300), "right-hand side ", i);
@@ -138,17 +149,18 @@ TEST(Assembler, RowGatherIsTheSumOverElements) {
   EXPECT_TRUE(worst.at_most(8 * kRounding));
 }
 
-TEST(Assembler, MatrixTimesVectorIsThatOfTheDenseMatrix) {
-  Assembler assembler(loaded_scene(), this_rank(), {});
-  const State state = some_state(assembler);
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(state, 1.0, residual);
-  assembler.tangent(state, 1.0);
+TEST(Equations, MatrixTimesVectorIsThatOfTheDenseMatrix) {
+  const Model model(loaded_scene(), this_rank(), {});
+  const State state = some_state(model);
+  MixedVector residual = model.create_vector();
+  const Tangent tangent = tangent_at(model, mixed_residual(model, state, 1.0, residual));
+  const VertexMatrix whole = whole_matrix(model);
+  tangent.gather(whole);
   std::mt19937_64 generator(kSeed);
-  MixedVector x = assembler.create_vector(), y = assembler.create_vector();
+  MixedVector x = model.create_vector(), y = model.create_vector();
   fill_at_random(x, 1.0, generator);
-  assembler.apply_matrix(x.vertex_dofs(), y.vertex_dofs());
-  const Dense matrix = dense(*assembler.matrix());
+  whole.matrix()->apply(x.vertex_dofs(), y.vertex_dofs());
+  const Dense matrix = dense(*whole.matrix());
   WorstError worst;
   for (size_t i = 0; i < matrix.size(); ++i) {
     double sum = 0.0, size = 0.0;
@@ -162,20 +174,19 @@ TEST(Assembler, MatrixTimesVectorIsThatOfTheDenseMatrix) {
 }
 
 /// What the rows of a scaled residual were divided by.
-MixedVector row_scales(const Assembler& assembler) {
-  const ResidualScales& s = assembler.scales();
-  MixedVector scales = assembler.create_vector();
+MixedVector row_scales(const Model& model, const ResidualScales& s) {
+  MixedVector scales = model.create_vector();
   const auto vertex = scales.vertex();
   for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = i % kVertexDofs < 3 ? s.force : s.moment;
-  for (const Support& support : assembler.scene().supports) {
-    const int v = vertex_of(assembler.mesh(), support.point);
+  for (const Support& support : model.scene().supports) {
+    const int v = vertex_of(model.mesh(), support.point);
     for (int c = 0; c < 3; ++c) {
       if (support.displacement_fixed[c]) vertex(kVertexDofs * v + c) = s.length;
       if (support.rotation_fixed[c]) vertex(kVertexDofs * v + 3 + c) = 1.0;
     }
   }
   const auto interior = scales.writable_interior(false);
-  for (const ElementBlock& block : assembler.structure().blocks)
+  for (const ElementBlock& block : model.structure().blocks)
     for (int e = 0; e < block.count; ++e) {
       const InteriorLayout layout = block.interior;
       const size_t first = block.increment_offset + e * layout.increments();
@@ -190,11 +201,16 @@ MixedVector row_scales(const Assembler& assembler) {
   return scales;
 }
 
-MixedVector unscaled_residual(Assembler& assembler, const State& state) {
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(state, 1.0, residual);
-  residual.multiply_by(row_scales(assembler));
-  return residual;
+struct UnscaledResidual {
+  EvaluationPoint point;
+  MixedVector rows;
+};
+
+UnscaledResidual unscaled_residual(const Model& model, const State& state, double load_factor = 1.0) {
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  residual.multiply_by(row_scales(model, point.scales));
+  return {point, residual};
 }
 
 /// Solves the small dense system by Gaussian elimination with row pivoting.
@@ -219,15 +235,15 @@ std::vector<double> dense_solve(Dense a, std::vector<double> b) {
   return b;
 }
 
-/// Vertex increment from what the assembler condensed, and the interior that belongs to it.
-MixedVector newton_increment(Assembler& assembler, const State& state) {
-  const auto condensed = MixedVector::view_of(assembler.condensed_residual());
+/// Vertex increment from what the tangent condensed, and the interior that belongs to it.
+MixedVector newton_increment(const Tangent& tangent) {
+  const auto condensed = MixedVector::view_of(tangent.condensed_rows());
   std::vector<double> rhs(condensed.extent(0));
   for (size_t i = 0; i < rhs.size(); ++i) rhs[i] = -condensed(i);
-  const std::vector<double> solution = dense_solve(dense(*assembler.matrix()), rhs);
-  MixedVector increment = assembler.create_vector();
+  const std::vector<double> solution = dense_solve(dense_matrix(tangent), rhs);
+  MixedVector increment = tangent.model().create_vector();
   for (size_t i = 0; i < rhs.size(); ++i) increment.vertex()(i) = solution[i];
-  assembler.recover(state, increment);
+  tangent.recover(increment);
   return increment;
 }
 
@@ -238,18 +254,18 @@ Vec3<double> entries(const KernelView<const double*>& v, size_t first) {
 /// The moments of the residual refer to a frame that turns with the increment: their derivative is that of the second
 /// variation, which the tangent holds, plus half a turn of the unbalanced moment itself (left for vertices, whose spins
 /// are spatial, right for elements, whose spins are material). Zero in equilibrium.
-void add_turn_of_unbalanced_moments(const Assembler& assembler, const MixedVector& residual,
-                                    const MixedVector& increment, MixedVector& derivative) {
+void add_turn_of_unbalanced_moments(const Model& model, const MixedVector& residual, const MixedVector& increment,
+                                    MixedVector& derivative) {
   const KernelView<const double*> r = residual.vertex(), d = increment.vertex();
-  const int clamp = vertex_of(assembler.mesh(), "clamp");
-  for (int v = 0; v < assembler.mesh().vertices(); ++v) {
+  const int clamp = vertex_of(model.mesh(), "clamp");
+  for (int v = 0; v < model.mesh().vertices(); ++v) {
     if (v == clamp) continue;  // its rows are rotations, not moments
     const size_t first = kVertexDofs * v + 3;
     const Vec3<double> turn = 0.5 * cross(entries(d, first), entries(r, first));
     for (int i = 0; i < 3; ++i) derivative.vertex()(first + i) += turn[i];
   }
   const auto interior = derivative.writable_interior(true);
-  for (const ElementBlock& block : assembler.structure().blocks)
+  for (const ElementBlock& block : model.structure().blocks)
     for (int e = 0; e < block.count; ++e) {
       const size_t first = block.increment_offset + e * block.interior.increments() + block.interior.spin();
       const Vec3<double> turn = 0.5 * cross(entries(residual.interior(), first), entries(increment.interior(), first));
@@ -259,14 +275,14 @@ void add_turn_of_unbalanced_moments(const Assembler& assembler, const MixedVecto
 
 /// Largest difference between the central difference of the residual along `increment` and `expected`, each row
 /// relative to the largest of its kind (the rows' scales).
-double derivative_error(Assembler& assembler, const State& state, const MixedVector& increment,
+double derivative_error(const Model& model, const EvaluationPoint& point, const MixedVector& increment,
                         const MixedVector& expected, double step) {
-  MixedVector scales = row_scales(assembler);
-  MixedVector difference = unscaled_residual(assembler, assembler.apply(state, increment, step));
-  difference.update(-1.0, unscaled_residual(assembler, assembler.apply(state, increment, -step)), 1.0);
+  const MixedVector scales = row_scales(model, point.scales);
+  MixedVector difference = unscaled_residual(model, model.apply(point.state, increment, step)).rows;
+  difference.update(-1.0, unscaled_residual(model, model.apply(point.state, increment, -step)).rows, 1.0);
   difference.scale(0.5 / step);
   difference.update(-1.0, expected, 1.0);
-  MixedVector inverse = assembler.create_vector();
+  MixedVector inverse = model.create_vector();
   inverse.reciprocals_of(scales);
   difference.multiply_by(inverse);
   return difference.maximum_norm();
@@ -274,34 +290,34 @@ double derivative_error(Assembler& assembler, const State& state, const MixedVec
 
 /// Central differences err by step^2 times the third derivative; halving the step must divide the error by four until
 /// round-off takes over.
-void expect_derivative(Assembler& assembler, const State& state, const MixedVector& increment,
+void expect_derivative(const Model& model, const EvaluationPoint& point, const MixedVector& increment,
                        const MixedVector& expected) {
   constexpr double kStep = 1e-3, kQuadratic = 0.28, kRoundoff = 1e-9;
-  const double coarse = derivative_error(assembler, state, increment, expected, kStep);
-  const double fine = derivative_error(assembler, state, increment, expected, 0.5 * kStep);
+  const double coarse = derivative_error(model, point, increment, expected, kStep);
+  const double fine = derivative_error(model, point, increment, expected, 0.5 * kStep);
   EXPECT_LT(fine, 1e-4);
   EXPECT_LE(fine, std::max(kQuadratic * coarse, kRoundoff)) << "coarse " << coarse;
 }
 
 void expect_newton_solves_the_linearised_system(const Scene& scene) {
-  Assembler assembler(scene, this_rank(), without_cap());
-  const State state = some_state(assembler);
-  const MixedVector residual = unscaled_residual(assembler, state);
-  assembler.tangent(state, 1.0);
-  MixedVector increment = newton_increment(assembler, state);
+  const Model model(scene, this_rank(), without_cap());
+  const State state = some_state(model);
+  const auto [point, residual] = unscaled_residual(model, state);
+  Tangent tangent = tangent_at(model, point);
+  MixedVector increment = newton_increment(tangent);
   MixedVector derivative = residual.clone(true);
   derivative.scale(-1.0);
   // the increment is as long as the imbalance of the random state; a shorter one has smaller third derivatives
   const double shorter = 0.1 / increment.largest_vertex_spin();
   increment.scale(shorter);
   derivative.scale(shorter);
-  add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
-  expect_derivative(assembler, state, increment, derivative);
+  add_turn_of_unbalanced_moments(model, residual, increment, derivative);
+  expect_derivative(model, point, increment, derivative);
 }
 
-TEST(Assembler, NewtonSolvesTheLinearisedMixedSystem) { expect_newton_solves_the_linearised_system(loaded_scene()); }
+TEST(Equations, NewtonSolvesTheLinearisedMixedSystem) { expect_newton_solves_the_linearised_system(loaded_scene()); }
 
-TEST(Assembler, NewtonWithOneKindOfLoadAtATime) {
+TEST(Equations, NewtonWithOneKindOfLoadAtATime) {
   const Scene all = loaded_scene();
   for (size_t i = 0; i < all.point_loads.size(); ++i) {
     Scene scene = all;
@@ -322,9 +338,9 @@ TEST(Assembler, NewtonWithOneKindOfLoadAtATime) {
 }
 
 /// Where axial and shear forces have their own Gauss points, each point has rows without meaning: they stay zero.
-void clear_masked_rows(const Assembler& assembler, MixedVector& v) {
+void clear_masked_rows(const Model& model, MixedVector& v) {
   const auto interior = v.writable_interior(true);
-  for (const ElementBlock& block : assembler.structure().blocks) {
+  for (const ElementBlock& block : model.structure().blocks) {
     const int axial = axial_points(block.order, block.force_integration);
     if (axial == shear_points(block.order, block.force_integration)) continue;
     for (int e = 0; e < block.count; ++e)
@@ -336,70 +352,65 @@ void clear_masked_rows(const Assembler& assembler, MixedVector& v) {
 }
 
 /// A random right-hand side in place of the residual: K d = -rhs, the K of the residual.
-TEST(Assembler, CondensedRightHandSidesSolveTheSameSystem) {
+TEST(Equations, CondensedRightHandSidesSolveTheSameSystem) {
   Scene scene = loaded_scene();
   scene.supports[0].prescribed_rotation = {};
-  Assembler assembler(scene, this_rank(), without_cap());
-  const State state = some_state(assembler);
+  const Model model(scene, this_rank(), without_cap());
+  const State state = some_state(model);
   // Where the clamp is, its rows are the rotation itself; elsewhere that holds along the Newton direction only.
-  const int clamp = vertex_of(assembler.mesh(), "clamp");
+  const int clamp = vertex_of(model.mesh(), "clamp");
   store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(clamp, 0));
-  const MixedVector residual = unscaled_residual(assembler, state);
-  assembler.tangent(state, 1.0);
+  const auto [point, residual] = unscaled_residual(model, state);
+  Tangent tangent = tangent_at(model, point);
   std::mt19937_64 generator(kSeed + 1);
   for (int sample = 0; sample < 3; ++sample) {
-    MixedVector rhs = assembler.create_vector();
+    MixedVector rhs = model.create_vector();
     fill_at_random(rhs, 1e-3, generator);  // scaled: rows of size one
-    clear_masked_rows(assembler, rhs);
-    assembler.condense(state, 1.0, rhs);
-    MixedVector increment = newton_increment(assembler, state);
+    clear_masked_rows(model, rhs);
+    tangent.condense(rhs);
+    MixedVector increment = newton_increment(tangent);
     MixedVector derivative = rhs.clone(true);
-    derivative.multiply_by(row_scales(assembler));
+    derivative.multiply_by(row_scales(model, point.scales));
     derivative.scale(-1.0);
     const double shorter = 0.1 / std::max(0.1, increment.largest_vertex_spin());
     increment.scale(shorter);
     derivative.scale(shorter);
-    add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
-    expect_derivative(assembler, state, increment, derivative);
+    add_turn_of_unbalanced_moments(model, residual, increment, derivative);
+    expect_derivative(model, point, increment, derivative);
   }
 }
 
 // The twin that must fail: a wrong entry of the increment is seen.
-TEST(Assembler, AWrongIncrementIsSeen) {
-  Assembler assembler(loaded_scene(), this_rank(), without_cap());
-  const State state = some_state(assembler);
-  const MixedVector residual = unscaled_residual(assembler, state);
-  assembler.tangent(state, 1.0);
-  MixedVector increment = newton_increment(assembler, state);
-  increment.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch") + 4) += 1e-2;
+TEST(Equations, AWrongIncrementIsSeen) {
+  const Model model(loaded_scene(), this_rank(), without_cap());
+  const State state = some_state(model);
+  const auto [point, residual] = unscaled_residual(model, state);
+  Tangent tangent = tangent_at(model, point);
+  MixedVector increment = newton_increment(tangent);
+  increment.vertex()(kVertexDofs * vertex_of(model.mesh(), "branch") + 4) += 1e-2;
   MixedVector derivative = residual.clone(true);
   derivative.scale(-1.0);
   const double shorter = 0.1 / increment.largest_vertex_spin();
   increment.scale(shorter);
   derivative.scale(shorter);
-  add_turn_of_unbalanced_moments(assembler, residual, increment, derivative);
-  EXPECT_GT(derivative_error(assembler, state, increment, derivative, 1e-3), 1e-3);
+  add_turn_of_unbalanced_moments(model, residual, increment, derivative);
+  EXPECT_GT(derivative_error(model, point, increment, derivative, 1e-3), 1e-3);
 }
 
-TEST(Assembler, LoadDerivativeIsThatOfTheResidual) {
+TEST(Equations, LoadDerivativeIsThatOfTheResidual) {
   for (double load_factor : {0.3, 0.8}) {
-    Assembler assembler(loaded_scene(), this_rank(), {});
-    const State state = some_state(assembler);
+    const Model model(loaded_scene(), this_rank(), {});
+    const State state = some_state(model);
     // The clamp where it should be, as in the converged state that LOCA asks about.
-    const Vector3& turn = assembler.scene().supports[0].prescribed_rotation;
+    const Vector3& turn = model.scene().supports[0].prescribed_rotation;
     store_quaternion(exp_quaternion(load_factor * Vec3<double>{{turn[0], turn[1], turn[2]}}),
-                     &state.views.vertex_rotation(vertex_of(assembler.mesh(), "clamp"), 0));
+                     &state.views.vertex_rotation(vertex_of(model.mesh(), "clamp"), 0));
     constexpr double kStep = 1e-4;
-    MixedVector derivative = assembler.create_vector(), low = assembler.create_vector(),
-                high = assembler.create_vector();
-    assembler.residual(state, load_factor - kStep, low);
-    low.multiply_by(row_scales(assembler));
-    assembler.residual(state, load_factor + kStep, high);
-    high.multiply_by(row_scales(assembler));
-    MixedVector unused = assembler.create_vector();
-    assembler.residual(state, load_factor, unused);
-    assembler.load_derivative(state, load_factor, derivative);
-    derivative.multiply_by(row_scales(assembler));
+    const MixedVector low = unscaled_residual(model, state, load_factor - kStep).rows;
+    MixedVector high = unscaled_residual(model, state, load_factor + kStep).rows, derivative = model.create_vector();
+    const ResidualScales scales = scales_of(model, state, load_factor);
+    load_derivative(model, state, load_factor, scales, derivative);
+    derivative.multiply_by(row_scales(model, scales));
     high.update(-1.0, low, 1.0);
     high.scale(0.5 / kStep);
     WorstError worst;
@@ -417,9 +428,9 @@ TEST(Assembler, LoadDerivativeIsThatOfTheResidual) {
 /// Other units of length and force; powers of two, so that no digit changes.
 constexpr double kLength = 1048576.0, kForce = 1.0 / 4194304.0;
 
-TEST(Assembler, ScaledResidualDoesNotKnowTheUnits) {
+TEST(Equations, ScaledResidualDoesNotKnowTheUnits) {
   const Scene scene = loaded_scene();
-  Assembler here(scene, this_rank(), {}), there(in_other_units(scene, kLength, kForce), this_rank(), {});
+  const Model here(scene, this_rank(), {}), there(in_other_units(scene, kLength, kForce), this_rank(), {});
   const State a = some_state(here), b = there.reference_state();
   Kokkos::deep_copy(b.views.vertex_rotation, a.views.vertex_rotation);
   Kokkos::deep_copy(b.views.element_triad, a.views.element_triad);
@@ -435,43 +446,42 @@ TEST(Assembler, ScaledResidualDoesNotKnowTheUnits) {
         b.views.interior(place) = factor * a.views.interior(place);
       }
   MixedVector ra = here.create_vector(), rb = there.create_vector();
-  here.residual(a, 0.7, ra);
-  there.residual(b, 0.7, rb);
+  mixed_residual(here, a, 0.7, ra);
+  mixed_residual(there, b, 0.7, rb);
   EXPECT_GT(ra.maximum_norm(), 1e-3);
-  EXPECT_NEAR(there.equilibrium_norm(rb), here.equilibrium_norm(ra), 64 * kRounding * here.equilibrium_norm(ra));
+  EXPECT_NEAR(equilibrium_norm(there, rb), equilibrium_norm(here, ra), 64 * kRounding * equilibrium_norm(here, ra));
   rb.update(-1.0, ra, 1.0);
   EXPECT_LE(rb.maximum_norm(), 64 * kRounding * ra.maximum_norm());
 }
 
-TEST(Assembler, EquilibriumNormLeavesOutStrainsAndSupports) {
-  Assembler assembler(loaded_scene(), this_rank(), {});
-  MixedVector v = assembler.create_vector();
+TEST(Equations, EquilibriumNormLeavesOutStrainsAndSupports) {
+  const Model model(loaded_scene(), this_rank(), {});
+  MixedVector v = model.create_vector();
   v.fill(0.0);
-  const ElementBlock& block = assembler.structure().blocks.front();
+  const ElementBlock& block = model.structure().blocks.front();
   v.writable_interior(true)(block.increment_offset + block.interior.force(0)) = 3.0;
   v.writable_interior(true)(block.increment_offset + block.interior.moment(0)) = 4.0;
-  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "clamp") + 2) = 5.0;
-  EXPECT_EQ(assembler.equilibrium_norm(v), 0.0);
+  v.vertex()(kVertexDofs * vertex_of(model.mesh(), "clamp") + 2) = 5.0;
+  EXPECT_EQ(equilibrium_norm(model, v), 0.0);
   v.writable_interior(true)(block.increment_offset + block.interior.spin()) = -0.5;
-  EXPECT_EQ(assembler.equilibrium_norm(v), 0.5);
-  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch") + 3) = -2.0;
-  EXPECT_EQ(assembler.equilibrium_norm(v), 2.0);
-  v.vertex()(kVertexDofs * vertex_of(assembler.mesh(), "branch")) = std::nan("");
-  EXPECT_FALSE(std::isfinite(assembler.equilibrium_norm(v)));
+  EXPECT_EQ(equilibrium_norm(model, v), 0.5);
+  v.vertex()(kVertexDofs * vertex_of(model.mesh(), "branch") + 3) = -2.0;
+  EXPECT_EQ(equilibrium_norm(model, v), 2.0);
+  v.vertex()(kVertexDofs * vertex_of(model.mesh(), "branch")) = std::nan("");
+  EXPECT_FALSE(std::isfinite(equilibrium_norm(model, v)));
 }
 
-TEST(Assembler, LargestEndAngleNamesTheElement) {
-  Assembler assembler(loaded_scene(), this_rank(), {});
-  const State state = assembler.reference_state();
-  const int vertex = vertex_of(assembler.mesh(), "tine 1");
+TEST(Equations, LargestEndAngleNamesTheElement) {
+  const Model model(loaded_scene(), this_rank(), {});
+  const State state = model.reference_state();
+  const int vertex = vertex_of(model.mesh(), "tine 1");
   const Quaternion<double> turn = exp_quaternion(Vec3<double>{{0.0, 1.5, 0.0}});
   store_quaternion(turn, &state.views.vertex_rotation(vertex, 0));
-  MixedVector residual = assembler.create_vector();
-  assembler.residual(state, 0.0, residual);
-  const Assembler::EndAngle angle = assembler.largest_end_angle();
+  MixedVector residual = model.create_vector();
+  const EndAngle angle = largest_end_angle(model, mixed_residual(model, state, 0.0, residual));
   // relative to the reference, where ends of elements and vertices agree for every curve
   EXPECT_NEAR(angle.angle, 1.5, 8 * kRounding);
-  const Scene& scene = assembler.scene();
+  const Scene& scene = model.scene();
   const Member& member = scene.members[member_index(scene, angle.member)];
   EXPECT_TRUE(member.start_point == "tine 1" || member.end_point == "tine 1") << angle.member;
   EXPECT_EQ(angle.element, member.start_point == "tine 1" ? 0 : member.elements - 1);

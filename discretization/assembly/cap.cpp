@@ -1,10 +1,93 @@
-#include "discretization/assembly/added_compliance.hpp"
+#include "discretization/assembly/cap.hpp"
+
+#include "discretization/assembly/workspace.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
+#include <algorithm>
 #include <vector>
 
 namespace mixbeam {
+
+namespace {
+
+/// Elements that lock carry parasitic forces of the size of their stiffness, far above the loads: with the cap that
+/// suits other elements Newton's method needs hundreds of steps. Studies of locking pay with condition for contraction.
+constexpr double kCapForLockingElements = 1e3;
+
+/// Rounding errors of the assembled and factorised tangent act like springs to the ground, eps * cap / h each: they
+/// disturb an increment by 3e-12 * cap * L/h (measured on chains of 1e3 to 1e6 elements), which must stay well below
+/// one for Newton's method to go on converging fast.
+constexpr double kCapTimesElements = 1e9;
+
+/// Below this the cap itself would slow Newton's method more than rounding errors do; a mesh whose shortest element is
+/// 1e-9 of its length does not need less.
+constexpr double kLeastCap = 1e3;
+
+/// Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
+/// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
+/// Where forces are shared by stiffness, that strain would stay: cap_compliance_rows() tells it.
+double cap_stiffness(const Model& model, const ResidualScales& scales, double raise) {
+  const Structure& structure = model.structure();
+  const double bending = structure.bending_reference / (structure.length * structure.length);
+  const double elements = structure.length / structure.shortest_element;
+  const double factor =
+      raise * std::min(model.options().force_stiffness_cap, std::max(kLeastCap, kCapTimesElements / elements));
+  return factor * std::max(bending, scales.force);
+}
+
+/// Stiffness and added compliance of a component; returns the ratio of the limit to what it cuts off, zero where it
+/// cuts off nothing.
+double cap_component(double limit, double compliance, double& added, double& stiffness) {
+  added = std::max(0.0, 1.0 / limit - compliance);
+  stiffness = added > 0.0 ? limit : 1.0 / compliance;
+  return added > 0.0 ? compliance * limit : 0.0;
+}
+
+}  // namespace
+
+Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
+  Workspace& workspace = model.workspace();
+  const double stiffness = cap_stiffness(model, scales, raise);
+  if (stiffness == workspace.cap.stiffness) return workspace.cap;
+  const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all that bends
+  const KernelView<const SectionConstants*> uncapped = model.structure().views.member_section;
+  Cap cap{stiffness};
+  const auto note_ratio = [&cap](double ratio) {
+    if (ratio > 0.0 && (cap.least_ratio == 0.0 || ratio < cap.least_ratio)) cap.least_ratio = ratio;
+  };
+  cap.structure.member_section = workspace.sections.take("mixbeam::capped_section", uncapped.extent(0));
+  for (size_t m = 0; m < uncapped.extent(0); ++m) {
+    SectionConstants& section = cap.structure.member_section(m) = uncapped(m);
+    const bool locks = model.scene().members[m].force_integration != ForceIntegration::both_reduced;
+    section.force_stiffness_limit = locks ? kCapForLockingElements * stiffness : stiffness;
+    section.moment_stiffness_limit = moment_limit;
+    for (int i = 0; i < 3; ++i) {
+      note_ratio(cap_component(section.force_stiffness_limit, section.force_compliance[i], section.force_softening[i],
+                               section.tangent_force_stiffness[i]));
+      note_ratio(cap_component(moment_limit, section.moment_compliance[i], section.moment_softening[i],
+                               section.moment_stiffness[i]));
+    }
+  }
+  return workspace.cap = cap;
+}
+
+void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
+                         MixedVector& rows) {
+  Kokkos::deep_copy(rows.vertex(), 0.0);
+  const KernelView<double*> interior = rows.writable_interior(false);
+  for (const ElementBlock& block : model.structure().blocks)
+    softening_rows(block, cap.structure, increment.interior(), interior);
+  scale_rows(model, scales, rows);
+}
+
+double largest_cap_compliance_row(const Model& model, const Cap& cap, const ResidualScales& scales,
+                                  const MixedVector& increment) {
+  double largest = 0.0;
+  for (const ElementBlock& block : model.structure().blocks)
+    largest = std::max(largest, largest_softening_row(block, cap.structure, increment.interior(), scales));
+  return maximum_over_ranks(*model.map()->getComm(), largest);
+}
 
 namespace {
 
@@ -100,13 +183,14 @@ void general_strains(const InteriorLayout& layout, double length, const SectionC
   }
 }
 
-double block_sum(const Structure& structure, const ElementBlock& block, const double* a, const double* b) {
+double block_sum(const Structure& structure, const Cap& cap, const ElementBlock& block, const double* a,
+                 const double* b) {
   const Weights weights(block);
   double sum = 0.0;
   for (int e = 0; e < block.count; ++e) {
     if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
     const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-    const SectionConstants& section = structure.views.member_section(block.member(e));
+    const SectionConstants& section = cap.structure.member_section(block.member(e));
     const double length = block.reference(e, block.reference_layout.length());
     sum += block.general_section ? general_element(block.interior, weights, length, section, &block.compliance(e, 0),
                                                    a + first, b + first)
@@ -117,25 +201,26 @@ double block_sum(const Structure& structure, const ElementBlock& block, const do
 
 }  // namespace
 
-double added_compliance(const Assembler& assembler, const MixedVector& a, const MixedVector& b) {
+double cap_compliance_form(const Model& model, const Cap& cap, const MixedVector& a, const MixedVector& b) {
   double mine = 0.0;
-  for (const ElementBlock& block : assembler.structure().blocks)
-    mine += block_sum(assembler.structure(), block, a.interior().data(), b.interior().data());
+  for (const ElementBlock& block : model.structure().blocks)
+    mine += block_sum(model.structure(), cap, block, a.interior().data(), b.interior().data());
   double all = mine;
-  Teuchos::reduceAll(*assembler.map()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
   return all;
 }
 
-void added_strains(const Assembler& assembler, const MixedVector& increment, MixedVector& scaled_rhs) {
+void added_strains(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
+                   MixedVector& scaled_rhs) {
   scaled_rhs.fill(0.0);
-  const Structure& structure = assembler.structure();
-  const double strain = assembler.scales().strain, rotation = assembler.scales().rotation;
+  const Structure& structure = model.structure();
+  const double strain = scales.strain, rotation = scales.rotation;
   const KernelView<const double*> x = increment.interior();
   const KernelView<double*> rows = scaled_rhs.writable_interior(true);
   for (const ElementBlock& block : structure.blocks)
     for (int e = 0; e < block.count; ++e) {
       const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-      const SectionConstants& section = structure.views.member_section(block.member(e));
+      const SectionConstants& section = cap.structure.member_section(block.member(e));
       const double length = block.reference(e, block.reference_layout.length());
       double* row = &rows(first);
       if (block.general_section)

@@ -1,0 +1,178 @@
+#include "discretization/assembly/tangent.hpp"
+
+#include "discretization/assembly/workspace.hpp"
+#include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+using Range = Kokkos::RangePolicy<ExecutionSpace>;
+
+std::shared_ptr<TangentArrays> allocate_arrays(const Model& model) {
+  using Kokkos::view_alloc;
+  using Kokkos::WithoutInitializing;
+  auto arrays = std::make_shared<TangentArrays>();
+  arrays->elements = allocate_tangents(model.structure());
+  arrays->condensed_rows = Teuchos::rcp(new DofVector(model.map()));
+  if (!model.plane()) return arrays;
+  arrays->planar =
+      PlanarTangents(view_alloc("mixbeam::planar::tangents", WithoutInitializing), model.structure().local_elements());
+  arrays->planar_blocks = model.planar_blocks();
+  for (PlanarBlock& block : arrays->planar_blocks)
+    block.response = KernelView<double**>(view_alloc("mixbeam::planar::response", WithoutInitializing),
+                                          block.response.extent(0), block.response.extent(1));
+  return arrays;
+}
+
+std::shared_ptr<TangentArrays> take_arrays(const Model& model) {
+  auto& all = model.workspace().tangents;
+  auto found = std::find_if(all.begin(), all.end(), [](const auto& arrays) { return arrays.use_count() == 1; });
+  if (found == all.end()) found = all.insert(all.end(), allocate_arrays(model));
+  const ElementEquations& rows = model.workspace().rows;
+  (*found)->elements.condensed_residual = rows.residual;
+  (*found)->elements.planar_rows = rows.planar_rows;
+  return *found;
+}
+
+}  // namespace
+
+Tangent::Tangent(const Model& model, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind)
+    : model_(&model),
+      point_(point),
+      cap_(cap),
+      planar_(point.state.in_plane && !kind.in_space),
+      arrays_(take_arrays(model)) {
+  if (kind.counts_interior && arrays_->interior_negative.extent(0) == 0)
+    arrays_->interior_negative =
+        KernelView<int*>("mixbeam::elements::interior_negative", model.structure().local_elements());
+  arrays_->elements.interior_negative = kind.counts_interior ? arrays_->interior_negative : KernelView<int*>();
+  evaluate();
+}
+
+const ElementEquations& Tangent::elements() const { return arrays_->elements; }
+const PlanarTangents& Tangent::planar_elements() const { return arrays_->planar; }
+DofVector& Tangent::condensed_rows() const { return *arrays_->condensed_rows; }
+
+void Tangent::evaluate_in_space() const {
+  PhaseTimer timer(model_->times(), "element tangent");
+  for (const ElementBlock& block : model_->structure().blocks)
+    evaluate_tangent(block, cap_.structure, point_.state.views, arrays_->elements);
+}
+
+void Tangent::evaluate() {
+  set_line_fields(*model_, point_.load_factor);
+  if (planar_) {
+    PhaseTimer timer(model_->times(), "element tangent");
+    for (size_t b = 0; b < arrays_->planar_blocks.size(); ++b)
+      evaluate_planar_tangent(model_->structure().blocks[b], arrays_->planar_blocks[b], cap_.structure,
+                              point_.state.views, arrays_->planar, arrays_->elements);
+  } else {
+    evaluate_in_space();
+  }
+  PhaseTimer timer(model_->times(), "assemble");
+  const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
+  gather_condensed_rows(rows);
+  subtract_point_loads(model_->conditions(), point_.state, point_.load_factor, false, rows);
+  model_->constraints().project(point_.state, rows);
+  model_->constraints().set(point_.state, point_.load_factor, rows);
+  holds_residual_ = true;
+}
+
+void Tangent::gather_condensed_rows(const KernelView<double*>& rows) const {
+  if (planar_)
+    gather_planar_rows(*model_, rows);
+  else
+    gather_rows(*model_, rows);
+}
+
+void Tangent::condense_residual() {
+  if (!holds_residual_) evaluate();
+}
+
+void Tangent::condense(const MixedVector& scaled_rhs) {
+  PhaseTimer timer(model_->times(), "condense right-hand side");
+  set_line_fields(*model_, point_.load_factor);
+  holds_residual_ = false;
+  MixedVector rhs = scaled_rhs.clone(true);
+  unscale_rows(*model_, point_.scales, rhs);
+  const Structure& structure = model_->structure();
+  for (size_t b = 0; b < structure.blocks.size(); ++b)
+    if (planar_)
+      condense_planar_right_hand_side(structure.blocks[b], arrays_->planar_blocks[b], cap_.structure,
+                                      point_.state.views, rhs.interior(), arrays_->planar, arrays_->elements);
+    else
+      condense_right_hand_side(structure.blocks[b], cap_.structure, point_.state.views, rhs.interior(),
+                               arrays_->elements);
+  const KernelView<double*> rows = MixedVector::view_of(condensed_rows());
+  gather_condensed_rows(rows);
+  project_on_free_motions(rows);
+  const KernelView<double*> given = rhs.vertex();
+  const auto fixed = model_->fixed_rows();
+  Kokkos::parallel_for(
+      "mixbeam::condense::vertex", Range(0, rows.extent(0)),
+      KOKKOS_LAMBDA(size_t i) { rows(i) = fixed(i) ? given(i) : rows(i) + given(i); });
+}
+
+void Tangent::recover(MixedVector& increment) const {
+  PhaseTimer timer(model_->times(), "recover");
+  const Structure& structure = model_->structure();
+  const KernelView<const double* [6]> vertex = model_->local_increment(increment);
+  const KernelView<double*> interior = increment.writable_interior(false);
+  for (size_t b = 0; b < structure.blocks.size(); ++b)
+    if (planar_)
+      recover_planar_interior(structure.blocks[b], arrays_->planar_blocks[b], vertex, interior);
+    else
+      recover_interior(structure.blocks[b], point_.state.views, arrays_->elements, vertex, interior);
+}
+
+void Tangent::gather(const VertexMatrix& matrix) const {
+  if (planar_) {
+    set_line_fields(*model_, point_.load_factor);
+    evaluate_in_space();
+  }
+  PhaseTimer timer(model_->times(), "assemble");
+  gather(matrix, LinkMatrices<kSpatialDofs>{arrays_->elements.condensed_tangent, {}});
+}
+
+void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const {
+  matrix.gather(links);
+  const MatrixRows rows = matrix.rows();
+  add_load_tangents(rows);
+  model_->constraints().project(point_.state, *point_.carried, rows);
+}
+
+/// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are
+/// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
+/// vertex.
+void Tangent::add_load_tangents(const MatrixRows& rows) const {
+  for (const VertexLoad& load : model_->conditions().loads) {
+    const SpatialLoad spatial = spatial_load(load, load.amplitude(point_.load_factor), point_.state);
+    const bool follower = load.frame == LoadFrame::follower;
+    rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
+    if (follower) rows.add(load.vertex, kForcePart, load.vertex, kMomentPart, hat(spatial.force));
+  }
+}
+
+Tangent::InteriorCount Tangent::interior_count() const {
+  const Structure& structure = model_->structure();
+  long mine[2] = {0, 0};
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
+      const int negative = arrays_->interior_negative(block.first_element + e);
+      if (negative == kUncertainCount)
+        mine[1] = 1;
+      else
+        mine[0] += negative;
+    }
+  long all[2] = {mine[0], mine[1]};
+  Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, 2, mine, all);
+  return {all[0], all[1] > 0};
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,73 @@
+/// The equations linearised at a state: every element condensed to its two vertices.
+#pragma once
+
+#include "discretization/assembly/cap.hpp"
+#include "discretization/assembly/residual.hpp"
+
+namespace mixbeam {
+
+struct TangentArrays;
+
+/// What is asked of a tangent.
+struct TangentKind {
+  bool in_space = false;         ///< also for a state in the plane of the scene: to see motions that leave it
+  bool counts_interior = false;  ///< for interior_count()
+};
+
+/// Knows the state, the scales and the cap that it was taken with. Its arrays are used again when it is gone. The model
+/// must outlive it.
+class Tangent {
+ public:
+  Tangent(const Model& model, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind = {});
+  Tangent(Tangent&&) = default;
+  Tangent& operator=(Tangent&&) = default;
+
+  const Model& model() const { return *model_; }
+  const EvaluationPoint& point() const { return point_; }
+  const Cap& cap() const { return cap_; }
+  /// With three unknowns per vertex, in the plane of the scene: right-hand sides must lie in it.
+  bool is_planar() const { return planar_; }
+  const ElementEquations& elements() const;
+  const PlanarTangents& planar_elements() const;
+
+  /// Residual, condensed to the vertices, unscaled; or the right-hand side that was condensed last.
+  DofVector& condensed_rows() const;
+  /// Condenses a scaled right-hand side (rows as mixed_residual() gives them); recover() then refers to it.
+  void condense(const MixedVector& scaled_rhs);
+  /// Condenses the residual again, if a right-hand side came in between.
+  void condense_residual();
+  /// Increment of the interior that belongs to a vertex increment; both parts of `increment` are complete afterwards.
+  void recover(MixedVector& increment) const;
+
+  /// Adds up the elements, loads, supports and joints in a matrix over all vertices (whole_matrix). Collective.
+  void gather(const VertexMatrix& matrix) const;
+  /// The same over some of the vertices, from the links between them.
+  void gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs>& links) const;
+  /// Model::project_on_free_motions at the state of the tangent.
+  void project_on_free_motions(const KernelView<double*>& rows) const {
+    model_->project_on_free_motions(point_.state, rows);
+  }
+
+  /// Eigenvalues below zero of the interiors of all elements while their vertices stand still: the J0 of Wittrick and
+  /// Williams, which the count of the condensed matrix lacks. Collective; TangentKind::counts_interior.
+  struct InteriorCount {
+    long negative = 0;       ///< of elements without a potential their parity
+    bool uncertain = false;  ///< one is zero within rounding
+  };
+  InteriorCount interior_count() const;
+
+ private:
+  void evaluate();
+  void evaluate_in_space() const;
+  void gather_condensed_rows(const KernelView<double*>& rows) const;
+  void add_load_tangents(const MatrixRows& rows) const;
+
+  const Model* model_;
+  EvaluationPoint point_;
+  Cap cap_;
+  bool planar_;
+  bool holds_residual_ = false;
+  std::shared_ptr<TangentArrays> arrays_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,34 @@
+/// Memory behind the evaluations of a model, for residual.cpp, cap.cpp and tangent.cpp alone: fresh pages of the system
+/// cost more than what is computed in them.
+#pragma once
+
+#include "discretization/assembly/cap.hpp"
+
+namespace mixbeam {
+
+/// What a tangent keeps of the elements.
+struct TangentArrays {
+  ElementEquations elements;  ///< condensed tangents and responses; rows are those of the workspace
+  PlanarTangents planar;
+  std::vector<PlanarBlock> planar_blocks;
+  Teuchos::RCP<DofVector> condensed_rows;
+  KernelView<int*> interior_negative;  ///< (element), once it was asked for
+};
+
+struct Workspace {
+  ElementEquations rows;              ///< of the elements: gathered as soon as they have been evaluated
+  std::optional<double> load_factor;  ///< of the line fields that the blocks hold
+  Teuchos::RCP<DofVector> ghosted_increment;
+  Cap cap;  ///< the last one
+  ViewPool<KernelView<SectionConstants*>> sections;
+  ViewPool<KernelView<double*>> end_angles;
+  std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free where nobody else holds them
+};
+
+/// Rows of the elements, summed at the vertices.
+void gather_rows(const Model& model, const KernelView<double*>& rows);
+/// The same in a plane: two elements of a chain hold each other by the force that acts on the end of the one and,
+/// with the opposite sign, on the start of the other.
+void gather_planar_rows(const Model& model, const KernelView<double*>& rows);
+
+}  // namespace mixbeam

@@ -1,0 +1,60 @@
+/// One step of Newton's method, verb by verb. NOX calls them through BeamGroup.
+///
+///   mixed_residual (assembly/residual.hpp)      scales of the rows -> residual of the elements
+///   Linearization                               tangent of the elements, each condensed to its two vertices
+///                                               -> chains eliminated to their ends -> junctions factorised
+///   Linearization::newton_increment             junctions solved, the solve checked -> chains expanded
+///                                               -> interiors recovered
+///   remove_cap_compliance_where_it_slows        compliance of the cap removed
+///   step_within_rotation (line_search.hpp)      rotations limited
+///   Model::apply                                state updated
+#pragma once
+
+#include "nonlinear/newton/beam_problem.hpp"
+
+namespace mixbeam {
+
+/// How the tangents of one solve are taken.
+struct TangentChoice {
+  double cap_raise = 1.0;  ///< of the usual cap
+  /// Increments are those of the capped tangent, all of them.
+  bool keeps_cap = false;
+  bool in_space = false;  ///< also in the plane of the scene: for right-hand sides that leave it
+};
+
+/// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
+/// only if it is one and the same; and there the cap of the tangent is felt more than its condition: with the usual one
+/// Newton's method comes to a stop at 1e-8.
+constexpr TangentChoice near_critical(bool leaves_plane) { return {100.0, true, leaves_plane}; }
+
+/// The equations linearised at a point and factorised.
+class Linearization {
+ public:
+  Linearization(BeamProblem& problem, const EvaluationPoint& point, const Cap& cap, const TangentKind& kind);
+  Linearization(const Linearization&) = delete;
+  Linearization& operator=(const Linearization&) = delete;
+
+  const Tangent& tangent() const { return tangent_; }
+  /// Why it could not be factorised: then every solve throws a LinearSolverError. Empty where it was.
+  const std::string& failure() const { return failure_; }
+
+  /// d with J_c d = -residual, J_c the capped tangent. Throws LinearSolverError.
+  void newton_increment(MixedVector& increment);
+  /// The same for another right-hand side, scaled as the residual.
+  void solve(const MixedVector& scaled_rhs, MixedVector& increment);
+  /// (J - J_c) d, scaled as the residual.
+  void cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const;
+
+ private:
+  void solve_condensed(MixedVector& increment);
+
+  Tangent tangent_;
+  std::shared_ptr<TangentSolver> solver_;
+  std::string failure_;
+};
+
+/// Takes the cap out of the Newton increment where it would slow down the iteration. Returns whether it did.
+bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
+                                          MixedVector& increment);
+
+}  // namespace mixbeam
