@@ -153,36 +153,6 @@ double general_element(const InteriorLayout& layout, const Weights& weights, dou
   return sum;
 }
 
-void plain_strains(const InteriorLayout& layout, double length, const SectionConstants& section, const double* x,
-                   double* rows) {
-  for (int i = 0; i < 3; ++i) {
-    const double force = added(section.force_compliance[i], section.force_stiffness_limit);
-    for (int q = 0; q < layout.force_points; ++q) rows[layout.force(q) + i] = force * x[layout.force(q) + i];
-    if (section.moment_compliance[i] != 0.0) continue;
-    for (int j = 0; j <= layout.order; ++j)
-      rows[layout.moment(j) + i] = length / (2 * j + 1) / section.moment_stiffness_limit * x[layout.moment(j) + i];
-  }
-}
-
-void general_strains(const InteriorLayout& layout, double length, const SectionConstants& section,
-                     const double* compliance, const double* x, double* rows) {
-  const GeneralSectionLayout stored{layout.order, layout.force_points};
-  double xi[kMaximumOrder + 1], w[kMaximumOrder + 1], P[kMaximumOrder + 1];
-  gauss_rule(layout.order + 1, xi, w);
-  for (int i = 0; i < 3; ++i) {
-    for (int q = 0; q < layout.force_points; ++q)
-      rows[layout.force(q) + i] =
-          added(compliance[stored.force_force(q) + 4 * i], section.force_stiffness_limit) * x[layout.force(q) + i];
-    for (int q = 0; q <= layout.order; ++q) {
-      const double strain = 0.5 * length * w[q] *
-                            added(compliance[stored.moment_moment(q) + 4 * i], section.moment_stiffness_limit) *
-                            moment_at(layout, xi[q], i, x);
-      legendre(layout.order, xi[q], P);
-      for (int j = 0; j <= layout.order; ++j) rows[layout.moment(j) + i] += P[j] * strain;
-    }
-  }
-}
-
 double block_sum(const Structure& structure, const Cap& cap, const ElementBlock& block, const double* a,
                  const double* b) {
   const Weights weights(block);
@@ -208,28 +178,6 @@ double cap_compliance_form(const Model& model, const Cap& cap, const MixedVector
   double all = mine;
   Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
   return all;
-}
-
-void added_strains(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
-                   MixedVector& scaled_rhs) {
-  scaled_rhs.fill(0.0);
-  const Structure& structure = model.structure();
-  const double strain = scales.strain, rotation = scales.rotation;
-  const KernelView<const double*> x = increment.interior();
-  const KernelView<double*> rows = scaled_rhs.writable_interior(true);
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-      const SectionConstants& section = cap.structure.member_section(block.member(e));
-      const double length = block.reference(e, block.reference_layout.length());
-      double* row = &rows(first);
-      if (block.general_section)
-        general_strains(block.interior, length, section, &block.compliance(e, 0), &x(first), row);
-      else
-        plain_strains(block.interior, length, section, &x(first), row);
-      for (int i = 0; i < block.interior.moment(0); ++i) row[i] /= strain;
-      for (int i = block.interior.moment(0); i < block.interior.relative_rotation(1); ++i) row[i] /= rotation;
-    }
 }
 
 }  // namespace mixbeam

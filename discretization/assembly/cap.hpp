@@ -34,9 +34,4 @@ double largest_cap_compliance_row(const Model& model, const Cap& cap, const Resi
 /// error is quadratic. Collective; a length times a force.
 double cap_compliance_form(const Model& model, const Cap& cap, const MixedVector& a, const MixedVector& b);
 
-/// What the rows of N and M of `increment`, which solves the capped equations, lack in the true ones: (tangent
-/// compliance - true compliance) times dN and dM, scaled as Tangent::condense takes it; all other rows zero.
-void added_strains(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
-                   MixedVector& scaled_rhs);
-
 }  // namespace mixbeam

@@ -125,7 +125,7 @@ class LinearBuckling {
     linearization.solve(rhs, response_);
     MixedVector correction = response_.clone(true);
     for (int i = 0; i < kRefinements; ++i) {
-      added_strains(model_, linearization.tangent().cap(), scales_, correction, rhs);
+      linearization.cap_compliance_rows(correction, rhs);
       linearization.solve(rhs, correction);
       response_.update(1.0, correction, 1.0);
     }

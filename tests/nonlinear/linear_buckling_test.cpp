@@ -86,6 +86,49 @@ TEST(LinearBuckling, ForcesSharedByStiffness) {
   }
 }
 
+/// A beam of bending stiffness `bending` on three slender columns of axial stiffness kPost, held against sway, loaded
+/// between the first two: a stiff one shares the load as three springs do.
+constexpr double kPost = 1e6;
+Scene beam_on_columns(double bending) {
+  Scene scene = column(4, 2);
+  scene.sections[0].axial_stiffness = kPost;
+  Section beam = section(kRigid, kRigid, 1e4, bending);  // the torsion keeps the cap where it is
+  beam.name = "beam";
+  scene.sections.push_back(beam);
+  scene.points = {{"load", {0.5, 1, 0}}};
+  scene.members.clear();
+  scene.supports.clear();
+  for (int i = 0; i < 3; ++i) {
+    const std::string foot = "foot " + std::to_string(i), top = "top " + std::to_string(i);
+    scene.points.push_back({foot, {1.0 * i, 0, 0}});
+    scene.points.push_back({top, {1.0 * i, 1, 0}});
+    scene.members.push_back(line("column " + std::to_string(i), foot, top, 4, 2));
+    scene.supports.push_back(clamp(foot));
+  }
+  for (const auto& [start, end] : {std::pair{"top 0", "load"}, {"load", "top 1"}, {"top 1", "top 2"}}) {
+    scene.members.push_back(line(std::string("beam from ") + start, start, end, 4, 1));
+    scene.members.back().section = "beam";
+  }
+  for (Member& member : scene.members) member.second_axis = {0, 0, 1};
+  Support no_sway;
+  no_sway.point = "top 0";
+  no_sway.displacement_fixed = {true, false, true};
+  no_sway.rotation_fixed = {true, true, false};
+  scene.supports.push_back(no_sway);
+  scene.point_loads = {dead_load("load", {0, -1, 0})};
+  return scene;
+}
+
+/// Stiff and capped, but finite: the response must know the true stiffness of moments, not that of the cap alone.
+TEST(LinearBuckling, AStiffBeamSharesAsARigidOne) {
+  constexpr double kStiff = 1e13;  // far above the cap of moments, 1e9
+  constexpr double kShare = 1e-7;  // EA L^3 / EI of the beam is a hundredth of it
+  const double rigid = factors(beam_on_columns(kRigid), 1).at(0), stiff = factors(beam_on_columns(kStiff), 1).at(0);
+  EXPECT_NEAR(stiff, rigid, kShare * rigid);
+  // twin: as flexible as the cap would have it
+  EXPECT_GT(std::abs(factors(beam_on_columns(1e9), 1).at(0) - rigid), 1e2 * kShare * rigid);
+}
+
 TEST(LinearBuckling, NoStressNoBuckling) {
   Scene scene = column(2, 2);
   scene.point_loads.clear();
