@@ -101,9 +101,9 @@ double element_flops(int order) {
 
 void count(const Simulation& simulation, CellResult& result) {
   const InteriorLayout layout{result.cell.order, force_point_count(result.cell.order, result.cell.integration)};
-  const int elements = static_cast<int>(simulation.assembler().mesh().elements.size());
+  const int elements = static_cast<int>(simulation.model().mesh().elements.size());
   const LoadPathResult& path = simulation.result();
-  result.global_unknowns = static_cast<int>(simulation.assembler().map()->getGlobalNumElements());
+  result.global_unknowns = static_cast<int>(simulation.model().map()->getGlobalNumElements());
   result.interior_unknowns = elements * layout.increments();
   result.load_steps = path.steps;
   result.failed_steps = path.failed_steps;

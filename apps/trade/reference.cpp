@@ -37,14 +37,14 @@ Simulation solved(const BenchmarkProblem& problem, const Communicator& communica
 std::vector<std::string> judged_points(const BenchmarkProblem& problem, const Simulation& simulation) {
   if (!problem.about.in_gallery) return {problem.about.point};
   std::vector<std::string> points;
-  for (const auto& [name, vertex] : simulation.assembler().mesh().vertex_of_point) points.push_back(name);
+  for (const auto& [name, vertex] : simulation.model().mesh().vertex_of_point) points.push_back(name);
   return points;
 }
 
 double largest_displacement(const Simulation& simulation) {
   double largest = 0.0;
-  for (int vertex = 0; vertex < simulation.assembler().mesh().vertices(); ++vertex) {
-    const auto motion = vertex_motion(simulation.assembler(), simulation.state(), vertex);
+  for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex) {
+    const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
     largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
   }
   return largest;
@@ -65,7 +65,7 @@ double motion_error(const Errors& errors) {
 Errors estimated_errors(const Simulation& simulation, const std::string& point) {
   const ErrorEstimate estimate = simulation.estimate_error();
   if (!estimate.exists()) return kNoErrors;
-  const Vector3 error = estimate.vertex_displacement.at(vertex_of(simulation.assembler().mesh(), point));
+  const Vector3 error = estimate.vertex_displacement.at(vertex_of(simulation.model().mesh(), point));
   return {distance(error, {}) / distance(simulation.displacement(point), {}), estimate.displacement.relative(),
           estimate.moment.relative(), std::abs(estimate.energy.relative())};
 }
@@ -112,8 +112,8 @@ Reference::Reference(const BenchmarkProblem& problem, const Communicator& commun
 Errors Reference::errors_of(const Simulation& simulation) const {
   const int points = gauss_points(simulation);
   const auto exact = [&](const PointSample& sample, int member) {
-    const double length = simulation_.assembler().mesh().members[member].curve.length;
-    return sample_member(simulation_.assembler(), simulation_.state(), member, sample.arc_length / length);
+    const double length = simulation_.model().mesh().members[member].curve.length;
+    return sample_member(simulation_.model(), simulation_.state(), member, sample.arc_length / length);
   };
   Errors errors{};
   for (const std::string& point : points_)

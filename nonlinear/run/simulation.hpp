@@ -45,7 +45,6 @@ class Simulation {
   double share_done() const;
   const Scene& scene() const { return problem_->model.scene(); }
   const Model& model() const { return problem_->model; }
-  const Model& assembler() const { return model(); }  ///< the same, as the studies call it
   const PhaseTimes& times() const { return problem_->model.times(); }
   const WorkCount& work() const { return problem_->work; }
 
