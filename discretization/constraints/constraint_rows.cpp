@@ -27,7 +27,7 @@ void ConstraintRows::mark_fixed(const KernelView<unsigned char*>& fixed) const {
 
 void ConstraintRows::project(const State& state, const KernelView<double*>& rows) const {
   for (const VertexJoint& joint : joints_) join_rows(joint, state, rows);
-  for (const VertexSupport& support : supports_) turn_rows(support, state, rows);
+  for (const VertexSupport& support : supports_) project_rows(support, state, rows);
 }
 
 void ConstraintRows::set(const State& state, double load_factor, const KernelView<double*>& rows) const {
@@ -62,7 +62,7 @@ void ConstraintRows::project(const State& state, const CarriedForces& carried, c
   for (const VertexSupport& support : supports_) {
     const Vec moment =
         turns_moment_rows(support) ? carried[index_of(support.vertex)].joined_moment : Vec{{0.0, 0.0, 0.0}};
-    turn_matrix_rows(support, state, moment, rows);
+    project_matrix_rows(support, state, moment, rows);
   }
 }
 

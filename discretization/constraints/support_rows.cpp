@@ -43,7 +43,7 @@ void mark_fixed_rows(const VertexSupport& support, const KernelView<unsigned cha
     if (support.fixed[c]) fixed(vertex_row(support.vertex, c)) = 1;
 }
 
-void turn_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
+void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
   const int v = support.vertex;
   if (support.turns_forces) set_rows_of(rows, v, kForcePart, support.axes * rows_of(rows, v, kForcePart));
   if (turns_moment_rows(support))
@@ -144,7 +144,8 @@ void set_rotation_vector_rows(const VertexSupport& support, const State& state, 
 
 }  // namespace
 
-void turn_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment, const MatrixRows& matrix) {
+void project_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment,
+                         const MatrixRows& matrix) {
   turn_force_rows(support, matrix);
   const int v = support.vertex;
   if (turns_moment_rows(support)) matrix.combine(v, kMomentPart, moment_directions(support, state));

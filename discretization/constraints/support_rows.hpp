@@ -21,9 +21,9 @@ namespace mixbeam {
 void mark_fixed_rows(const VertexSupport& support, const KernelView<unsigned char*>& fixed);
 
 /// Rows of the vertex, spatial forces and moments, in the form described above; those of fixed components become zero.
-void turn_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows);
+void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows);
 
-/// Adds springs and writes the fixed rows, after turn_rows.
+/// Adds springs and writes the fixed rows, after project_rows.
 void set_support_rows(const VertexSupport& support, const State& state, double load_factor,
                       const KernelView<double*>& rows);
 
@@ -37,7 +37,7 @@ inline bool turns_moment_rows(const VertexSupport& support) {
 
 /// Derivative of the rows above; the matrix holds the derivative of the spatial rows, `moment` is the spatial moment
 /// row itself.
-void turn_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment, const MatrixRows& matrix);
+void project_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment, const MatrixRows& matrix);
 
 /// Force and moment of a support and its springs on the vertex, from its spatial rows without it.
 SpatialLoad support_reaction(const VertexSupport& support, const State& state, const Vec& force, const Vec& moment);

@@ -65,7 +65,7 @@ ChainSolver::ChainSolver(const Model& model, const std::string& method, double r
 void ChainSolver::factorize_whole() {
   if (whole_ == nullptr) whole_ = std::make_unique<WholeSolver>(model_, method_, tolerance_);
   uses_whole_ = true;
-  ++whole_solves_;
+  ++fallback_factorizations_;
   whole_->factorize(*tangent_);
 }
 

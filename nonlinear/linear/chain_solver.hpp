@@ -27,8 +27,8 @@ class ChainSolver : public TangentSolver {
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x) override;
 
-  /// Tangents that had to be solved as a whole.
-  int whole_solves() const { return whole_solves_; }
+  /// Tangents that had to be factorised as a whole.
+  int fallback_factorizations() const { return fallback_factorizations_; }
   const CondensedSystem& system() const { return system_; }
 
  private:
@@ -44,7 +44,7 @@ class ChainSolver : public TangentSolver {
   std::unique_ptr<LinearSolver> remaining_;
   std::unique_ptr<TangentSolver> whole_;
   bool uses_whole_ = false;
-  int whole_solves_ = 0;
+  int fallback_factorizations_ = 0;
   Teuchos::RCP<DofVector> diagonal_, remaining_b_, remaining_x_, residual_, correction_;
 };
 
