@@ -1,5 +1,5 @@
-/// The cap on the stiffness of a tangent. The residual keeps the true compliance, so the cap costs accuracy nowhere; it
-/// decides how fast Newton's method contracts.
+/// The cap on the stiffness of a tangent, theory (36). The residual keeps the true compliance, so the cap costs
+/// accuracy nowhere; it decides how fast Newton's method contracts.
 #pragma once
 
 #include "discretization/assembly/row_scales.hpp"
@@ -21,7 +21,7 @@ struct Cap {
 /// The usual cap at a state with these scales, times `raise`.
 Cap cap_for(const Model& model, const ResidualScales& scales, double raise = 1.0);
 
-/// What the cap leaves out of the linearised equations: rows of (J - capped J) times an increment, scaled.
+/// What the cap leaves out of the linearised equations, theory (37): rows of (J - capped J) times an increment, scaled.
 void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScales& scales, const MixedVector& increment,
                          MixedVector& rows);
 /// The largest of these rows. Collective.

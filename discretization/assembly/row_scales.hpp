@@ -1,5 +1,6 @@
-/// Reference values that make the mixed residual dimensionless, so that the same tolerance means the same accuracy for
-/// any units, slenderness and load: rows are divided by what is large in the present state, not by a fixed stiffness.
+/// Reference values that make the mixed residual dimensionless, theory (39), so that the same tolerance means the same
+/// accuracy for any units, slenderness and load: rows are divided by what is large in the present state, not by a fixed
+/// stiffness.
 #pragma once
 
 #include "discretization/assembly/model.hpp"

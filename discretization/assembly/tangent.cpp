@@ -146,9 +146,9 @@ void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs
   model_->constraints().project(point_.state, *point_.carried, rows);
 }
 
-/// External loads whose virtual work is not that of a potential, or that follow the vertex. The internal rows are
-/// second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment on the
-/// vertex.
+/// External loads whose virtual work is not that of a potential, or that follow the vertex: theory (44). The internal
+/// rows are second variations; their derivative at equilibrium holds -hat(m)/2 beside them, m the total external moment
+/// on the vertex.
 void Tangent::add_load_tangents(const MatrixRows& rows) const {
   for (const VertexLoad& load : model_->conditions().loads) {
     const SpatialLoad spatial = spatial_load(load, load.amplitude(point_.load_factor), point_.state);

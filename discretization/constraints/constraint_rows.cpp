@@ -53,7 +53,7 @@ CarriedForces ConstraintRows::carried(const State& state, const KernelView<doubl
 }
 
 void ConstraintRows::project(const State& state, const CarriedForces& carried, const MatrixRows& rows) const {
-  // the matrix holds second variations; their derivative has this beside them, and loads have added their part
+  // theory (44): beside second variations; loads have added their part
   for (const CarriedForce& f : carried) rows.add(f.vertex, kMomentPart, f.vertex, kMomentPart, -0.5 * hat(f.moment));
   for (const VertexJoint& joint : joints_) {
     const CarriedForce& slave = carried[index_of(joint.slave)];
