@@ -1,6 +1,8 @@
 /// Starting an application as a user does: a process of its own, in a folder of its own.
 #pragma once
 
+#include "tests/support/text.hpp"
+
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
@@ -155,20 +157,6 @@ inline std::string page_of(const std::string& benchmark, const fs::path& folder)
       run_process("/usr/bin/python3", {script, results.string(), "--only", benchmark, "--pages"}, folder);
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
   return text_of(folder / (benchmark + ".md"));
-}
-
-/// `text` with the first `from` after the place of `after` replaced; a test that changes nothing would prove nothing.
-inline std::string changed(std::string text, const std::string& from, const std::string& to,
-                           const std::string& after = "") {
-  const std::size_t start = text.find(after);
-  const std::size_t place = start == std::string::npos ? start : text.find(from, start);
-  EXPECT_NE(place, std::string::npos) << "the scene does not contain: " << after << " ... " << from;
-  return place == std::string::npos ? text : text.replace(place, from.size(), to);
-}
-
-inline void expect_in(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts)
-    EXPECT_NE(text.find(part), std::string::npos) << "missing: " << part << "\nin: " << text;
 }
 
 /// The application's own scene file with one piece of text replaced, written to <folder>/scene.xml.

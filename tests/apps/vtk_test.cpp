@@ -3,7 +3,7 @@
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "mixbeam_files.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include "discretization/parameters/xml_reader.hpp"
 #include "kernels/math/rotation.hpp"

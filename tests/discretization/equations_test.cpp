@@ -3,13 +3,14 @@
 #include "discretization/assembly/tangent.hpp"
 
 #include "kernels/element/kinematics.hpp"
-#include "tests/problems/scenes.hpp"
-#include "tests/scene_units.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/scene_units.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/states.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Teuchos_DefaultMpiComm.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -18,8 +19,6 @@ namespace mixbeam::test {
 namespace {
 
 constexpr std::uint64_t kSeed = 20240611;
-
-Communicator this_rank() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
 
 /// Far above any force stiffness of these tests: the tangent is that of the residual.
 ModelOptions without_cap() {
@@ -56,15 +55,6 @@ Scene loaded_scene() {
   scene.supports[0].prescribed_displacement = {0.02, -0.03, 0.01};
   scene.supports[0].prescribed_rotation = {0.1, 0.2, -0.1};
   return scene;
-}
-
-/// Entries between -size and size.
-void fill_at_random(MixedVector& v, double size, std::mt19937_64& generator) {
-  std::uniform_real_distribution<double> entry(-size, size);
-  const auto vertex = v.vertex();
-  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
-  const auto interior = v.writable_interior(false);
-  for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
 }
 
 /// A configuration with no symmetry, not in equilibrium: forces of the size of the loads, strains of a tenth.

@@ -6,6 +6,7 @@
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/text/errors.hpp"
+#include "tests/support/text.hpp"
 
 #include <gtest/gtest.h>
 
@@ -74,13 +75,6 @@ inline const std::string kBowScene = R"xml(<?xml version="1.0"?>
 </ParameterList>
 )xml";
 
-/// `text` with the first `from` replaced; a test that changes nothing would prove nothing.
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t place = text.find(from);
-  EXPECT_NE(place, std::string::npos) << "the scene does not contain: " << from;
-  return place == std::string::npos ? text : text.replace(place, from.size(), to);
-}
-
 /// What the list "Scene" describes, whether supports hold it or not: read_scene without its last check.
 inline Scene described_by(const XmlParameters& xml) {
   Teuchos::ParameterList& list = xml.list->sublist("Scene");
@@ -100,12 +94,6 @@ std::string message_of(Action action) {
   }
   ADD_FAILURE() << "no InputError";
   return "";
-}
-
-inline void expect_parts(const std::string& message, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) {
-    EXPECT_NE(message.find(part), std::string::npos) << "missing: " << part << "\nmessage: " << message;
-  }
 }
 
 }  // namespace mixbeam

@@ -67,27 +67,27 @@ TEST(MechanismCheck, SupportsOfInnerPointsHoldTheMember) {
 }
 
 TEST(MechanismCheck, NamesATranslation) {
-  expect_parts(refusal(beam({support("a", {true, false, true}, kAll)})),
-               {"scene.xml", "XML path \"Scene / Supports\"", "member \"a-b\"", "1 way", "translation along (0, 1, 0)",
-                "point \"a\" moves most"});
+  expect_in(refusal(beam({support("a", {true, false, true}, kAll)})),
+            {"scene.xml", "XML path \"Scene / Supports\"", "member \"a-b\"", "1 way", "translation along (0, 1, 0)",
+             "point \"a\" moves most"});
 }
 
 TEST(MechanismCheck, NamesARotationAndThePointThatMoves) {
   // A hinge about z at a: the other end swings.
-  expect_parts(refusal(beam({support("a", kAll, {true, true, false})})),
-               {"1 way", "rotation about (0, 0, 1) through (5, 0, ", "point \"b\" moves most"});
+  expect_in(refusal(beam({support("a", kAll, {true, true, false})})),
+            {"1 way", "rotation about (0, 0, 1) through (5, 0, ", "point \"b\" moves most"});
 }
 
 TEST(MechanismCheck, NamesASpinAboutTheLineOfAllPoints) {
-  expect_parts(refusal(beam({support("a", kAll, kNone), support("b", kAll, kNone)})),
-               {"1 way", "rotation about (0.333333, 0.666667, 0.666667)", "all its points lie on this axis"});
+  expect_in(refusal(beam({support("a", kAll, kNone), support("b", kAll, kNone)})),
+            {"1 way", "rotation about (0.333333, 0.666667, 0.666667)", "all its points lie on this axis"});
 }
 
 TEST(MechanismCheck, CountsAllFreeMotions) {
-  expect_parts(refusal(beam({})),
-               {"6 ways", "rotation about (1, 0, 0)", "rotation about (0, 1, 0)", "rotation about (0, 0, 1)",
-                "translation along (1, 0, 0)", "translation along (0, 0, 1)"});
-  expect_parts(refusal(beam({support("a", kAll, kNone)})), {"3 ways"});
+  expect_in(refusal(beam({})),
+            {"6 ways", "rotation about (1, 0, 0)", "rotation about (0, 1, 0)", "rotation about (0, 0, 1)",
+             "translation along (1, 0, 0)", "translation along (0, 0, 1)"});
+  expect_in(refusal(beam({support("a", kAll, kNone)})), {"3 ways"});
 }
 
 TEST(MechanismCheck, NamesThePartThatIsNotHeld) {
@@ -97,7 +97,7 @@ TEST(MechanismCheck, NamesThePartThatIsNotHeld) {
   scene.points.push_back(point("e", {5, 3, 9}));
   scene.members.push_back(line("c", "d"));
   scene.members.push_back(line("d", "e"));
-  expect_parts(refusal(scene), {"connected members \"c-d\", \"d-e\"", "6 ways"});
+  expect_in(refusal(scene), {"connected members \"c-d\", \"d-e\"", "6 ways"});
 }
 
 TEST(MechanismCheck, DoesNotDependOnScaleOrPlace) {
@@ -112,7 +112,7 @@ TEST(MechanismCheck, DoesNotDependOnScaleOrPlace) {
         }
       }
       SCOPED_TRACE("scale " + std::to_string(scale) + ", shift " + std::to_string(shift));
-      expect_parts(refusal(free_to_spin), {"1 way", "rotation about (0.333333, 0.666667, 0.666667)"});
+      expect_in(refusal(free_to_spin), {"1 way", "rotation about (0.333333, 0.666667, 0.666667)"});
       EXPECT_NO_THROW(check_supports(held, ParameterSource("scene.xml")));
     }
   }
@@ -126,7 +126,7 @@ TEST(MechanismCheck, ChecksAClosedRingOfOnePoint) {
   scene.supports = {support("a", kAll, kAll)};
   EXPECT_NO_THROW(check_supports(scene, ParameterSource("scene.xml")));
   scene.supports = {support("a", kAll, kNone)};
-  expect_parts(refusal(scene), {"3 ways"});
+  expect_in(refusal(scene), {"3 ways"});
 }
 
 Joint joint(JointKind kind, const std::string& at, const std::string& member, const Vector3& axis = {0, 0, 1}) {
@@ -151,16 +151,16 @@ Scene portal(const std::vector<Joint>& joints) {
 
 TEST(MechanismCheck, ABarBetweenBallJointsSpins) {
   expect_held(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::hinge, "c", "b-c")}));
-  expect_parts(refusal(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::ball, "c", "b-c")})),
-               {"connected members \"a-b\", \"b-c\", \"d-c\"", "1 way", "member \"b-c\" by rotation about (1, 0, 0)",
-                "all its points lie on this axis and only turn", "springs and joints"});
+  expect_in(refusal(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::ball, "c", "b-c")})),
+            {"connected members \"a-b\", \"b-c\", \"d-c\"", "1 way", "member \"b-c\" by rotation about (1, 0, 0)",
+             "all its points lie on this axis and only turn", "springs and joints"});
 }
 
 TEST(MechanismCheck, FourBarsAreAMechanism) {
   Scene scene = portal({joint(JointKind::hinge, "b", "b-c"), joint(JointKind::hinge, "c", "b-c")});
   expect_held(scene);
   scene.supports = {support("a", kAll, {true, true, false}), support("d", kAll, {true, true, false})};
-  expect_parts(refusal(scene), {"1 way", "others with it through the joints"});
+  expect_in(refusal(scene), {"1 way", "others with it through the joints"});
   scene.joints[0].stiffness = 1.0;
   expect_held(scene);
   scene.joints[0].stiffness = 0.0;
@@ -177,24 +177,24 @@ TEST(MechanismCheck, AScissorFoldsUnlessHalvesStayTogether) {
   scene.supports = {support("a", kAll, {true, true, false}), support("b", kAll, {true, true, false})};
   scene.joints = {joint(JointKind::hinge, "p", "b-p")};
   scene.joints[0].members = {"b-p", "p-d"};
-  expect_parts(refusal(scene), {"1 way", "member \"p-d\" by rotation about (0, 0, 1) through (2, 1.5, 0)"});
+  expect_in(refusal(scene), {"1 way", "member \"p-d\" by rotation about (0, 0, 1) through (2, 1.5, 0)"});
   scene.joints[0].together = true;
   expect_held(scene);
   scene.supports[1].displacement_fixed = {false, true, true};
-  expect_parts(refusal(scene), {"1 way", "others with it through the joints"});
+  expect_in(refusal(scene), {"1 way", "others with it through the joints"});
 }
 
 TEST(MechanismCheck, SlidersSlideAlongTheirAxis) {
   Scene scene = portal({joint(JointKind::slider, "b", "b-c", {1, 0, 0})});
   expect_held(scene);
   scene.supports.pop_back();
-  expect_parts(refusal(scene), {"members \"b-c\", \"d-c\" by translation along (1, 0, 0)"});
+  expect_in(refusal(scene), {"members \"b-c\", \"d-c\" by translation along (1, 0, 0)"});
 }
 
 TEST(MechanismCheck, SupportsHoldAlongTheirAxes) {
   Scene scene = beam({support("a", {true, true, false}, kAll)});
   scene.supports[0].axes = {{{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}}};
-  expect_parts(refusal(scene), {"1 way", "translation along (0, 0.8, -0.6)"});
+  expect_in(refusal(scene), {"1 way", "translation along (0, 0.8, -0.6)"});
   scene.supports[0].displacement_stiffness = {0, 0, 1};
   expect_held(scene);
 }
@@ -216,7 +216,7 @@ TEST(MechanismCheck, TellsWhenThereAreTooManyJoinedParts) {
   }
   EXPECT_THROW(check_supports(scene, ParameterSource("scene.xml")), InputError);
   scene.supports = {support("p0", kAll, kAll)};
-  expect_parts(check_supports(scene, ParameterSource("scene.xml")), {"was not checked", "400 parts"});
+  expect_in(check_supports(scene, ParameterSource("scene.xml")), {"was not checked", "400 parts"});
 }
 
 TEST(MechanismCheck, TakesAHundredThousandMembers) {
@@ -228,18 +228,18 @@ TEST(MechanismCheck, TakesAHundredThousandMembers) {
   }
   scene.supports = {support("p0", kAll, {true, true, false})};
   const auto begin = std::chrono::steady_clock::now();
-  expect_parts(refusal(scene), {"and 99976 more", "rotation about (0, 0, 1)", "point \"p100000\" moves most"});
+  expect_in(refusal(scene), {"and 99976 more", "rotation about (0, 0, 1)", "point \"p100000\" moves most"});
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   EXPECT_LT(seconds.count(), 10.0);  // far above the 0.2 s that it takes; quadratic time would need minutes
 }
 
 TEST(MechanismCheck, FindsTheLineOfTheSupportsInTheFile) {
-  XmlParameters xml = parse_xml(replaced(kBowScene, "name=\"Point\" type=\"string\" value=\"foot\"/>",
-                                         "name=\"Point\" type=\"string\" value=\"foot\"/><Parameter name=\"Fixed "
-                                         "Rotation\" type=\"Array(string)\" value=\"{}\"/>"),
+  XmlParameters xml = parse_xml(changed(kBowScene, "name=\"Point\" type=\"string\" value=\"foot\"/>",
+                                        "name=\"Point\" type=\"string\" value=\"foot\"/><Parameter name=\"Fixed "
+                                        "Rotation\" type=\"Array(string)\" value=\"{}\"/>"),
                                 "scene.xml");
-  expect_parts(message_of([&] { read_scene(xml.list->sublist("Scene"), xml.source); }),
-               {"scene.xml:39: XML path \"Scene / Supports\"", "\"shaft\", \"arch\"", "3 ways"});
+  expect_in(message_of([&] { read_scene(xml.list->sublist("Scene"), xml.source); }),
+            {"scene.xml:39: XML path \"Scene / Supports\"", "\"shaft\", \"arch\"", "3 ways"});
 }
 
 }  // namespace

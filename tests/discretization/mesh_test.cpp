@@ -2,7 +2,7 @@
 #include "discretization/mesh/mesh.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/text/errors.hpp"
-#include "tests/problems/scenes.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
 

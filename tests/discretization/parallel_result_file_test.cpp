@@ -3,12 +3,12 @@
 #include "discretization/results/result_file.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/state/snapshot.hpp"
-#include "tests/problems/constrained_scenes.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/ranks.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <Teuchos_CommHelpers.hpp>
-#include <Teuchos_DefaultMpiComm.hpp>
 
 #include <csignal>
 #include <cstdlib>
@@ -22,14 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Communicator all_of_them() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_WORLD)); }
-Communicator each_alone() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
-bool is_first_rank() { return all_of_them()->getRank() == 0; }
-bool is_last_rank() { return all_of_them()->getRank() == all_of_them()->getSize() - 1; }
+bool is_first_rank() { return all_ranks()->getRank() == 0; }
+bool is_last_rank() { return all_ranks()->getRank() == all_ranks()->getSize() - 1; }
 
 /// Added by the ranks behind the first to what they report.
 std::string of_last_rank() {
-  const int last = all_of_them()->getSize() - 1;
+  const int last = all_ranks()->getSize() - 1;
   return last == 0 ? "" : " (rank " + std::to_string(last) + ")";
 }
 
@@ -101,7 +99,7 @@ void change_one_number(const fs::path& path, const std::string& dataset, size_t 
 
 /// Unknowns drawn at random, the same on all ranks to the last bit, on all of them together or on each alone.
 State random_state(const Scene& scene, const Model& model, unsigned seed) {
-  const Model alone(scene, each_alone(), {});
+  const Model alone(scene, this_rank(), {});
   MixedVector increment = alone.create_vector();
   std::mt19937_64 generator(seed);
   std::uniform_real_distribution<double> entry(-0.1, 0.1);
@@ -180,18 +178,18 @@ class MpiResultFile : public ::testing::Test {
     if (is_first_rank()) {
       ASSERT_NE(mkdtemp(folder.data()), nullptr);
     }
-    Teuchos::broadcast(*all_of_them(), 0, static_cast<int>(folder.size()), folder.data());
+    Teuchos::broadcast(*all_ranks(), 0, static_cast<int>(folder.size()), folder.data());
     folder_ = folder;
   }
   void TearDown() override {
-    Teuchos::barrier(*all_of_them());
+    Teuchos::barrier(*all_ranks());
     if (is_first_rank()) fs::remove_all(folder_);
   }
 
   void expect_same_file(const Scene& scene, bool resumes = false) {
-    write_results(folder_ / "together.h5", scene, all_of_them(), resumes);
+    write_results(folder_ / "together.h5", scene, all_ranks(), resumes);
     if (!is_first_rank()) return;
-    write_results(folder_ / "alone.h5", scene, each_alone(), false);
+    write_results(folder_ / "alone.h5", scene, this_rank(), false);
     const Contents alone = contents_of_results(folder_ / "alone.h5");
     EXPECT_GT(alone.size(), 150U);
     EXPECT_EQ(different_entries(contents_of_results(folder_ / "together.h5"), alone), std::vector<std::string>());
@@ -227,8 +225,8 @@ TEST_F(MpiResultFile, GoesOnBehindAStoredRun) { expect_same_file(branched_scene(
 
 TEST_F(MpiResultFile, StatesComeBackOnAllRanks) {
   const Scene scene = branched_scene();
-  write_results(folder_ / "run.h5", scene, all_of_them(), false);
-  const Model alone(scene, each_alone(), {});
+  write_results(folder_ / "run.h5", scene, all_ranks(), false);
+  const Model alone(scene, this_rank(), {});
   const StateSnapshot expected = snapshot_of(alone, random_state(scene, alone, 3)),
                       stored = StoredRun(folder_ / "run.h5").state(3);
   EXPECT_EQ(stored.vertex_displacement, expected.vertex_displacement);
@@ -239,8 +237,8 @@ TEST_F(MpiResultFile, StatesComeBackOnAllRanks) {
 
 TEST_F(MpiResultFile, ARecordThatDoesNotFitOnOneRankIsRefusedByAll) {
   const Scene scene = branched_scene();
-  const Model model(scene, all_of_them(), {});
-  ResultFile file(folder_ / "run.h5", header_of_test(), all_of_them());
+  const Model model(scene, all_ranks(), {});
+  ResultFile file(folder_ / "run.h5", header_of_test(), all_ranks());
   StepRecord broken = record_of(scene, model, 0);
   if (is_last_rank()) broken.members.back().position.pop_back();
   const std::string error = shared_error([&] { file.append_step(broken); });
@@ -251,8 +249,8 @@ TEST_F(MpiResultFile, ARecordThatDoesNotFitOnOneRankIsRefusedByAll) {
 // A limit on the file size stands for a full disk.
 TEST_F(MpiResultFile, AFullDiskOnOneRankIsReportedByAll) {
   const Scene scene = branched_scene();
-  const Model model(scene, all_of_them(), {});
-  ResultFile file(folder_ / "run.h5", header_of_test(), all_of_them());
+  const Model model(scene, all_ranks(), {});
+  ResultFile file(folder_ / "run.h5", header_of_test(), all_ranks());
   file.append_step(record_of(scene, model, 0));
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -271,13 +269,12 @@ TEST_F(MpiResultFile, AFullDiskOnOneRankIsReportedByAll) {
 }
 
 TEST_F(MpiResultFile, AMissingFolderIsReportedByAll) {
-  const std::string error =
-      shared_error([&] { ResultFile(folder_ / "no" / "run.h5", header_of_test(), all_of_them()); });
+  const std::string error = shared_error([&] { ResultFile(folder_ / "no" / "run.h5", header_of_test(), all_ranks()); });
   EXPECT_NE(error.find("does not exist"), std::string::npos) << error;
 }
 
 TEST(MpiRankAgreement, TheFirstProblemIsThatOfAll) {
-  const Communicator ranks = all_of_them();
+  const Communicator ranks = all_ranks();
   EXPECT_EQ(first_problem(*ranks, [] {}), "");
   const auto fail = [] { throw std::runtime_error("disk full"); };
   EXPECT_EQ(first_problem(*ranks, fail), "disk full");

@@ -2,7 +2,7 @@
 #include "discretization/geometry/reference_curve.hpp"
 
 #include "discretization/geometry/curve_end.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gsl/gsl_sf_ellint.h>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ namespace {
 
 using test::WorstError;
 
-constexpr double kPi = 3.14159265358979323846;
+using test::kPi;
 constexpr unsigned kSeed = 20240611;
 constexpr int kIntervals = 97;  // of a sweep: no multiple of any number of panels
 

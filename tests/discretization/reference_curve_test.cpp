@@ -2,7 +2,7 @@
 ///   r(t) = c + R (cos t b1 + sin t b2) + t / angle * rise b3,     t = angle s / L.
 #include "discretization/geometry/reference_curve.hpp"
 
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ namespace {
 using test::kRounding;
 using test::WorstError;
 
-constexpr double kPi = 3.14159265358979323846;
+using test::kPi;
 constexpr unsigned kSeed = 20240611;
 
 // All errors are bounded by small multiples of one rounding (1.1e-16), about twice what was measured with and without

@@ -3,12 +3,12 @@
 
 #include "discretization/assembly/tangent.hpp"
 #include "discretization/text/errors.hpp"
-#include "tests/problems/scenes.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Teuchos_DefaultMpiComm.hpp>
 #include <random>
 
 namespace mixbeam::test::reference_element_test {
@@ -50,7 +50,7 @@ Curve formula_curve() {
 
 /// Largest residual of the elements in the undeformed state, unscaled.
 double largest_row(const Scene& scene) {
-  const Model model(scene, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
+  const Model model(scene, this_rank(), {});
   MixedVector rows = model.create_vector();
   element_rows(model, model.reference_state(), 0.0, false, rows);
   double largest = 0.0;
@@ -99,7 +99,7 @@ TEST(ReferenceElement, WithoutTheJumpsTheStateIsNot) {
   const Scene scene = clamped(formula_curve(), 2, 5);
   Scene placed = scene;
   placed.points.pop_back();
-  const Model model(placed, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), {});
+  const Model model(placed, this_rank(), {});
   const ElementBlock& block = model.structure().blocks[0];
   const MeshMember& member = model.mesh().members[0];
   double points[3], weights[3];

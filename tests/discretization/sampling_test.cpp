@@ -4,12 +4,11 @@
 #include "kernels/element/kinematics.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
-#include "tests/problems/scenes.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
-
-#include <Teuchos_DefaultMpiComm.hpp>
 
 namespace mixbeam::test::sampling_test {
 namespace {
@@ -20,8 +19,6 @@ constexpr double kFewRoundings = 1e-14;
 constexpr double kLength = 6.0;
 constexpr int kOrder = 3, kElements = 2;
 constexpr double kElementLength = kLength / kElements;
-
-Communicator this_rank() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
 
 /// A cubic displacement, its slope, a cubic moment, a quadratic force: all of them in the spaces of order three.
 Vec3<double> displacement(double s) { return {{0.1 * s, 0.2 * s * s - 1.0, 0.3 - 0.01 * s * s * s}}; }

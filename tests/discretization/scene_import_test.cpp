@@ -30,7 +30,7 @@ class SceneImport : public ::testing::Test {
   }
 
   void expect_refused(const std::vector<std::string>& parts) const {
-    expect_parts(message_of([&] { read(); }), parts);
+    expect_in(message_of([&] { read(); }), parts);
   }
 
   std::filesystem::path folder_;

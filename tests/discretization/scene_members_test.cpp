@@ -1,11 +1,12 @@
 #include "scene_text.hpp"
+#include "tests/support/numbers.hpp"
 
 #include <cmath>
 
 namespace mixbeam::scene_members_test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using test::kPi;
 constexpr double kRounding = 1e-14;  // of numbers of size 1
 
 const std::string kPoints = numbers("A", "{1, 0, 0}") + numbers("B", "{-1, 0, 0}");

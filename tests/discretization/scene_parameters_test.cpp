@@ -12,9 +12,9 @@ namespace {
 /// The scene with one change, refused with a message that has all `parts`.
 void expect_refused(const std::string& from, const std::string& to, const std::vector<std::string>& parts,
                     const std::string& scene = kBowScene) {
-  const std::string message = message_of([&] { scene_from(replaced(scene, from, to)); });
-  expect_parts(message, parts);
-  expect_parts(message, {"scene.xml:", "XML path \"Scene"});
+  const std::string message = message_of([&] { scene_from(changed(scene, from, to)); });
+  expect_in(message, parts);
+  expect_in(message, {"scene.xml:", "XML path \"Scene"});
 }
 
 std::string text_parameter(const std::string& name, const std::string& value) {
@@ -28,11 +28,11 @@ std::string array_parameter(const std::string& name, const std::string& value) {
 /// The scene with more lines in its support, or in its point load.
 const std::string kSupportPoint = text_parameter("Point", "foot");
 const std::string kLoadPoint = text_parameter("Point", "tip");
-std::string with_support(const std::string& more) { return replaced(kBowScene, kSupportPoint, kSupportPoint + more); }
-std::string with_load(const std::string& more) { return replaced(kBowScene, kLoadPoint, kLoadPoint + more); }
+std::string with_support(const std::string& more) { return changed(kBowScene, kSupportPoint, kSupportPoint + more); }
+std::string with_load(const std::string& more) { return changed(kBowScene, kLoadPoint, kLoadPoint + more); }
 
 void expect_scene_refused(const std::string& scene, const std::vector<std::string>& parts) {
-  expect_parts(message_of([&] { scene_from(scene); }), parts);
+  expect_in(message_of([&] { scene_from(scene); }), parts);
 }
 
 TEST(SceneParameters, ReadsAValidScene) {
@@ -76,7 +76,7 @@ TEST(SceneParameters, FollowsChainsOfCurvesInAnyOrder) {
       "<Parameter name=\"Angle\" type=\"double\" value=\"3.141592653589793\"/><Parameter name=\"Rise\" type=\"int\" "
       "value=\"-4\"/></ParameterList></ParameterList>";
   const std::string arch = "<ParameterList name=\"arch\">";
-  const Scene scene = scene_from(replaced(kBowScene, arch, second + arch));
+  const Scene scene = scene_from(changed(kBowScene, arch, second + arch));
   ASSERT_EQ(scene.points.size(), 4U);
   EXPECT_EQ(scene.points[3].name, "far");
   EXPECT_NEAR(scene.points[3].position[0], 5.0, 1e-13);
@@ -86,7 +86,7 @@ TEST(SceneParameters, FollowsChainsOfCurvesInAnyOrder) {
 
 TEST(SceneParameters, DeclaredEndsMustAgree) {
   const std::string top = array_parameter("top", "{10, 0, 0}");
-  EXPECT_NO_THROW(scene_from(replaced(kBowScene, top, top + array_parameter("tip", "{15, 5, 0}"))));
+  EXPECT_NO_THROW(scene_from(changed(kBowScene, top, top + array_parameter("tip", "{15, 5, 0}"))));
   expect_refused(top, top + array_parameter("tip", "{15, 5, 1e-6}"),
                  {"\"Scene / Members / arch / End\"", "\"tip\" is at (15, 5, 1e-06)", "but the curve ends at", "1e-9"});
 }
@@ -94,8 +94,8 @@ TEST(SceneParameters, DeclaredEndsMustAgree) {
 TEST(SceneParameters, SwitchesMakeStiffnessesInfinite) {
   const std::string ea = "<Parameter name=\"EA\" type=\"double\" value=\"1e4\"/>";
   const std::string inextensible = "<Parameter name=\"Inextensible\" type=\"bool\" value=\"true\"/>";
-  EXPECT_TRUE(std::isinf(scene_from(replaced(kBowScene, ea, inextensible)).sections[0].axial_stiffness));
-  EXPECT_TRUE(std::isinf(scene_from(replaced(kBowScene, "1e4", "inf")).sections[0].axial_stiffness));
+  EXPECT_TRUE(std::isinf(scene_from(changed(kBowScene, ea, inextensible)).sections[0].axial_stiffness));
+  EXPECT_TRUE(std::isinf(scene_from(changed(kBowScene, "1e4", "inf")).sections[0].axial_stiffness));
   expect_refused(ea, ea + inextensible,
                  {"scene.xml:6: ", "\"Scene / Sections / steel / EA\"", "10000", "one of the two"});
   expect_refused(ea, "", {"scene.xml:5: ", "\"Scene / Sections / steel / EA\"", "missing", "\"Inextensible\" = true"});
@@ -147,10 +147,10 @@ TEST(SceneParameters, RefusesPointsThatNothingUses) {
   const std::string top = array_parameter("top", "{10, 0, 0}");
   const std::string spare = array_parameter("spare", "{1, 1, 1}");
   expect_refused(top, top + spare, {"scene.xml:16: ", "\"Scene / Points / spare\"", "unused"});
-  expect_parts(message_of([&] { scene_from(replaced(with_support(""), kLoadPoint, text_parameter("Point", "x"))); }),
-               {"\"Scene / Point Loads / pull / Point\"", "\"x\" is not a point"});
+  expect_in(message_of([&] { scene_from(changed(with_support(""), kLoadPoint, text_parameter("Point", "x"))); }),
+            {"\"Scene / Point Loads / pull / Point\"", "\"x\" is not a point"});
   const std::string loaded =
-      replaced(replaced(kBowScene, top, top + spare), kLoadPoint, text_parameter("Point", "spare"));
+      changed(changed(kBowScene, top, top + spare), kLoadPoint, text_parameter("Point", "spare"));
   expect_scene_refused(loaded, {"\"Scene / Point Loads / pull / Point\"", "no member starts or ends there"});
 }
 
@@ -215,8 +215,8 @@ TEST(SceneParameters, RefusesMoreElementsThanMemoryCanHold) {
 TEST(SceneParameters, ManualNamesEveryList) {
   std::ostringstream out;
   print_parameters(out, scene_spec(), "Scene");
-  expect_parts(out.str(), {"[Sections] required", "[<section>]", "[Points]", "[Members]", "[Curve]", "[Supports]",
-                           "[Point Loads]", "[Distributed Loads]", "Force Integration", "[radian]"});
+  expect_in(out.str(), {"[Sections] required", "[<section>]", "[Points]", "[Members]", "[Curve]", "[Supports]",
+                        "[Point Loads]", "[Distributed Loads]", "Force Integration", "[radian]"});
 }
 
 }  // namespace

@@ -22,13 +22,13 @@ std::string material(const std::string& inside = number("E", "200") + number("nu
 }
 
 Section section_from(const std::string& inside) {
-  return scene_from(replaced(kBowScene, kSteel, inside)).sections.at(0);
+  return scene_from(changed(kBowScene, kSteel, inside)).sections.at(0);
 }
 
 void expect_refused(const std::string& inside, const std::vector<std::string>& parts) {
   const std::string message = message_of([&] { section_from(inside); });
-  expect_parts(message, parts);
-  expect_parts(message, {"scene.xml:", "XML path \"Scene / Sections / steel"});
+  expect_in(message, parts);
+  expect_in(message, {"scene.xml:", "XML path \"Scene / Sections / steel"});
 }
 
 const std::string kRectangle = shape("rectangle") + number("Width", "2") + number("Height", "3");
@@ -127,7 +127,7 @@ TEST(SceneSections, OneWayOnly) {
   expect_refused(kSteel + number("Width", "2"), {"steel / Width", "with \"Shape\" only"});
   expect_refused(kSteel + material(), {"steel / Material", "with \"Shape\" only"});
   expect_refused("", {"steel / EA", "missing", "\"Shape\" or \"Matrix\""});
-  expect_refused(replaced(kSteel, number("GIt", "2"), ""), {"steel / GIt", "missing"});
+  expect_refused(changed(kSteel, number("GIt", "2"), ""), {"steel / GIt", "missing"});
 }
 
 }  // namespace

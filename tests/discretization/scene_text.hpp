@@ -66,7 +66,7 @@ inline void expect_at(const Scene& scene, const std::string& point, const Vector
 }
 
 inline void expect_text_refused(const std::string& text, const std::vector<std::string>& parts) {
-  expect_parts(message_of([&] { scene_from(text); }), parts);
+  expect_in(message_of([&] { scene_from(text); }), parts);
 }
 
 }  // namespace mixbeam

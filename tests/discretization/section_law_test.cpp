@@ -4,7 +4,7 @@
 #include "discretization/mesh/structure.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/errors.hpp"
-#include "tests/problems/scenes.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,7 @@
 #include "discretization/scene/section_shape.hpp"
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +12,7 @@
 namespace mixbeam::section_shape_test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using test::kPi;
 constexpr double kRounding = 1e-14;  // relative; a dozen operations
 
 void expect_close(double value, double expected, double relative = kRounding) {

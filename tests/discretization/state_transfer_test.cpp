@@ -3,19 +3,17 @@
 
 #include "discretization/state/sampling.hpp"
 #include "kernels/element/kinematics.hpp"
-#include "tests/problems/constrained_scenes.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/states.hpp"
 
 #include <gtest/gtest.h>
-#include <Teuchos_DefaultMpiComm.hpp>
 
 #include <cmath>
 #include <random>
 
 namespace mixbeam::test {
 namespace {
-
-Communicator alone() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)); }
-Communicator together() { return Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_WORLD)); }
 
 /// Fields of a size of one, and forces up to a hundred.
 constexpr double kRounding = 1e-12;
@@ -167,7 +165,7 @@ TEST(MpiStateTransfer, SameBitsOnAllRanks) {
   const StateSnapshot expected = snapshot_of(to, transfer(from, state, to));
   const State shared = restore(from_together, snapshot_of(from, state));
   const StateSnapshot actual = snapshot_of(to_together, transfer(from_together, shared, to_together));
-  if (together()->getRank() != 0) return;
+  if (all_ranks()->getRank() != 0) return;
   EXPECT_EQ(actual.vertex_displacement, expected.vertex_displacement);
   EXPECT_EQ(actual.vertex_rotation, expected.vertex_rotation);
   EXPECT_EQ(actual.element_triad, expected.element_triad);

@@ -1,5 +1,6 @@
 /// Residual, condensed tangent and recovery of the interior against the derivatives of the element's energy.
 #include "tests/kernels/element_comparison.hpp"
+#include "tests/support/numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -40,9 +41,8 @@ TEST_P(ElementAd, GradientAndHessianOfTheEnergy) {
 /// formulas are those of a point or an end, the same at every order: all pairs for low orders, where they are cheap.
 TEST_P(ElementAd, EveryRegimeOfRotation) {
   constexpr int regimes = 5, highest_order_of_all_pairs = 4;
-  constexpr double pi = 3.14159265358979323846;
   constexpr double psi[regimes] = {0.0, 1e-12, 1e-4, 0.8, 3.5};  // 3.5: beyond the series of the Stumpff functions
-  constexpr double end_angle[regimes] = {0.0, 1e-12, 1e-4, 1.0, pi - 1e-6};
+  constexpr double end_angle[regimes] = {0.0, 1e-12, 1e-4, 1.0, test::kPi - 1e-6};
   for (int i = 0; i < regimes; ++i)
     for (int j = 0; j < regimes; ++j) {
       if (GetParam() > highest_order_of_all_pairs && i != j) continue;

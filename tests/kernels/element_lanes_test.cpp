@@ -6,7 +6,7 @@
 #include "kernels/loops/tangent.hpp"
 #include "kernels/math/rotation.hpp"
 #include "tests/kernels/element_comparison.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 

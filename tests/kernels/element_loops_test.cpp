@@ -1,11 +1,11 @@
 /// The parallel loops over a block: any number of threads gives the same bits, and increments mean what they say.
 #include "kernels/execution/execution_space.hpp"
 #include "tests/kernels/element_comparison.hpp"
+#include "tests/support/same_bits.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <string>
 
 namespace mixbeam::element_test {
@@ -84,10 +84,6 @@ NamedNumbers everything_written(int order, ForceIntegration rule) {
   return numbers;
 }
 
-bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
-}
-
 class ElementLoops : public testing::TestWithParam<int> {
  protected:
   ElementLoops() : threads_before_(number_of_threads()) {}
@@ -105,7 +101,7 @@ TEST_P(ElementLoops, SameBitsWithAnyNumberOfThreads) {
       set_number_of_threads(threads);
       const NamedNumbers found = everything_written(GetParam(), rule);
       for (size_t i = 0; i < expected.names.size(); ++i)
-        EXPECT_TRUE(same_bits(found.values[i], expected.values[i]))
+        EXPECT_TRUE(test::same_bits(found.values[i], expected.values[i]))
             << expected.names[i] << ", " << threads << " threads, order " << GetParam() << ", rule "
             << static_cast<int>(rule);
     }
@@ -121,9 +117,9 @@ TEST_P(ElementLoops, EachElementIsAloneInItsRows) {
   const SampleBlock one({sample}, true);
   evaluate_tangent(one.block, one.structure, one.state, one.equations);
   const auto part = [](const double* begin, int size) { return std::vector<double>(begin, begin + size); };
-  EXPECT_TRUE(same_bits(part(&many.equations.condensed_tangent(many.element_row(e), 0), 144),
+  EXPECT_TRUE(test::same_bits(part(&many.equations.condensed_tangent(many.element_row(e), 0), 144),
                         part(&one.equations.condensed_tangent(one.element_row(0), 0), 144)));
-  EXPECT_TRUE(same_bits(part(many.equations.response.data() + many.block.response_offset + e * rows, rows),
+  EXPECT_TRUE(test::same_bits(part(many.equations.response.data() + many.block.response_offset + e * rows, rows),
                         part(one.equations.response.data() + one.block.response_offset, rows)));
   for (size_t i = 0; i < many.block.response_offset; ++i) EXPECT_EQ(many.equations.response(i), 0.0);
   for (int i = 0; i < many.block.first_element; ++i) EXPECT_EQ(many.equations.condensed_tangent(i, 0), 0.0);

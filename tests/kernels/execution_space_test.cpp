@@ -1,11 +1,12 @@
 // The execution space against Kokkos::Serial: the same bits with 1, 2 and 4 threads.
 #include "kernels/execution/execution_space.hpp"
 
+#include "tests/support/same_bits.hpp"
+
 #include <gtest/gtest.h>
 
 #include <Kokkos_Core.hpp>
 #include <cmath>
-#include <cstring>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -31,10 +32,6 @@ Values computed_with(const Policy& policy) {
   Kokkos::parallel_for(
       "some_values", policy, KOKKOS_LAMBDA(const int i) { values(i) = some_value(i); });
   return values;
-}
-
-bool same_bits(const Values& a, const Values& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
 std::string message_of_exception_in_kernel(int size, int first_bad_index, bool dynamic) {
@@ -76,15 +73,15 @@ TEST_P(ExecutionSpaceTest, HasTheNumberOfThreadsThatWasSet) {
 TEST_P(ExecutionSpaceTest, StaticForHasTheBitsOfSerial) {
   const Values expected = computed_with(Kokkos::RangePolicy<Kokkos::Serial>(0, kSize));
   const Values values = computed_with(Kokkos::RangePolicy<ExecutionSpace>(0, kSize));
-  EXPECT_TRUE(same_bits(values, expected));
+  EXPECT_TRUE(test::same_bits(values, expected));
 }
 
 TEST_P(ExecutionSpaceTest, DynamicForHasTheBitsOfSerial) {
   using Policy = Kokkos::RangePolicy<ExecutionSpace, Kokkos::Schedule<Kokkos::Dynamic>>;
   const Values expected = computed_with(Kokkos::RangePolicy<Kokkos::Serial>(0, kSize));
-  EXPECT_TRUE(same_bits(computed_with(Policy(0, kSize)), expected));
+  EXPECT_TRUE(test::same_bits(computed_with(Policy(0, kSize)), expected));
   for (const int chunk_size : {1, 7, 20000})
-    EXPECT_TRUE(same_bits(computed_with(Policy(0, kSize, Kokkos::ChunkSize(chunk_size))), expected))
+    EXPECT_TRUE(test::same_bits(computed_with(Policy(0, kSize, Kokkos::ChunkSize(chunk_size))), expected))
         << "chunk size " << chunk_size;
 }
 
@@ -104,7 +101,7 @@ TEST_P(ExecutionSpaceTest, SmallBodyHasTheBitsOfOneThread) {
   compute(expected);
   set_number_of_threads(GetParam());
   compute(values);
-  EXPECT_TRUE(same_bits(values, expected));
+  EXPECT_TRUE(test::same_bits(values, expected));
 }
 
 TEST_P(ExecutionSpaceTest, RangeMayBeginAnywhere) {

@@ -1,7 +1,7 @@
 /// Gauss rules: degree of exactness from both sides, printed tables, and roots with 64-bit mantissas.
 #include "kernels/math/gauss.hpp"
 
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "kernels/math/legendre.hpp"
 
 #include "kernels/math/gauss.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 /// Elements that move in a plane against the spatial kernels and the derivatives of the energy.
 #include "kernels/loops/planar_block.hpp"
 #include "tests/kernels/element_comparison.hpp"
+#include "tests/support/numbers.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +12,7 @@ namespace {
 
 /// As kTangentTolerance, for random states that may be nearly singular; the others differ by some hundred roundings.
 constexpr double kPlanarTolerance = 2e-11;
-constexpr double kPi = 3.14159265358979323846;
+using test::kPi;
 
 PlaneAxes plane_of(const Quaternion<double>& turn) {
   const Mat3<double> m = rotation_matrix(turn);

@@ -3,7 +3,7 @@
 #include "kernels/math/rotation.hpp"
 
 #include "tests/kernels/rotation_oracle.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,41 +2,15 @@
 #pragma once
 
 #include "nonlinear/newton/beam_group.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
+#include "tests/support/states.hpp"
 
 #include <LOCA_GlobalData.H>
-#include <cstring>
-#include <random>
 
 namespace mixbeam::test {
 
-template <class... A, class... B>
-bool same_bits(const Kokkos::View<A...>& a, const Kokkos::View<B...>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
-}
-
-inline bool same_bits(const State& a, const State& b) {
-  return same_bits(a.views.vertex_displacement, b.views.vertex_displacement) &&
-         same_bits(a.views.vertex_rotation, b.views.vertex_rotation) &&
-         same_bits(a.views.element_triad, b.views.element_triad) && same_bits(a.views.interior, b.views.interior);
-}
-
-inline bool same_bits(const MixedVector& a, const MixedVector& b) {
-  return same_bits(a.vertex(), b.vertex()) && same_bits(a.interior(), b.interior());
-}
-
 inline bool same_bits(const NOX::Abstract::Vector& a, const NOX::Abstract::Vector& b) {
   return same_bits(BeamVector::of(a), BeamVector::of(b));
-}
-
-/// Entries between -size and size, the same in every run.
-inline void fill_at_random(MixedVector& v, double size, unsigned seed) {
-  std::mt19937_64 generator(seed);
-  std::uniform_real_distribution<double> entry(-size, size);
-  const auto vertex = v.vertex();
-  for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = entry(generator);
-  const auto interior = v.writable_interior(false);
-  for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = entry(generator);
 }
 
 /// Force stiffness never capped: the tangent is that of the residual, to the last digit.

@@ -2,7 +2,7 @@
 #include "nonlinear/newton/beam_vector.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <limits>
 #include <vector>

@@ -2,9 +2,9 @@
 #include "nonlinear/linear/chain_solver.hpp"
 
 #include "kernels/execution/execution_space.hpp"
-#include "tests/problems/constrained_scenes.hpp"
-#include "tests/problems/scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <algorithm>
 #include <cmath>

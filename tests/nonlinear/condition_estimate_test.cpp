@@ -4,8 +4,8 @@
 
 #include "discretization/assembly/tangent.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
-#include "tests/problems/solve.hpp"
-#include "tests/scene_units.hpp"
+#include "tests/support/scene_units.hpp"
+#include "tests/support/solve.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

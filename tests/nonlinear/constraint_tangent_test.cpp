@@ -1,6 +1,6 @@
 // The tangent of supports and joints is the derivative of their equations.
 #include "tests/nonlinear/beam_fixture.hpp"
-#include "tests/problems/constrained_scenes.hpp"
+#include "tests/support/constrained_scenes.hpp"
 
 namespace mixbeam::test {
 namespace {

@@ -2,6 +2,7 @@
 #include "nonlinear/diagnosis/failure_report.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
+#include "tests/support/text.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -45,10 +46,6 @@ SolverParameters in_steps(double initial, double minimum, int iterations = 50) {
 
 bool advises(const FailureReport& report, AdviceKind kind) {
   return std::any_of(report.next.begin(), report.next.end(), [&](const Advice& a) { return a.kind == kind; });
-}
-
-void expect_in(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << " not in:\n" << text;
 }
 
 TEST(FailureReport, OfALoadWithoutValue) {

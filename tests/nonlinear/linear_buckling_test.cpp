@@ -1,8 +1,8 @@
 // Linear buckling against closed forms.
 #include "nonlinear/stability/linear_buckling.hpp"
 
-#include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"
+#include "tests/support/buckling_scenes.hpp"
 
 namespace mixbeam::test {
 namespace {

@@ -1,5 +1,7 @@
 #include "nonlinear/accuracy/mesh_choice.hpp"
 
+#include "tests/support/scenes.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,23 +12,12 @@ namespace {
 /// Lines one behind the other.
 Scene chain(int members) {
   Scene scene;
-  Section rod;
-  rod.name = "rod";
-  rod.axial_stiffness = 1.0;
-  rod.shear_stiffness = {1.0, 1.0};
-  rod.torsional_stiffness = 1.0;
-  rod.bending_stiffness = {1.0, 1.0};
-  scene.sections = {rod};
+  scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
   scene.points = {{"0", {0, 0, 0}}};
   for (int m = 0; m < members; ++m) {
     const std::string start = std::to_string(m), end = std::to_string(m + 1);
     scene.points.push_back({end, {m + 1.0, 0, 0}});
-    Member member;
-    member.name = "member " + end;
-    member.start_point = start;
-    member.end_point = end;
-    member.section = "rod";
-    scene.members.push_back(member);
+    scene.members.push_back(test::line("member " + end, start, end, Member().order, Member().elements));
   }
   return scene;
 }
@@ -75,12 +66,8 @@ int work_of(const MemberMesh& mesh) { return (mesh.order + 1) * mesh.elements; }
 /// A chain that is clamped at its start and loaded at this point.
 Scene loaded_chain(int members, const std::string& point) {
   Scene scene = chain(members);
-  scene.supports.resize(1);
-  scene.supports[0].point = "0";
-  scene.supports[0].displacement_fixed = scene.supports[0].rotation_fixed = {true, true, true};
-  scene.point_loads.resize(1);
-  scene.point_loads[0].point = point;
-  scene.point_loads[0].force = {0.0, 20.0, 0.0};
+  scene.supports = {test::clamp("0")};
+  scene.point_loads = {test::dead_load(point, {0.0, 20.0, 0.0})};
   return scene;
 }
 

@@ -3,7 +3,7 @@
 
 #include "nonlinear/stability/stability.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
-#include "tests/scene_units.hpp"
+#include "tests/support/scene_units.hpp"
 
 namespace mixbeam::test {
 

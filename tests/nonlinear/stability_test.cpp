@@ -1,7 +1,7 @@
 // Stability of equilibria against closed forms, and the inertia of the reduced tangent against LAPACK.
 #include "kernels/condensation/row_pivoting.hpp"
-#include "tests/nonlinear/buckling_scenes.hpp"
 #include "tests/nonlinear/stability_fixture.hpp"
+#include "tests/support/buckling_scenes.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 

@@ -2,9 +2,9 @@
 #include "discretization/parameters/xml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
-#include "tests/nonlinear/buckling_scenes.hpp"
-#include "tests/problems/scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/buckling_scenes.hpp"
+#include "tests/support/scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // The comparison of the other tests must be able to fail: twins of their checks with wrong answers.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <limits>
 

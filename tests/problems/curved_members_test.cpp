@@ -1,6 +1,6 @@
 // Members of any undeformed shape, solved: against exact arcs and helices, and against shooting on the differential
 // equations of the rod, integrated here without finite elements.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include "discretization/geometry/reference_curve.hpp"
 

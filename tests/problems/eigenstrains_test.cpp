@@ -1,6 +1,6 @@
 // Strains without stress: what a free member does, and what a held one feels.
 #include "kernels/math/gauss.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 
@@ -145,19 +145,10 @@ TEST(Eigenstrains, HeldMemberFeelsTheMoment) {
 // Linear curvature kappa = c s: the angle is c s^2 / 2, the centerline its integral (a clothoid).
 TEST(Eigenstrains, VaryingCurvatureGivesAClothoid) {
   constexpr double kRate = 1.5;
-  constexpr int kPanels = 40, kPoints = 8;
   Scene scene = with_eigenstrain(4, 16, {}, {});
   scene.eigenstrains[0].curvature_formula[2] = "1.5 * s";
   const Simulation beam = solved(scene);
-  double xi[kPoints], weight[kPoints];
-  gauss_rule(kPoints, xi, weight);
-  Vector3 tip{};
-  for (int panel = 0; panel < kPanels; ++panel)
-    for (int q = 0; q < kPoints; ++q) {
-      const double s = kLength / kPanels * (panel + 0.5 * (1.0 + xi[q]));
-      tip[0] += 0.5 * kLength / kPanels * weight[q] * std::cos(0.5 * kRate * s * s);
-      tip[1] += 0.5 * kLength / kPanels * weight[q] * std::sin(0.5 * kRate * s * s);
-    }
+  const Vector3 tip = point_of_curve(kLength, [](double s) { return 0.5 * kRate * s * s; });
   EXPECT_TRUE(agrees(beam.rotation("tip"), {0, 0, 0.5 * kRate * kLength * kLength}, kSolved));
   EXPECT_TRUE(agrees(beam.position("tip"), tip, kSolved));
 }

@@ -1,6 +1,6 @@
 // Estimated errors beside true ones, from closed forms.
-#include "tests/problems/constrained_scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <array>
 #include <vector>

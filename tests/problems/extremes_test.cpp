@@ -1,6 +1,6 @@
 // The ends of the range of numbers: rigid beside soft, short beside long, many elements, angles of nothing and of pi.
 // Wherever a limit exists the answer must approach it at the rate of theory, in as many iterations.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // Loads per length that turn with the section.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

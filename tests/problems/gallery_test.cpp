@@ -4,8 +4,8 @@
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "kernels/math/rotation.hpp"
-#include "tests/problems/solve.hpp"
-#include "tests/scene_units.hpp"
+#include "tests/support/scene_units.hpp"
+#include "tests/support/solve.hpp"
 
 #include <algorithm>
 #include <filesystem>

@@ -1,7 +1,7 @@
 // Exact statements about solutions: they hold for the discrete solution, too, so no mesh enters their tolerances.
 #include "kernels/math/rotation.hpp"
-#include "tests/problems/solve.hpp"
-#include "tests/scene_units.hpp"
+#include "tests/support/scene_units.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

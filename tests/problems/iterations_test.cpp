@@ -1,6 +1,6 @@
 // How many Newton iterations the problems of the paper may take, and that stiffness ratios and rigid limits do not
 // change it. The bounds are part of what the program promises.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 namespace mixbeam::test {
 namespace {

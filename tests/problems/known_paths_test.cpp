@@ -5,8 +5,8 @@
 #include "apps/common/studies/judged_path.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "nonlinear/run/accurate_run.hpp"
-#include "tests/problems/constrained_scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <chrono>
 #include <functional>

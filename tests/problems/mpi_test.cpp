@@ -1,6 +1,6 @@
 // The same answer on all ranks together as on one rank alone. ctest runs these on 1, 2 and 3 ranks.
 #include "nonlinear/run/accurate_run.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 namespace mixbeam::test {
 namespace {

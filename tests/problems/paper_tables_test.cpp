@@ -3,7 +3,7 @@
 #include "discretization/mesh/mesh.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

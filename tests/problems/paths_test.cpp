@@ -1,7 +1,7 @@
 // Paths through limit points and past bifurcations, without any solver parameter, against closed forms and the
 // reference values computed by shooting.
-#include "tests/problems/constrained_scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/constrained_scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,8 +1,8 @@
 /// Scenes in a plane, solved with three unknowns per vertex and with six: the same solutions, and what happens out of
 /// the plane is still seen.
 #include "nonlinear/stability/stability.hpp"
-#include "tests/nonlinear/buckling_scenes.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/buckling_scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <gtest/gtest.h>
 

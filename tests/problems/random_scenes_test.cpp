@@ -5,7 +5,7 @@
 #include "discretization/checks/mechanism.hpp"
 #include "discretization/parameters/xml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <array>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // Reactions against statics in closed form, and the balance of everything that acts from outside.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 namespace mixbeam::test::reactions_test {
 namespace {

@@ -1,7 +1,7 @@
 // Values from outside the paper. Where no other source is named they were computed with an independent method: shooting
 // on the ordinary differential equations of the rod with Runge-Kutta 7(8), no finite elements, step doubling changes
 // less than 1e-10. All meshes: 64 elements of order 4 or fewer.
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

@@ -3,7 +3,7 @@
 #include "discretization/parameters/xml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <algorithm>
 #include <filesystem>

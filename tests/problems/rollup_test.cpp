@@ -1,7 +1,7 @@
 // Pure bending to a double circle: what is exact, and how fast the rest converges. (Humer, Steinbrecher, Pechstein,
 // roll-up.)
 #include "kernels/math/gauss.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <vector>
 

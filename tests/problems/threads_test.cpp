@@ -1,6 +1,6 @@
 // The number of threads does not change a single bit of the answer.
 #include "kernels/execution/execution_space.hpp"
-#include "tests/problems/solve.hpp"
+#include "tests/support/solve.hpp"
 
 #include <cstring>
 

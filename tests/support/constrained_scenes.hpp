@@ -2,7 +2,8 @@
 #pragma once
 
 #include "kernels/element/kinematics.hpp"
-#include "tests/problems/scenes.hpp"
+#include "tests/support/scene_units.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <random>
 
@@ -23,31 +24,20 @@ inline Support hinged(const std::string& point) {
 inline Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 inline Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
 inline Vector3 turned(const Mat& rotation, const Vector3& v) { return to_array(rotation * to_vec(v)); }
-
-/// The whole scene turned about the origin; sections here are the same in both bending directions.
-inline Scene turned(const Mat& rotation, Scene scene) {
-  for (Point& point : scene.points) point.position = turned(rotation, point.position);
-  for (Member& member : scene.members) {
-    member.curve.center = turned(rotation, member.curve.center);
-    member.curve.axis = turned(rotation, member.curve.axis);
-    member.second_axis = turned(rotation, member.second_axis);
-  }
-  for (Joint& joint : scene.joints) joint.axis = turned(rotation, joint.axis);
-  for (Support& support : scene.supports)
-    for (Vector3& axis : support.axes) axis = turned(rotation, axis);
-  for (PointLoad& load : scene.point_loads)
-    if (load.frame == LoadFrame::dead) {
-      load.force = turned(rotation, load.force);
-      load.moment = turned(rotation, load.moment);
-    }
-  for (DistributedLoad& load : scene.distributed_loads) {
-    load.force = turned(rotation, load.force);
-    load.couple = turned(rotation, load.couple);
-  }
-  return scene;
-}
+inline Scene turned(const Mat& rotation, const Scene& scene) { return moved(rotation, {0, 0, 0}, scene); }
 
 inline Mat some_rotation() { return rotation_matrix(exp_quaternion(Vec{{0.7, -1.1, 1.9}})); }
+
+/// A frame in a plane, of two orders: a beam on a leg with a hinged foot.
+inline Scene angle_frame(int elements) {
+  Scene scene = cantilever(section(1e4, 5e3, 1.0, 1.0), 1.0, 2, elements);
+  scene.name = "frame";
+  scene.points.push_back({"foot", {1, -1, 0}});
+  scene.members.push_back(line("leg", "tip", "foot", 3, elements - 1));
+  scene.supports.push_back(hinged("foot"));
+  scene.point_loads = {dead_load("tip", {1, 2, 0})};
+  return scene;
+}
 
 /// A portal in space with a hinge, a ball joint and a slider, axes in general directions, springs, and supports of
 /// every kind: the left leg clamped, the right one held by springs and one fixed rotation, the strut by a hinge.

@@ -1,7 +1,7 @@
 /// Structures with closed forms of their critical loads, inextensible and shear rigid unless a test changes them.
 #pragma once
 
-#include "tests/problems/constrained_scenes.hpp"
+#include "tests/support/constrained_scenes.hpp"
 
 namespace mixbeam::test {
 

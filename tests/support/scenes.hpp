@@ -3,6 +3,7 @@
 #pragma once
 
 #include "discretization/scene/scene.hpp"
+#include "tests/support/numbers.hpp"
 
 #include <cmath>
 #include <limits>
@@ -10,7 +11,6 @@
 
 namespace mixbeam::test {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kRigid = std::numeric_limits<double>::infinity();
 constexpr std::array<bool, 3> kHeld = {true, true, true};
 

@@ -1,19 +1,17 @@
 /// The largest error of a sweep and where it occurred: one statement for many cases, with a message that reproduces it.
 #pragma once
 
+#include "tests/support/numbers.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <limits>
 #include <sstream>
 #include <string>
 
 namespace mixbeam::test {
-
-/// Half the distance from 1 to the next number: the largest relative error of one rounding, 1.1e-16.
-constexpr double kRounding = 0.5 * std::numeric_limits<double>::epsilon();
 
 class WorstError {
  public:
