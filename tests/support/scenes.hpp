@@ -75,6 +75,17 @@ inline Scene cantilever(const Section& section, double length, int order, int el
   return scene;
 }
 
+/// Inextensible and shear-rigid, EI = L = 1, under a dead force across its tip.
+inline Scene elastica(double force, int order, int elements) {
+  Scene scene = cantilever(section(kRigid, kRigid, 1.0, 1.0), 1.0, order, elements);
+  scene.name = "elastica";
+  scene.point_loads = {dead_load("tip", {0, force, 0})};
+  return scene;
+}
+/// Displacement and rotation of its tip for F L^2 / EI = 10, elliptic integrals.
+constexpr Vector3 kElasticaTip = {-0.5549955977538, 0.8106090248803, 0.0};
+constexpr double kElasticaAngle = 1.4302855388039;
+
 /// Humer, Steinbrecher, Pechstein, arc segment under out-of-plane force: square section of side R / slenderness.
 inline Section arc_section(double slenderness) {
   const double a = 100.0 / slenderness, axial = 1e7 * a * a, bending = 1e7 * a * a * a * a / 12.0;
