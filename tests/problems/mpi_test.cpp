@@ -1,5 +1,6 @@
 // The same answer on all ranks together as on one rank alone. ctest runs these on 1, 2 and 3 ranks.
 #include "nonlinear/run/accurate_run.hpp"
+#include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
 
 namespace mixbeam::test {
@@ -78,6 +79,12 @@ TEST(MpiProblems, ArcOfTwoElements) { expect_same_answer(arc_segment(100, 2, 2))
 
 // Fewer vertices than ranks: one of three ranks owns nothing.
 TEST(MpiProblems, ArcOfOneElement) { expect_same_answer(arc_segment(100, 4, 1)); }
+
+TEST(MpiProblems, FrameInItsPlane) {
+  const Scene scene = angle_frame(6);
+  EXPECT_TRUE(solved(scene, {}, all_ranks()).state().in_plane);
+  expect_same_answer(scene);
+}
 
 TEST(MpiProblems, Fork) { expect_same_answer(fork(2, 3)); }
 

@@ -27,6 +27,21 @@ double chord_ratio(int points, double half_angle) {
   return chord * half_angle / std::sin(half_angle);
 }
 
+/// `ratio`: of the circle's radius to that of the closed form.
+void expect_on_circle(const Simulation& rod, double ratio) {
+  const int elements = rod.assembler().mesh().vertices() - 1;
+  for (int v = 0; v <= elements; ++v) {
+    const double s = static_cast<double>(v) / elements;
+    const Vec3<double> expected = ratio * on_circle(s);
+    const auto motion = vertex_motion(rod.assembler(), rod.state(), v);
+    EXPECT_TRUE(agrees({s + motion[0], motion[1], motion[2]}, {expected[0], expected[1], 0.0}, kExact))
+        << "vertex " << v << " of " << elements;
+    EXPECT_NEAR(std::remainder(motion[5] - kCurvature * s, 2.0 * kPi), 0.0, kExact)
+        << "vertex " << v << " of " << elements;
+  }
+  EXPECT_TRUE(agrees(rod.position("tip"), {0, 0, 0}, kExact));
+}
+
 // Rotations of the vertices are exact at every order. Their positions lie on a circle whose radius is that of the Gauss
 // rule: the error is of order 2k, and vanishes after whole turns.
 TEST(Rollup, VerticesLieOnACircle) {
@@ -35,19 +50,9 @@ TEST(Rollup, VerticesLieOnACircle) {
     tight.newton.residual_tolerance = slenderness < kStiff ? kTightResidual : kTightResidualOfStiff;
     for (int order = 1; order <= 8; ++order)
       for (int elements : {8, 12}) {
-        const Simulation rod = solved(rollup(slenderness, order, elements), tight);
-        const double ratio = chord_ratio(order, 0.5 * kCurvature / elements);
-        for (int v = 0; v <= elements; ++v) {
-          const double s = static_cast<double>(v) / elements;
-          const Vec3<double> expected = ratio * on_circle(s);
-          const auto motion = vertex_motion(rod.model(), rod.state(), v);
-          EXPECT_TRUE(agrees({s + motion[0], motion[1], motion[2]}, {expected[0], expected[1], 0.0}, kExact))
-              << "slenderness " << slenderness << ", order " << order << ", vertex " << v << " of " << elements;
-          EXPECT_NEAR(std::remainder(motion[5] - kCurvature * s, 2.0 * kPi), 0.0, kExact)
-              << "slenderness " << slenderness << ", order " << order << ", vertex " << v << " of " << elements;
-        }
-        EXPECT_TRUE(agrees(rod.position("tip"), {0, 0, 0}, kExact))
-            << "slenderness " << slenderness << ", order " << order;
+        SCOPED_TRACE("slenderness " + std::to_string(slenderness) + ", order " + std::to_string(order));
+        for (const Simulation& rod : solved_in_plane_and_in_space(rollup(slenderness, order, elements), tight))
+          expect_on_circle(rod, chord_ratio(order, 0.5 * kCurvature / elements));
       }
   }
 }

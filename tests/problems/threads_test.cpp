@@ -1,22 +1,11 @@
 // The number of threads does not change a single bit of the answer.
 #include "kernels/execution/execution_space.hpp"
+#include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
-
-#include <cstring>
+#include "tests/support/states.hpp"
 
 namespace mixbeam::test {
 namespace {
-
-template <class... A, class... B>
-bool same_bits(const Kokkos::View<A...>& a, const Kokkos::View<B...>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
-}
-
-bool same_bits(const State& a, const State& b) {
-  return same_bits(a.views.vertex_displacement, b.views.vertex_displacement) &&
-         same_bits(a.views.vertex_rotation, b.views.vertex_rotation) &&
-         same_bits(a.views.element_triad, b.views.element_triad) && same_bits(a.views.interior, b.views.interior);
-}
 
 void expect_same_with_any_number_of_threads(const Scene& scene, SolverParameters parameters = {}) {
   const int threads_before = number_of_threads();
@@ -35,6 +24,12 @@ void expect_same_with_any_number_of_threads(const Scene& scene, SolverParameters
 TEST(Threads, Arc) { expect_same_with_any_number_of_threads(arc_segment(1e3, 3, 37)); }
 
 TEST(Threads, Fork) { expect_same_with_any_number_of_threads(fork(2, 11)); }
+
+TEST(Threads, FrameInItsPlane) {
+  const Scene scene = angle_frame(11);
+  EXPECT_TRUE(solved(scene).state().in_plane);
+  expect_same_with_any_number_of_threads(scene);
+}
 
 TEST(Threads, HelicalRod) {
   SolverParameters parameters = careful_path();
