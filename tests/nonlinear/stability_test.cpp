@@ -133,7 +133,7 @@ TEST(Stability, LateralBuckling) {
   EXPECT_NEAR(beam.critical(3.0, 3.05), kPi, 1e-9 * kPi);
 }
 
-/// Clamped at both ends and twisted: M = 8.9868189158181 EI/L (cases.md).
+/// Clamped at both ends and twisted: M = 2 k EI/L with tan k = k, k = 4.493409457909064.
 TEST(Stability, TwistedRod) {
   Scene scene = cantilever(section(kRigid, kRigid, 3.0, 1.0), 1.0, 6, 6);
   Support turned = clamp("tip");
@@ -142,7 +142,7 @@ TEST(Stability, TwistedRod) {
   turned.displacement_fixed = {false, true, true};
   scene.supports.push_back(turned);
   StabilityFixture fixture(scene);
-  const double exact = 8.9868189158181 / 3.0;
+  const double exact = 2.0 * 4.493409457909064 / 3.0;
   fixture.equilibrium(1.5);
   EXPECT_EQ(fixture.count(2.9).negative, 0);
   EXPECT_EQ(fixture.count(3.1).negative, 2);

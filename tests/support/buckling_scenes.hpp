@@ -73,7 +73,8 @@ inline Scene strip(int order, int elements) {
   return scene;
 }
 
-/// End load on the clamped strip (cases.md): P = 4.0125993435789 sqrt(EI GIt)/L^2, whatever its sign.
+/// End load on the clamped strip: P = 2 j sqrt(EI GIt)/L^2, j = 2.0062996717894 the first zero of J_{-1/4} (Prandtl,
+/// Michell, 1899), whatever its sign.
 constexpr double kNarrowCantilever = 4.0125993435789;
 inline Scene narrow_cantilever(int order, int elements) {
   Scene scene = strip(order, elements);
@@ -81,7 +82,7 @@ inline Scene narrow_cantilever(int order, int elements) {
   return scene;
 }
 
-/// Uniform moment on the strip with forked ends: M = pi sqrt(EI GIt)/L (cases.md).
+/// Uniform moment on the strip with forked ends: M = pi sqrt(EI GIt)/L (Michell, 1899).
 inline Scene uniform_moment(int order, int elements) {
   Scene scene = strip(order, elements);
   scene.supports = {support("clamp", kHeld, {true, false, false}),
