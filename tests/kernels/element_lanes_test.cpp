@@ -5,13 +5,14 @@
 #include "kernels/loops/residual.hpp"
 #include "kernels/loops/tangent.hpp"
 #include "kernels/math/rotation.hpp"
-#include "tests/kernels/element_comparison.hpp"
+#include "tests/kernels/general_section_energy.hpp"
 #include "tests/support/worst_error.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 
 namespace mixbeam::element_test {
@@ -25,10 +26,53 @@ constexpr double kResidualTolerance = 1e-13;
 /// orders.
 constexpr double kCondensedTolerance = 1e-11;
 
+/// What the elements of a block have. Lanes side by side have sections of their own and, with line fields, other kinds
+/// of them or none.
+struct Variant {
+  bool general_section, fields;
+};
+constexpr Variant kVariants[] = {{false, false}, {false, true}, {true, false}, {true, true}};
+
+std::ostream& operator<<(std::ostream& out, const Variant& variant) {
+  return out << (variant.general_section ? "general" : "plain") << " sections, "
+             << (variant.fields ? "line fields" : "no line fields");
+}
+
+/// Line fields of one element after the other.
+constexpr unsigned kFieldsInTurn[] = {
+    0,          bit(LineField::dead_force),      bit(LineField::follower_force), bit(LineField::dead_couple),   0,
+    kAllFields, bit(LineField::follower_couple), bit(LineField::eigenstrain),    bit(LineField::eigencurvature)};
+/// An element of the first pack with a follower force.
+constexpr int kFollower = kLanes > 2 ? 2 : 1;
+
+SampleBlock random_block(const Variant& variant, int order, ForceIntegration rule, int count) {
+  std::vector<GeneralSample> samples;
+  for (int e = 0; e < count; ++e) {
+    const std::uint64_t seed = 300 + static_cast<std::uint64_t>(e);
+    samples.push_back(variant.general_section ? general_sample(order, seed)
+                                              : GeneralSample{random_sample({order, rule, seed}), {}});
+    const unsigned kinds = kFieldsInTurn[(e + 2 - kFollower) % std::size(kFieldsInTurn)];
+    if (variant.fields) add_fields(samples.back().sample.element, kinds, seed);
+  }
+  if (!variant.general_section) {
+    std::vector<ElementSample> plain;
+    for (const GeneralSample& sample : samples) plain.push_back(sample.sample);
+    return SampleBlock(plain, variant.fields);
+  }
+  const SampleBlock block = general_block(samples, 0.0, 0.0, variant.fields);
+  for (int e = 0; e < count; ++e) {  // as stiff as the sections, so that some entries are capped and some are not
+    SectionConstants& constants = block.structure.member_section(block.block.member(e));
+    constants.force_stiffness_limit = 300.0 + 50.0 * e;
+    constants.moment_stiffness_limit = 3.0 + 0.5 * e;
+  }
+  return block;
+}
+
 /// One block and its copy, of which one element at a time is computed: by the loops with packs of one lane.
 struct BothWays {
   SampleBlock lanes, one_by_one;
-  BothWays(const std::vector<ElementSample>& samples, int count) : lanes(samples), one_by_one(samples) {
+  BothWays(const Variant& variant, int order, ForceIntegration rule, int room, int count)
+      : lanes(random_block(variant, order, rule, room)), one_by_one(random_block(variant, order, rule, room)) {
     lanes.block.count = one_by_one.block.count = count;
   }
   /// Interior increments for random increments of the vertices.
@@ -40,8 +84,9 @@ struct BothWays {
     if (&samples == &lanes)
       recover_interior(samples.block, samples.state, samples.equations, vertex_increment, increment);
     else
-      for_order(samples.block.order, [&](auto k) {
-        recover_loop<k.value, false, 1>(samples.block, samples.state, samples.equations, vertex_increment, increment);
+      for_kind(samples.block, [&](auto k, auto general) {
+        recover_loop<k.value, general.value, 1>(samples.block, samples.state, samples.equations, vertex_increment,
+                                                increment);
       });
     return increment;
   }
@@ -49,18 +94,23 @@ struct BothWays {
     evaluate_residual(lanes.block, lanes.structure, lanes.state, lanes.equations);
     evaluate_tangent(lanes.block, lanes.structure, lanes.state, lanes.equations);
     const SampleBlock& s = one_by_one;
-    for_order(s.block.order, [&](auto k) {
-      residual_loop<k.value, false, 1>(s.block, s.structure, s.state, s.equations);
-      tangent_loop<k.value, false, 1>(s.block, s.structure, s.state, {}, s.equations);
+    for_kind(s.block, [&](auto k, auto general) {
+      residual_loop<k.value, general.value, 1>(s.block, s.structure, s.state, s.equations);
+      tangent_loop<k.value, general.value, 1>(s.block, s.structure, s.state, {}, s.equations);
+    });
+  }
+
+ private:
+  template <class Action>
+  static void for_kind(const ElementBlock& block, const Action& action) {
+    for_order(block.order, [&](auto k) {
+      if (block.general_section)
+        action(k, std::true_type());
+      else
+        action(k, std::false_type());
     });
   }
 };
-
-std::vector<ElementSample> random_samples(int order, ForceIntegration rule, int count) {
-  std::vector<ElementSample> samples;
-  for (int e = 0; e < count; ++e) samples.push_back(random_sample({order, rule, 300 + static_cast<std::uint64_t>(e)}));
-  return samples;
-}
 
 /// Largest difference in units of the largest number of the same element.
 template <class View>
@@ -96,34 +146,69 @@ class ElementLanes : public testing::TestWithParam<int> {};
 
 TEST_P(ElementLanes, SameAsOneByOne) {
   constexpr int room = 2 * kLanes + 1;
-  for (const ForceIntegration rule : kAllRules) {
-    const std::vector<ElementSample> samples = random_samples(GetParam(), rule, room);
-    for (int count = kLanes; count <= 2 * kLanes; ++count) {  // every length of the last pack
-      BothWays both(samples, count);
-      both.evaluate();
-      const Differences d = differences(both);
-      EXPECT_LE(d.residual, kResidualTolerance) << "rule " << static_cast<int>(rule) << ", " << count << " elements";
-      EXPECT_LE(d.condensed, kCondensedTolerance) << "rule " << static_cast<int>(rule) << ", " << count << " elements";
-      for (int e = count; e < room; ++e)
-        for (int i = 0; i < 144; ++i)
-          EXPECT_EQ(both.lanes.equations.condensed_tangent(both.lanes.element_row(e), i), 0.0) << "behind the block";
+  for (const Variant& variant : kVariants)
+    for (const ForceIntegration rule : kAllRules) {
+      if (variant.general_section && rule != ForceIntegration::both_reduced) continue;  // they have no other
+      for (int count = kLanes; count <= 2 * kLanes; ++count) {                          // every length of the last pack
+        BothWays both(variant, GetParam(), rule, room, count);
+        both.evaluate();
+        const Differences d = differences(both);
+        EXPECT_LE(d.residual, kResidualTolerance) << variant << ", rule " << static_cast<int>(rule) << ", " << count;
+        EXPECT_LE(d.condensed, kCondensedTolerance) << variant << ", rule " << static_cast<int>(rule) << ", " << count;
+        for (int e = count; e < room; ++e)
+          for (int i = 0; i < 144; ++i)
+            EXPECT_EQ(both.lanes.equations.condensed_tangent(both.lanes.element_row(e), i), 0.0) << "behind the block";
+      }
     }
+}
+
+/// Twins of SameAsOneByOne: one number of one element that differs is seen, be it of its state, its line field, its
+/// section or the cap of its section.
+TEST_P(ElementLanes, AChangedNumberIsNotTheSame) {
+  constexpr double kChange = 1.0 + 1e-4;  // fields and sections are a small part of the condensed tangent
+  const auto expect_seen = [&](const Variant& variant, bool in_residual, const auto& change) {
+    BothWays both(variant, GetParam(), ForceIntegration::both_reduced, kLanes, kLanes);
+    change(both.lanes);
+    both.evaluate();
+    EXPECT_EQ(differences(both).residual > kResidualTolerance, in_residual) << variant;
+    EXPECT_GT(differences(both).condensed, kCondensedTolerance) << variant;
+  };
+  const auto section_of = [](const SampleBlock& s, int e) -> SectionConstants& {
+    return s.structure.member_section(s.block.member(e));
+  };
+  for (const Variant& variant : kVariants) {
+    expect_seen(variant, true, [](SampleBlock& s) { s.interior(kLanes - 1)[0] *= 1.0 + 1e-8; });
+    if (variant.fields)
+      expect_seen(variant, true, [](SampleBlock& s) {
+        const int row = s.block.field_row(kFollower, static_cast<int>(LineField::follower_force));
+        s.block.field_value(row, 0) *= kChange;
+      });
+    if (variant.general_section)
+      expect_seen(variant, true, [](SampleBlock& s) { s.block.compliance(kLanes - 1, 0) *= kChange; });
+    else
+      expect_seen(variant, false, [&](SampleBlock& s) { section_of(s, 0).tangent_force_stiffness[0] *= kChange; });
   }
 }
 
-/// Twin of SameAsOneByOne: a state that differs in one number of one element is seen.
-TEST_P(ElementLanes, AChangedStateIsNotTheSame) {
-  BothWays both(random_samples(GetParam(), ForceIntegration::both_reduced, kLanes), kLanes);
-  both.lanes.interior(kLanes - 1)[0] *= 1.0 + 1e-8;
-  both.evaluate();
-  EXPECT_GT(differences(both).residual, kResidualTolerance);
-  EXPECT_GT(differences(both).condensed, kCondensedTolerance);
+/// Whether a loop reads them or not. What packs load is the same text for any number of lanes.
+TEST(ElementPacks, HoldEveryNumberOfTheirSections) {
+  constexpr int kOrder = 2, kElements = 3;
+  const SampleBlock samples = random_block(kVariants[0], kOrder, ForceIntegration::both_reduced, kElements);
+  const auto section_of = [&](int e) { return samples.structure.member_section(samples.block.member(e)).numbers(); };
+  for (int e = 0; e < kElements; ++e)
+    for (int i = 0; i < SectionConstants::kCount; ++i) section_of(e)[i] = 1.0 + e * SectionConstants::kCount + i;
+  const ElementGather<kOrder, false, 1> gather(samples.block, samples.structure, samples.state);
+  for (int e = 0; e < kElements; ++e) {
+    const ElementPack<kOrder, false, 1> pack(gather, e);
+    for (int i = 0; i < SectionConstants::kCount; ++i)
+      EXPECT_EQ(pack.section.numbers()[i][0], section_of(e)[i]) << "element " << e << ", number " << i;
+  }
 }
 
 /// NaN in the state of one element arrives in its own numbers and in no others.
 TEST_P(ElementLanes, NaNStaysInItsElement) {
-  const std::vector<ElementSample> samples = random_samples(GetParam(), ForceIntegration::both_reduced, kLanes + 1);
-  const SampleBlock healthy(samples), sick(samples);
+  const auto make = [] { return random_block(kVariants[0], GetParam(), ForceIntegration::both_reduced, kLanes + 1); };
+  const SampleBlock healthy = make(), sick = make();
   const int e = kLanes / 2;
   for (int i = 0; i < sick.block.interior.unknowns(); ++i)
     sick.interior(e)[i] = std::numeric_limits<double>::quiet_NaN();

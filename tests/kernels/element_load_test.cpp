@@ -22,12 +22,7 @@ constexpr int kNewtonSteps = 6;
 
 ElementSample loaded_sample(const SampleRecipe& recipe) {
   ElementSample sample = random_sample(recipe);
-  RandomNumbers random(recipe.seed + 1000);
-  for (LinearField* field : {&sample.element.line_force, &sample.element.line_couple, &sample.element.follower_force,
-                             &sample.element.follower_couple})
-    *field = {random.vector(5.0), random.vector(3.0)};
-  sample.element.eigenstrain = {random.vector(0.5), random.vector(0.5)};
-  sample.element.eigencurvature = {random.vector(2.0), random.vector(2.0)};
+  add_fields(sample.element, kAllFields, recipe.seed);
   return sample;
 }
 

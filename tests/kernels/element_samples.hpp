@@ -109,6 +109,25 @@ inline ElementSample random_sample(const SampleRecipe& recipe) {
   return sample;
 }
 
+/// Kinds of line fields, as bits.
+constexpr unsigned bit(LineField kind) { return 1u << static_cast<int>(kind); }
+constexpr unsigned kAllFields = (1u << kLineFields) - 1;
+
+/// Random line fields of these kinds, linear along the element.
+inline void add_fields(EnergyElement& element, unsigned kinds, std::uint64_t seed) {
+  RandomNumbers random(seed + 1000);
+  const auto add = [&](LineField kind, LinearField EnergyElement::*field, double start, double growth) {
+    const LinearField drawn = {random.vector(start), random.vector(growth)};
+    if ((kinds & bit(kind)) != 0) element.*field = drawn;
+  };
+  add(LineField::dead_force, &EnergyElement::line_force, 5.0, 3.0);
+  add(LineField::dead_couple, &EnergyElement::line_couple, 5.0, 3.0);
+  add(LineField::follower_force, &EnergyElement::follower_force, 5.0, 3.0);
+  add(LineField::follower_couple, &EnergyElement::follower_couple, 5.0, 3.0);
+  add(LineField::eigenstrain, &EnergyElement::eigenstrain, 0.5, 0.5);
+  add(LineField::eigencurvature, &EnergyElement::eigencurvature, 2.0, 2.0);
+}
+
 /// Legendre coefficients of r0' as far as the element can rotate it: the interpolant of degree k - 1 at k Gauss points.
 /// A straight reference is its own interpolant. A curved one integrated with k + 1 points is not: rigid rotations of
 /// such an element are rigid only up to its approximation of the curve, and no exact statement holds.

@@ -142,20 +142,28 @@ inline GeneralSample general_sample(int order, std::uint64_t seed) {
   return general;
 }
 
-/// Block of one element with a general section.
-inline SampleBlock general_block(const GeneralSample& general, double force_limit, double moment_limit) {
-  SampleBlock samples({general.sample});
-  const int k = general.sample.element.order;
+/// Block of elements with general sections.
+inline SampleBlock general_block(const std::vector<GeneralSample>& general, double force_limit, double moment_limit,
+                                 bool with_loads = false) {
+  std::vector<ElementSample> plain;
+  for (const GeneralSample& one : general) plain.push_back(one.sample);
+  SampleBlock samples(plain, with_loads);
+  const int k = samples.block.order, count = samples.block.count;
   samples.block.general_section = true;
   samples.equations.response =
-      KernelView<double*>("response", samples.block.response_offset + samples.block.response_size());
-  samples.block.compliance = KernelView<double**>("compliance", 1, GeneralSectionLayout{k, k}.size());
-  fill_compliance(general.sample.element, general.law, &samples.block.compliance(0, 0));
-  SectionConstants& constants = samples.structure.member_section(samples.block.member(0));
-  constants = {};
-  constants.force_stiffness_limit = force_limit;
-  constants.moment_stiffness_limit = moment_limit;
+      KernelView<double*>("response", samples.block.response_offset + count * samples.block.response_size());
+  samples.block.compliance = KernelView<double**>("compliance", count, GeneralSectionLayout{k, k}.size());
+  for (int e = 0; e < count; ++e) {
+    fill_compliance(general[e].sample.element, general[e].law, &samples.block.compliance(e, 0));
+    SectionConstants& constants = samples.structure.member_section(samples.block.member(e));
+    constants = {};
+    constants.force_stiffness_limit = force_limit;
+    constants.moment_stiffness_limit = moment_limit;
+  }
   return samples;
+}
+inline SampleBlock general_block(const GeneralSample& general, double force_limit, double moment_limit) {
+  return general_block(std::vector<GeneralSample>{general}, force_limit, moment_limit);
 }
 
 }  // namespace mixbeam::element_test
