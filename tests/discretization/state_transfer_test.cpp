@@ -78,7 +78,7 @@ Scene spline(int order, int elements) {
 TEST(StateTransfer, HigherOrderReproducesEveryField) {
   for (const Scene& scene : {fork(1, 3), portal_of_joints(1, 2)})
     for (int order : {2, 3, 5, 7}) {
-      const Model low(with_orders(scene, order), alone(), {}), high(with_orders(scene, order + 1), alone(), {});
+      const Model low(with_orders(scene, order), this_rank(), {}), high(with_orders(scene, order + 1), this_rank(), {});
       const State state = moved_at_random(low, 0.2);
       const State carried = transfer(low, state, high);
       EXPECT_LT(largest_difference(low, state, high, carried), kRounding) << scene.name << ", order " << order;
@@ -87,7 +87,7 @@ TEST(StateTransfer, HigherOrderReproducesEveryField) {
 }
 
 TEST(StateTransfer, DifferencesAreSeen) {
-  const Model low(fork(3, 3), alone(), {}), high(fork(4, 3), alone(), {});
+  const Model low(fork(3, 3), this_rank(), {}), high(fork(4, 3), this_rank(), {});
   const State carried = transfer(low, moved_at_random(low, 0.2), high);
   EXPECT_GT(largest_difference(low, moved_at_random(low, 0.2 + 1e-9), high, carried), kRounding);
 }
@@ -95,7 +95,7 @@ TEST(StateTransfer, DifferencesAreSeen) {
 TEST(StateTransfer, OneRuleOfIntegrationToAnother) {
   Scene full = with_orders(fork(3, 2), 3);
   for (Member& member : full.members) member.force_integration = ForceIntegration::shear_reduced;
-  const Model low(full, alone(), {}), high(fork(5, 2), alone(), {});
+  const Model low(full, this_rank(), {}), high(fork(5, 2), this_rank(), {});
   const State state = moved_at_random(low, 0.2);
   EXPECT_LT(largest_difference(low, state, high, transfer(low, state, high)), kRounding);
 }
@@ -104,7 +104,7 @@ TEST(StateTransfer, UndeformedStaysUndeformed) {
   for (const Scene& scene : {spline(1, 4), fork(1, 2)})
     for (int order : {1, 2, 4, 8})
       for (int elements : {3, 4, 7}) {
-        const Model from(scene, alone(), {}), to(with_elements(with_orders(scene, order), elements), alone(), {});
+        const Model from(scene, this_rank(), {}), to(with_elements(with_orders(scene, order), elements), this_rank(), {});
         const State carried = transfer(from, from.reference_state(), to);
         EXPECT_LT(largest_difference(to, to.reference_state(), to, carried), kRounding) << order << " " << elements;
       }
@@ -113,8 +113,8 @@ TEST(StateTransfer, UndeformedStaysUndeformed) {
 TEST(StateTransfer, FinerMeshReproducesPolynomials) {
   for (const Scene& scene : {fork(1, 2), portal_of_joints(1, 1), spline(1, 2)})
     for (int order : {1, 3, 8}) {
-      const Model coarse(with_orders(scene, order), alone(), {});
-      const Model fine(with_elements(with_orders(scene, order), 3 * scene.members[0].elements), alone(), {});
+      const Model coarse(with_orders(scene, order), this_rank(), {});
+      const Model fine(with_elements(with_orders(scene, order), 3 * scene.members[0].elements), this_rank(), {});
       const State state = moved_at_random(coarse, 0.1);
       const State carried = transfer(coarse, state, fine);
       EXPECT_LT(largest_difference(coarse, state, fine, carried, Rotations::left_out), kRounding) << scene.name;
@@ -126,11 +126,11 @@ TEST(StateTransfer, FinerMeshReproducesPolynomials) {
 
 // psi of the parts is not that of the whole, which is a polynomial: the more degrees there are, the nearer it comes.
 TEST(StateTransfer, RotationsConvergeInFinerElements) {
-  const Model coarse(fork(3, 2), alone(), {});
+  const Model coarse(fork(3, 2), this_rank(), {});
   const State state = moved_at_random(coarse, 0.2);
   std::vector<double> difference;
   for (int order : {3, 5, 7}) {
-    const Model fine(fork(order, 4), alone(), {});
+    const Model fine(fork(order, 4), this_rank(), {});
     difference.push_back(largest_difference(coarse, state, fine, transfer(coarse, state, fine)));
   }
   EXPECT_LT(difference[1], 0.2 * difference[0]);
@@ -139,28 +139,28 @@ TEST(StateTransfer, RotationsConvergeInFinerElements) {
 
 TEST(StateTransfer, MeshesThatShareNoVertex) {
   Scene scene = spline(4, 5);
-  const Model from(scene, alone(), {});
+  const Model from(scene, this_rank(), {});
   MixedVector increment = from.create_vector();
   increment.fill(0.0);
   const auto vertex = increment.vertex();
   for (int v = 0; v < from.mesh().vertices(); ++v)  // smooth: it bends by the square of the arc length
     vertex(kVertexDofs * v + 2) = 0.04 * v * v / 25.0;
   const State state = from.apply(from.reference_state(), increment, 1.0);
-  const Model to(with_elements(scene, 7), alone(), {});
+  const Model to(with_elements(scene, 7), this_rank(), {});
   const State carried = transfer(from, state, to);
   constexpr double kKinks = 2e-3;  // of the slope, at the old vertices
   EXPECT_LT(largest_difference(from, state, to, carried, Rotations::left_out), kKinks);
 }
 
 TEST(StateTransfer, OtherSceneIsRefused) {
-  const Model from(fork(2, 2), alone(), {}), to(spline(2, 2), alone(), {});
+  const Model from(fork(2, 2), this_rank(), {}), to(spline(2, 2), this_rank(), {});
   EXPECT_THROW(transfer(from, from.reference_state(), to), std::invalid_argument);
 }
 
 TEST(MpiStateTransfer, SameBitsOnAllRanks) {
   const Scene scene = fork(2, 5), finer = with_elements(with_orders(scene, 3), 7);
-  const Model from(scene, alone(), {}), from_together(scene, together(), {});
-  const Model to(finer, alone(), {}), to_together(finer, together(), {});
+  const Model from(scene, this_rank(), {}), from_together(scene, all_ranks(), {});
+  const Model to(finer, this_rank(), {}), to_together(finer, all_ranks(), {});
   const State state = moved_at_random(from, 0.1);
   const StateSnapshot expected = snapshot_of(to, transfer(from, state, to));
   const State shared = restore(from_together, snapshot_of(from, state));

@@ -2,8 +2,8 @@
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include "discretization/assembly/tangent.hpp"
-#include "tests/problems/solve.hpp"
-#include "tests/worst_error.hpp"
+#include "tests/support/solve.hpp"
+#include "tests/support/worst_error.hpp"
 
 #include <limits>
 

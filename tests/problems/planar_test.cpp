@@ -114,8 +114,8 @@ TEST(Planar, BucklesOutOfItsPlane) {
 
 /// A motion in the plane stays there, one that leaves it does not come back.
 TEST(Planar, StatesKnowWhetherTheyLieInThePlane) {
-  Assembler assembler(elastica(10.0, 2, 8), this_rank(), {});
-  const State start = assembler.reference_state();
+  const Model model(elastica(10.0, 2, 8), this_rank(), {});
+  const State start = model.reference_state();
   EXPECT_TRUE(start.in_plane);
   MixedVector motion = model.create_vector();
   motion.fill(0.0);

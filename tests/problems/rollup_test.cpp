@@ -29,11 +29,11 @@ double chord_ratio(int points, double half_angle) {
 
 /// `ratio`: of the circle's radius to that of the closed form.
 void expect_on_circle(const Simulation& rod, double ratio) {
-  const int elements = rod.assembler().mesh().vertices() - 1;
+  const int elements = rod.model().mesh().vertices() - 1;
   for (int v = 0; v <= elements; ++v) {
     const double s = static_cast<double>(v) / elements;
     const Vec3<double> expected = ratio * on_circle(s);
-    const auto motion = vertex_motion(rod.assembler(), rod.state(), v);
+    const auto motion = vertex_motion(rod.model(), rod.state(), v);
     EXPECT_TRUE(agrees({s + motion[0], motion[1], motion[2]}, {expected[0], expected[1], 0.0}, kExact))
         << "vertex " << v << " of " << elements;
     EXPECT_NEAR(std::remainder(motion[5] - kCurvature * s, 2.0 * kPi), 0.0, kExact)
