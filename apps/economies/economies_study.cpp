@@ -142,7 +142,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"the same line as a parametric curve, triads and curvature by formula", by_formula(rod), solver}},
       {"line_loads",
        {"no line load", rod, solver},
-       {"dead line load of 1e-200: elements one by one, with loops over loads",
+       {"dead line load of 1e-200: with loops over loads",
         with_line_load_of_nothing(rod, LoadFrame::dead), solver}},
       {"potential",
        {"all forces have a potential: symmetric tangents, chains condensed", rod, solver},
