@@ -63,9 +63,9 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
     section.force_stiffness_limit = locks ? kCapForLockingElements * stiffness : stiffness;
     section.moment_stiffness_limit = moment_limit;
     for (int i = 0; i < 3; ++i) {
-      note_ratio(cap_component(section.force_stiffness_limit, section.force_compliance[i], section.force_softening[i],
-                               section.tangent_force_stiffness[i]));
-      note_ratio(cap_component(moment_limit, section.moment_compliance[i], section.moment_softening[i],
+      note_ratio(cap_component(section.force_stiffness_limit, section.force_compliance[i],
+                               section.force_cap_compliance[i], section.tangent_force_stiffness[i]));
+      note_ratio(cap_component(moment_limit, section.moment_compliance[i], section.moment_cap_compliance[i],
                                section.moment_stiffness[i]));
     }
   }
@@ -77,7 +77,7 @@ void cap_compliance_rows(const Model& model, const Cap& cap, const ResidualScale
   Kokkos::deep_copy(rows.vertex(), 0.0);
   const KernelView<double*> interior = rows.writable_interior(false);
   for (const ElementBlock& block : model.structure().blocks)
-    softening_rows(block, cap.structure, increment.interior(), interior);
+    cap_compliance_rows(block, cap.structure, increment.interior(), interior);
   scale_rows(model, scales, rows);
 }
 
@@ -85,7 +85,7 @@ double largest_cap_compliance_row(const Model& model, const Cap& cap, const Resi
                                   const MixedVector& increment) {
   double largest = 0.0;
   for (const ElementBlock& block : model.structure().blocks)
-    largest = std::max(largest, largest_softening_row(block, cap.structure, increment.interior(), scales));
+    largest = std::max(largest, largest_cap_row(block, cap.structure, increment.interior(), scales));
   return maximum_over_ranks(*model.map()->getComm(), largest);
 }
 

@@ -14,7 +14,7 @@ struct Cap {
   StructureViews structure{};  ///< sections with the stiffness and the added compliance of tangents
 
   bool cuts_off_force(int member, int component) const {
-    return structure.member_section(member).force_softening[component] > 0.0;
+    return structure.member_section(member).force_cap_compliance[component] > 0.0;
   }
 };
 

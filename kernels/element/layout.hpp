@@ -131,8 +131,8 @@ static_assert(sizeof(SectionNumbers<double>) == SectionNumbers<double>::kCount *
 
 /// The same and what else is kept of a section.
 struct SectionConstants : SectionNumbers<double> {
-  double force_softening[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
-  double moment_softening[3];
+  double force_cap_compliance[3];  ///< compliance of the tangent less the true one: zero where the cap is not reached
+  double moment_cap_compliance[3];
   /// General sections only, tangent only: compliances on the diagonal of S_NN and S_MM are raised to the inverse of
   /// these.
   double force_stiffness_limit, moment_stiffness_limit;

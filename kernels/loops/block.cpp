@@ -2,7 +2,7 @@
 
 #include "kernels/condensation/tangent.hpp"
 #include "kernels/element/kinematics.hpp"
-#include "kernels/loops/cap_defect.hpp"
+#include "kernels/loops/cap_compliance.hpp"
 #include "kernels/loops/dispatch.hpp"
 
 namespace mixbeam {
@@ -50,21 +50,22 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
   });
 }
 
-void softening_rows(const ElementBlock& block, const StructureViews& structure,
-                    const KernelView<const double*>& increment, const KernelView<double*>& rows) {
+void cap_compliance_rows(const ElementBlock& block, const StructureViews& structure,
+                         const KernelView<const double*>& increment, const KernelView<double*>& rows) {
   for_kind(block, [&](auto order, auto general) {
-    const SofteningLoop<order.value, general.value> loop{block, structure, increment, rows};
-    Kokkos::parallel_for("mixbeam::elements::softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), loop);
+    const CapComplianceLoop<order.value, general.value> loop{block, structure, increment, rows};
+    Kokkos::parallel_for("mixbeam::elements::cap_compliance", Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
+                         loop);
   });
 }
 
-double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
-                             const KernelView<const double*>& increment, const ResidualScales& scales) {
+double largest_cap_row(const ElementBlock& block, const StructureViews& structure,
+                       const KernelView<const double*>& increment, const ResidualScales& scales) {
   double largest = 0.0;
   for_kind(block, [&](auto order, auto general) {
-    const LargestSofteningLoop<order.value, general.value> loop{{block, structure, increment, KernelView<double*>()},
-                                                                scales};
-    Kokkos::parallel_reduce("mixbeam::elements::largest_softening", Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
+    const LargestCapRowLoop<order.value, general.value> loop{{block, structure, increment, KernelView<double*>()},
+                                                             scales};
+    Kokkos::parallel_reduce("mixbeam::elements::largest_cap_row", Kokkos::RangePolicy<ExecutionSpace>(0, block.count),
                             loop, Kokkos::Max<double>(largest));
   });
   return largest;

@@ -95,12 +95,12 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
 
 /// What the capped stiffness of the tangent leaves out of the linearised equations: rows of J d - J_capped d for an
 /// interior increment d, (S_capped - S) dN in the N rows and its integral with dM in the M rows, zero in all others.
-void softening_rows(const ElementBlock& block, const StructureViews& structure,
-                    const KernelView<const double*>& increment, const KernelView<double*>& rows);
+void cap_compliance_rows(const ElementBlock& block, const StructureViews& structure,
+                         const KernelView<const double*>& increment, const KernelView<double*>& rows);
 
 /// The largest of these rows, each divided by its scale; not-a-number counts as infinity.
-double largest_softening_row(const ElementBlock& block, const StructureViews& structure,
-                             const KernelView<const double*>& increment, const ResidualScales& scales);
+double largest_cap_row(const ElementBlock& block, const StructureViews& structure,
+                       const KernelView<const double*>& increment, const ResidualScales& scales);
 
 /// Increments of the interior unknowns that belong to the vertex increment (vertex, 6: du, dtheta; spatial). `state`:
 /// that of the tangent.

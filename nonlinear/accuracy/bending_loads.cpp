@@ -134,9 +134,9 @@ LoadSum largest_of(const std::vector<LoadSum>& loads) {
   return largest;
 }
 
-double turning_by(const Bending& bending, double softness) {
-  const double by_forces = std::min(kMostTurningByForce, kTurningByForce * std::sqrt(bending.by_forces * softness));
-  const double by_moments = std::min(kMostTurningByMoment, bending.by_moments * softness);
+double turning_by(const Bending& bending, double compliance) {
+  const double by_forces = std::min(kMostTurningByForce, kTurningByForce * std::sqrt(bending.by_forces * compliance));
+  const double by_moments = std::min(kMostTurningByMoment, bending.by_moments * compliance);
   return std::max(kLeastTurningByLoad, std::hypot(by_forces, by_moments));
 }
 

@@ -11,7 +11,7 @@ namespace mixbeam {
 /// any one of the scene. [radian]
 std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh);
 
-/// Softness of a member in bending and twisting: 1 / EI or 1 / GIt, the larger one.
+/// Compliance of a member in bending and twisting: 1 / EI or 1 / GIt, the larger one.
 double bending_compliance(const Scene& scene, const Member& member);
 
 }  // namespace mixbeam

@@ -10,7 +10,7 @@
 namespace mixbeam {
 
 /// Compliance that the tangent adds to the diagonal of S (capped_compliance): zero where the cap is not reached.
-KOKKOS_INLINE_FUNCTION Vec softening(const Mat& compliance, double limit) {
+KOKKOS_INLINE_FUNCTION Vec cap_compliance(const Mat& compliance, double limit) {
   Vec added{{0.0, 0.0, 0.0}};
   for (int i = 0; i < 3; ++i)
     if (compliance(i, i) < 1.0 / limit) added[i] = 1.0 / limit - compliance(i, i);
@@ -23,10 +23,10 @@ KOKKOS_INLINE_FUNCTION Vec scaled_by(const Vec& factor, const Vec& v) {
 
 /// `d`, `rows`: increments layout of one element; the rows come zeroed.
 template <int K>
-KOKKOS_INLINE_FUNCTION void add_softening(const SectionConstants& section, const InteriorLayout& layout,
-                                          const ElementTables<K>& tables, double length, const double* d,
-                                          double* rows) {
-  const Vec force = load_vector(section.force_softening), moment = load_vector(section.moment_softening);
+KOKKOS_INLINE_FUNCTION void add_cap_compliance(const SectionConstants& section, const InteriorLayout& layout,
+                                               const ElementTables<K>& tables, double length, const double* d,
+                                               double* rows) {
+  const Vec force = load_vector(section.force_cap_compliance), moment = load_vector(section.moment_cap_compliance);
   for (int q = 0; q < layout.force_points; ++q) {
     const Vec masked{{tables.axial[q] * force[0], tables.shear[q] * force[1], tables.shear[q] * force[2]}};
     store_vector(scaled_by(masked, load_vector(d + layout.force(q))), rows + layout.force(q));
@@ -36,15 +36,15 @@ KOKKOS_INLINE_FUNCTION void add_softening(const SectionConstants& section, const
                  rows + layout.moment(j));
 }
 template <int K>
-KOKKOS_INLINE_FUNCTION void add_softening(const GeneralSection<>& section, const InteriorLayout& layout,
-                                          const ElementTables<K>& tables, double length, const double* d,
-                                          double* rows) {
+KOKKOS_INLINE_FUNCTION void add_cap_compliance(const GeneralSection<>& section, const InteriorLayout& layout,
+                                               const ElementTables<K>& tables, double length, const double* d,
+                                               double* rows) {
   for (int q = 0; q < layout.force_points; ++q) {
-    const Vec added = softening(section.force_force(q), section.force_stiffness_limit);
+    const Vec added = cap_compliance(section.force_force(q), section.force_stiffness_limit);
     store_vector(scaled_by(added, load_vector(d + layout.force(q))), rows + layout.force(q));
   }
   for (int q = 0; q <= K; ++q) {
-    const Vec added = softening(section.moment_moment(q), section.moment_stiffness_limit);
+    const Vec added = cap_compliance(section.moment_moment(q), section.moment_stiffness_limit);
     const double* P = tables.moment_legendre[q];
     Vec moment{{0.0, 0.0, 0.0}};
     for (int j = 0; j <= K; ++j) moment += P[j] * load_vector(d + layout.moment(j));
@@ -55,7 +55,7 @@ KOKKOS_INLINE_FUNCTION void add_softening(const GeneralSection<>& section, const
 }
 
 template <int K, bool General>
-struct SofteningLoop {
+struct CapComplianceLoop {
   KernelView<const double**> reference, compliance;
   KernelView<const int*> member;
   KernelView<const SectionConstants*> section;
@@ -65,8 +65,8 @@ struct SofteningLoop {
   ElementTables<K> tables;
   size_t increment_offset;
 
-  SofteningLoop(const ElementBlock& block, const StructureViews& structure, const KernelView<const double*>& d,
-                const KernelView<double*>& out)
+  CapComplianceLoop(const ElementBlock& block, const StructureViews& structure, const KernelView<const double*>& d,
+                    const KernelView<double*>& out)
       : reference(block.reference),
         compliance(block.compliance),
         member(block.member),
@@ -90,24 +90,24 @@ struct SofteningLoop {
                                      {layout.order, layout.force_points},
                                      constants.force_stiffness_limit,
                                      constants.moment_stiffness_limit};
-      add_softening<K>(general, layout, tables, reference(e, 0), d, out);
+      add_cap_compliance<K>(general, layout, tables, reference(e, 0), d, out);
     } else {
-      add_softening<K>(constants, layout, tables, reference(e, 0), d, out);
+      add_cap_compliance<K>(constants, layout, tables, reference(e, 0), d, out);
     }
   }
 };
 
 /// The largest row alone, divided by its scale.
 template <int K, bool General>
-struct LargestSofteningLoop {
-  SofteningLoop<K, General> softening;
+struct LargestCapRowLoop {
+  CapComplianceLoop<K, General> cap;
   ResidualScales scales;
 
   KOKKOS_INLINE_FUNCTION void operator()(int e, double& largest) const {
     double row[InteriorLayout{K, ElementTables<K>::kMaximumForcePoints}.increments()];
-    softening.compute(e, row);
-    scale_interior_rows(softening.layout, scales, softening.reference(e, 0), false, row);
-    for (int i = 0; i < softening.layout.relative_rotation(1); ++i) {
+    cap.compute(e, row);
+    scale_interior_rows(cap.layout, scales, cap.reference(e, 0), false, row);
+    for (int i = 0; i < cap.layout.relative_rotation(1); ++i) {
       const double a = row[i] < 0.0 ? -row[i] : row[i];
       if (!(a <= largest)) largest = a == a ? a : HUGE_VAL;
     }
