@@ -118,15 +118,16 @@ TEST_P(ElementLoops, EachElementIsAloneInItsRows) {
   evaluate_tangent(one.block, one.structure, one.state, one.equations);
   const auto part = [](const double* begin, int size) { return std::vector<double>(begin, begin + size); };
   EXPECT_TRUE(test::same_bits(part(&many.equations.condensed_tangent(many.element_row(e), 0), 144),
-                        part(&one.equations.condensed_tangent(one.element_row(0), 0), 144)));
+                              part(&one.equations.condensed_tangent(one.element_row(0), 0), 144)));
   EXPECT_TRUE(test::same_bits(part(many.equations.response.data() + many.block.response_offset + e * rows, rows),
-                        part(one.equations.response.data() + one.block.response_offset, rows)));
+                              part(one.equations.response.data() + one.block.response_offset, rows)));
   for (size_t i = 0; i < many.block.response_offset; ++i) EXPECT_EQ(many.equations.response(i), 0.0);
   for (int i = 0; i < many.block.first_element; ++i) EXPECT_EQ(many.equations.condensed_tangent(i, 0), 0.0);
 }
 
-/// The own residual given as right-hand side: the same tangent and linear response bit for bit, the constant response
-/// up to the rounding of turning rows into the element frame, and the condensed residual without its vertex rows.
+/// The own residual given as right-hand side: the same tangent, the same response, and the condensed residual without
+/// its vertex rows, up to the rounding of turning rows into the element frame. No bits: the two are different functions
+/// to the compiler, which fuses products and sums in each as it likes (for Zen not as for other processors).
 TEST_P(ElementLoops, OwnResidualAsRightHandSide) {
   for (const ForceIntegration rule : kAllRules) {
     const SampleBlock own = many_elements(GetParam(), rule), given = many_elements(GetParam(), rule);
@@ -134,22 +135,16 @@ TEST_P(ElementLoops, OwnResidualAsRightHandSide) {
     evaluate_tangent(own.block, own.structure, own.state, own.equations);
     condense_right_hand_side(given.block, given.structure, given.state, own.equations.interior_residual,
                              given.equations);
-    Difference response, residual;
-    const int rows = ResponseLayout{GetParam(), 0}.rows();
-    for (size_t i = own.block.response_offset; i < own.equations.response.size(); ++i) {
-      const int place = static_cast<int>(i - own.block.response_offset) % own.block.response_size();
-      const bool constant = place >= kResponseColumns * rows || place % kResponseColumns == kResponseColumns - 1;
-      if (constant)
-        response.add(0, given.equations.response(i), own.equations.response(i));
-      else
-        ASSERT_EQ(given.equations.response(i), own.equations.response(i)) << "order " << GetParam() << ", entry " << i;
-    }
+    Difference response, tangent, residual;
+    for (size_t i = own.block.response_offset; i < own.equations.response.size(); ++i)
+      response.add(0, given.equations.response(i), own.equations.response(i));
     for (size_t i = 0; i < own.equations.condensed_tangent.size(); ++i)
-      ASSERT_EQ(given.equations.condensed_tangent.data()[i], own.equations.condensed_tangent.data()[i]);
+      tangent.add(0, given.equations.condensed_tangent.data()[i], own.equations.condensed_tangent.data()[i]);
     for (size_t i = 0; i < own.equations.residual.size(); ++i)
       residual.add(0, given.equations.condensed_residual.data()[i] + own.equations.residual.data()[i],
                    own.equations.condensed_residual.data()[i]);
     EXPECT_LE(response.relative(), kTurningTolerance) << "order " << GetParam();
+    EXPECT_LE(tangent.relative(), kTurningTolerance) << "order " << GetParam();
     EXPECT_LE(residual.relative(), kTurningTolerance) << "order " << GetParam();
   }
 }
