@@ -10,7 +10,6 @@
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 #include <chrono>

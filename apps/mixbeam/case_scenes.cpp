@@ -4,7 +4,6 @@
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <cmath>

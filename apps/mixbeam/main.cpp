@@ -2,7 +2,6 @@
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "mixbeam/version.hpp"
 
 #include <algorithm>

@@ -6,7 +6,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 #include <ostream>

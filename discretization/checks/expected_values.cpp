@@ -5,7 +5,6 @@
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 #include <libxml/SAX2.h>
 #include <libxml/parserInternals.h>

@@ -4,12 +4,10 @@
 #include "discretization/reading/members.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 
@@ -18,11 +16,6 @@ namespace {
 
 const std::string kNameColumn = "name";
 const std::string kPointsFile = "Points File", kMembersFile = "Members File";
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
 
 std::filesystem::path beside_scene(const std::string& name, const ParameterSource& source) {
   return std::filesystem::path(source.file()).parent_path() / name;

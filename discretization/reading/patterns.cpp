@@ -10,7 +10,6 @@
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/name_pattern.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>

@@ -9,7 +9,6 @@
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/sections.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
 

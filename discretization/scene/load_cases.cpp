@@ -2,7 +2,6 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,7 +1,6 @@
 #include "discretization/scene/names.hpp"
 
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 namespace mixbeam {
 

@@ -2,7 +2,7 @@
 
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <cmath>

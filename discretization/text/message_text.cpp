@@ -1,6 +1,7 @@
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 
 namespace mixbeam {
@@ -8,6 +9,33 @@ namespace {
 
 constexpr std::size_t kLongestList = 24;  // more names than this do not help a reader
 constexpr std::size_t kLongestText = 100;
+constexpr std::size_t kLongestComparedName = 200;  // the comparison takes time and memory in proportion to the length
+
+/// Edit distance with exchanged neighbours (Damerau and Levenshtein, each letter edited at most once).
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      }
+    }
+    before_last.swap(last);
+    last.swap(row);
+  }
+  return last[b.size()];
+}
+
+/// `boolean` for `bool`, `disp` for `displacement`.
+bool one_begins_with_the_other(const std::string& a, const std::string& b) {
+  constexpr std::size_t kShortestBeginning = 3;
+  const std::size_t common = std::min(a.size(), b.size());
+  return common >= kShortestBeginning && a.compare(0, common, b, 0, common) == 0;
+}
 
 }  // namespace
 
@@ -29,6 +57,69 @@ std::string excerpt(const std::string& text) {
   std::replace_if(
       beginning.begin(), beginning.end(), [](unsigned char c) { return c < 0x20; }, ' ');
   return length < text.size() ? beginning + "..." : beginning;
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates) {
+  if (name.size() > kLongestComparedName) return "";
+  const std::string wanted = lower_case(name);
+  // One slip in three letters is a typing error; more is another word.
+  const std::size_t most_slips = std::max<std::size_t>(1, (name.size() + 1) / 3);
+  std::string nearest;
+  std::size_t fewest = most_slips + 1;
+  for (const std::string& candidate : candidates) {
+    if (candidate.size() > name.size() + most_slips || name.size() > candidate.size() + most_slips) continue;
+    const std::size_t slips = edit_distance(wanted, lower_case(candidate));
+    if (slips < fewest && slips < std::max(name.size(), candidate.size())) {
+      fewest = slips;
+      nearest = candidate;
+    }
+  }
+  if (!nearest.empty()) return nearest;
+  for (const std::string& candidate : candidates) {
+    if (one_begins_with_the_other(wanted, lower_case(candidate))) return candidate;
+  }
+  return "";
+}
+
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearest_name(name, candidates);
+  return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+}
+
+bool has_wildcard(const std::string& text) { return text.find('*') != std::string::npos; }
+
+bool matches(const std::string& pattern, const std::string& name) {
+  // After a mismatch only the last `*` has to give way: it takes one character more.
+  std::size_t p = 0, n = 0, star = std::string::npos, taken_from = 0;
+  while (n < name.size()) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      taken_from = n;
+    } else if (p < pattern.size() && pattern[p] == name[n]) {
+      ++p;
+      ++n;
+    } else if (star != std::string::npos) {
+      p = star + 1;
+      n = ++taken_from;
+    } else {
+      return false;
+    }
+  }
+  return std::all_of(pattern.begin() + static_cast<std::ptrdiff_t>(p), pattern.end(), [](char c) { return c == '*'; });
+}
+
+std::vector<std::string> names_meant(const std::string& text, const std::vector<std::string>& names) {
+  if (std::find(names.begin(), names.end(), text) != names.end()) return {text};
+  std::vector<std::string> meant;
+  if (!has_wildcard(text)) return meant;
+  std::copy_if(names.begin(), names.end(), std::back_inserter(meant),
+               [&](const std::string& name) { return matches(text, name); });
+  return meant;
 }
 
 }  // namespace mixbeam

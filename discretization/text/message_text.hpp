@@ -1,4 +1,4 @@
-/// Pieces of error messages that stay readable whatever the user wrote.
+/// Names that users write: in messages, as patterns, and misspelt.
 #pragma once
 
 #include <string>
@@ -11,5 +11,26 @@ std::string quoted_list(const std::vector<std::string>& names);
 
 /// The text itself, or its beginning when it is longer than a line; control characters become spaces.
 std::string excerpt(const std::string& text);
+
+/// The candidate that differs from `name` in the fewest typing slips (a letter inserted, dropped, replaced, or two
+/// neighbours exchanged; upper and lower case count as equal), else one that begins like it. Empty when nothing
+/// resembles `name`.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
+
+/// `; did you mean "Elements"?`, or nothing when no candidate resembles `name`.
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
+
+/// In lower case, letters of ASCII only.
+std::string lower_case(std::string text);
+
+/// Whether `text` is a pattern: it contains a `*`, which stands for any characters, also none.
+bool has_wildcard(const std::string& text);
+
+/// Whether the whole name fits the pattern. Takes time in proportion to both lengths at worst.
+bool matches(const std::string& pattern, const std::string& name);
+
+/// What `text` stands for among `names`: the name itself if it is one of them (even if it contains `*`), else every
+/// name that fits it as a pattern, in their order. Empty: nothing.
+std::vector<std::string> names_meant(const std::string& text, const std::vector<std::string>& names);
 
 }  // namespace mixbeam

@@ -4,7 +4,7 @@
 #include "discretization/parameters/validate.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/scene.hpp"
-#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "discretization/text/name_pattern.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <gtest/gtest.h>
 

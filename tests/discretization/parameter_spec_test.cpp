@@ -2,7 +2,7 @@
 
 #include "discretization/parameters/print.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/text/nearest_name.hpp"
+#include "discretization/text/message_text.hpp"
 #include "input_text.hpp"
 
 #include <limits>

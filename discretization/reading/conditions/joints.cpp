@@ -3,8 +3,6 @@
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/name_pattern.hpp"
-#include "discretization/text/nearest_name.hpp"
 
 #include <algorithm>
 

@@ -5,8 +5,6 @@
 #include "discretization/parameters/formula.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/name_pattern.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>

@@ -4,8 +4,6 @@
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/name_pattern.hpp"
-#include "discretization/text/nearest_name.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
