@@ -39,49 +39,44 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
 }
 
 /// Quantities of an application are its own affair.
-void check_description(const Teuchos::ParameterList& list, const std::string& quantity, const ParameterSource& source,
-                       const ParameterPath& path) {
+void check_description(const Teuchos::ParameterList& list, const std::string& quantity, const InputPlace& place) {
   const auto found = kKinds.find(quantity);
   if (found == kKinds.end()) return;
   const QuantityKind& kind = found->second;
   for (const std::string parameter : {"Point", "Member", "Position", "Component"}) {
     const bool needed = contains(kind.needs, parameter);
     if (needed == list.isParameter(parameter)) continue;
-    throw source.error(child(path, parameter), std::string(needed ? "missing; needed" : "given, but has no meaning") +
-                                                   " for the quantity \"" + quantity + "\", which takes " +
-                                                   quoted_list(kind.needs));
+    throw place[parameter].error(std::string(needed ? "missing; needed" : "given, but has no meaning") +
+                                 " for the quantity \"" + quantity + "\", which takes " + quoted_list(kind.needs));
   }
   if (!list.isParameter("Component")) return;
   const auto& component = list.get<std::string>("Component");
   if (contains(kind.components, component)) return;
-  throw source.error(child(path, "Component"), "value \"" + component + "\" of the quantity \"" + quantity +
-                                                   "\"; allowed: " + quoted_list(kind.components));
+  throw place["Component"].error("value \"" + component + "\" of the quantity \"" + quantity +
+                                 "\"; allowed: " + quoted_list(kind.components));
 }
 
 /// Of `stable`: a word, which is there or not, whatever the tolerance.
-void read_word(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
-               ExpectedValue& expected) {
+void read_word(const Teuchos::ParameterList& list, const InputPlace& place, ExpectedValue& expected) {
   if (!list.isType<std::string>("Value"))
-    throw source.error(child(path, "Value"),
-                       "a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));
+    throw place["Value"].error("a number for the quantity \"stable\"; allowed: " + quoted_list(kVerdicts));
   expected.word = list.get<std::string>("Value");
   for (const char* parameter : {"Absolute Tolerance", "Relative Tolerance", "Critical Point"})
     if (list.isParameter(parameter))
-      throw source.error(child(path, parameter), "given, but has no meaning for the quantity \"stable\"");
+      throw place[parameter].error("given, but has no meaning for the quantity \"stable\"");
 }
 
-void read_tolerance(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path,
-                    ExpectedValue& expected) {
+void read_tolerance(const Teuchos::ParameterList& list, const InputPlace& place, ExpectedValue& expected) {
   const bool absolute = list.isParameter("Absolute Tolerance");
   if (absolute == list.isParameter("Relative Tolerance")) {
-    throw source.error(path, std::string(absolute ? "both" : "neither") +
-                                 R"( of "Absolute Tolerance" and "Relative Tolerance" given; allowed: exactly one)");
+    throw place.error(std::string(absolute ? "both" : "neither") +
+                      R"( of "Absolute Tolerance" and "Relative Tolerance" given; allowed: exactly one)");
   }
   expected.kind = absolute ? ToleranceKind::absolute : ToleranceKind::relative;
   expected.tolerance = list.get<double>(absolute ? "Absolute Tolerance" : "Relative Tolerance");
   if (!absolute && expected.value == 0.0) {
-    throw source.error(child(path, "Relative Tolerance"),
-                       "no difference is small relative to the value 0; allowed: \"Absolute Tolerance\"");
+    throw place["Relative Tolerance"].error(
+        "no difference is small relative to the value 0; allowed: \"Absolute Tolerance\"");
   }
 }
 
@@ -117,44 +112,41 @@ BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_q
 }
 
 ExpectedValue read_one(const BoundList<ExpectedValue>& parameters, const Teuchos::ParameterList& list,
-                       const std::string& name, const ParameterSource& source, const ParameterPath& path) {
+                       const std::string& name, const InputPlace& place) {
   ExpectedValue expected = parameters.read(list);
   expected.name = name;
-  check_description(list, expected.quantity, source, path);
+  check_description(list, expected.quantity, place);
   if (expected.critical_point && expected.load_factor)
-    throw source.error(child(path, "Load Factor"),
-                       R"(given besides "Critical Point", which has its own; allowed: one of them)");
+    throw place["Load Factor"].error(R"(given besides "Critical Point", which has its own; allowed: one of them)");
   if (expected.quantity == kStableName) {
-    read_word(list, source, path, expected);
+    read_word(list, place, expected);
     return expected;
   }
   if (list.isType<std::string>("Value"))
-    throw source.error(child(path, "Value"), "value \"" + list.get<std::string>("Value") + "\" for the quantity \"" +
-                                                 expected.quantity + "\"; allowed: a number");
+    throw place["Value"].error("value \"" + list.get<std::string>("Value") + "\" for the quantity \"" +
+                               expected.quantity + "\"; allowed: a number");
   expected.value = list.get<double>("Value");
-  read_tolerance(list, source, path, expected);
+  read_tolerance(list, place, expected);
   return expected;
 }
 
 bool is_reaction(const std::string& quantity) { return quantity == "reaction force" || quantity == "reaction moment"; }
 
-void check_case(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
-                const ParameterPath& path) {
+void check_case(const ExpectedValue& value, const Scene& scene, const InputPlace& place) {
   const std::vector<std::string>& cases = scene.load_cases;
   if (value.load_case.empty() && cases.empty()) return;
   if (contains(cases, value.load_case)) return;
   const std::string seen = value.load_case.empty() ? "missing" : "value \"" + excerpt(value.load_case) + "\"";
-  throw source.error(child(path, "Case"), seen + "; allowed: a load case of the scene: " + quoted_list(cases) +
-                                              did_you_mean(value.load_case, cases));
+  throw place["Case"].error(seen + "; allowed: a load case of the scene: " + quoted_list(cases) +
+                            did_you_mean(value.load_case, cases));
 }
 
-void check_supported(const ExpectedValue& value, const Scene& scene, const ParameterSource& source,
-                     const ParameterPath& path) {
+void check_supported(const ExpectedValue& value, const Scene& scene, const InputPlace& place) {
   std::vector<std::string> supported;
   for (const Support& support : scene.supports) supported.push_back(support.point);
   if (contains(supported, value.point)) return;
-  throw source.error(child(path, "Point"), "value \"" + excerpt(value.point) +
-                                               "\" has no support, so no reaction; allowed: " + quoted_list(supported));
+  throw place["Point"].error("value \"" + excerpt(value.point) +
+                             "\" has no support, so no reaction; allowed: " + quoted_list(supported));
 }
 
 }  // namespace
@@ -179,7 +171,7 @@ std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, co
   std::vector<ExpectedValue> expected;
   for (auto entry = list.begin(); entry != list.end(); ++entry) {
     const std::string& name = list.name(entry);
-    expected.push_back(read_one(parameters, list.sublist(name), name, source, child(path, name)));
+    expected.push_back(read_one(parameters, list.sublist(name), name, InputPlace(source, path)[name]));
   }
   return expected;
 }
@@ -188,18 +180,17 @@ void check_expected_values(const std::vector<ExpectedValue>& expected, const Sce
                            const ParameterSource& source, const ParameterPath& path) {
   const SceneNames names(scene);
   for (const ExpectedValue& value : expected) {
-    const ParameterPath place = child(path, value.name);
-    check_case(value, scene, source, place);
+    const InputPlace place = InputPlace(source, path)[value.name];
+    check_case(value, scene, place);
     if (!value.point.empty() && names.members_at(value.point) == nullptr)
-      throw unknown_name(source, child(place, "Point"), "point", value.point, names.point_names());
+      throw unknown_name(place["Point"], "point", value.point, names.point_names());
     if (!value.member.empty() && names.member(value.member) == nullptr)
-      throw unknown_name(source, child(place, "Member"), "member", value.member, names.member_names());
-    if (is_reaction(value.quantity)) check_supported(value, scene, source, place);
+      throw unknown_name(place["Member"], "member", value.member, names.member_names());
+    if (is_reaction(value.quantity)) check_supported(value, scene, place);
     const int stages = scene.load_cases.empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
     if (value.load_factor.value_or(0.0) <= stages) continue;
-    throw source.error(child(place, "Load Factor"), "value " + shortest(*value.load_factor) + "; allowed: at most " +
-                                                        std::to_string(stages) +
-                                                        ", where the load path of the scene ends");
+    throw place["Load Factor"].error("value " + shortest(*value.load_factor) + "; allowed: at most " +
+                                     std::to_string(stages) + ", where the load path of the scene ends");
   }
 }
 

@@ -1,12 +1,12 @@
-#include "discretization/checks/geometry_warnings.hpp"
+#include "discretization/checks/survey.hpp"
 
+#include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 #include <set>
 
@@ -22,54 +22,13 @@ constexpr double kMostSteps = 3e6;
 constexpr int kProjections = 8;  // each squares the error of a point's foot on a smooth curve, lines need one
 constexpr std::size_t kMostOnOneMember = 100;  // between the same points: the comparison is of each with each
 
-Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
-
-/// Indices of points by the cell of a regular grid in which they lie.
-class Grid {
- public:
-  Grid(const std::vector<Point>& points, double cell) : cell_(cell), origin_(points.front().position) {
-    for (std::size_t i = 0; i < points.size(); ++i) cells_[key(cell_of(points[i].position))].push_back(i);
-  }
-
-  /// Calls `visit` with every point in the cell of `position` and in those around it.
-  template <typename Visit>
-  void around(const Vector3& position, const Visit& visit) const {
-    const std::array<std::int64_t, 3> center = cell_of(position);
-    for (std::int64_t i = -1; i <= 1; ++i)
-      for (std::int64_t j = -1; j <= 1; ++j)
-        for (std::int64_t k = -1; k <= 1; ++k) {
-          const auto found = cells_.find(key({center[0] + i, center[1] + j, center[2] + k}));
-          if (found == cells_.end()) continue;
-          for (const std::size_t point : found->second) visit(point);
-        }
-  }
-
- private:
-  std::array<std::int64_t, 3> cell_of(const Vector3& position) const {
-    std::array<std::int64_t, 3> cell{};
-    for (std::size_t i = 0; i < 3; ++i)
-      cell[i] = static_cast<std::int64_t>(std::floor((position[i] - origin_[i]) / cell_));
-    return cell;
-  }
-  /// Different cells may share a key: whoever visits compares positions anyway.
-  static std::uint64_t key(const std::array<std::int64_t, 3>& cell) {
-    std::uint64_t mixed = 0;
-    for (const std::int64_t c : cell) mixed = (mixed ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15U;
-    return mixed;
-  }
-
-  double cell_;
-  Vector3 origin_;
-  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
-};
-
 void add_close_points(const SceneSurvey& survey, WarningList& list) {
   const std::vector<Point>& points = survey.scene.points;
   const double tolerance = kSamePlace * survey.size;
-  const Grid grid(points, tolerance);
+  const PointGrid grid(points, tolerance);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::set<std::size_t> seen;  // two cells with one key would be visited twice
-    grid.around(points[i].position, [&](std::size_t j) {
+    grid.around(points[i].position, tolerance, [&](std::size_t j) {
       const double distance = norm(difference(points[i].position, points[j].position));
       if (j <= i || distance > tolerance || seen.size() > kMostOnOneMember || !seen.insert(j).second) return;
       list.add("pairs of points at one place", "Points / " + excerpt(points[j].name) + ": lies at " +
@@ -124,7 +83,8 @@ bool knows(const Member& member, const std::string& point) {
 }
 
 /// Points inside one member that it does not know.
-void add_points_on(std::size_t index, const SceneSurvey& survey, const Grid& grid, double step, WarningList& list) {
+void add_points_on(std::size_t index, const SceneSurvey& survey, const PointGrid& grid, double step,
+                   WarningList& list) {
   const Member& member = survey.scene.members[index];
   const ReferenceCurve& curve = survey.curves[index];
   const double tolerance = kSamePlace * survey.size;
@@ -133,7 +93,7 @@ void add_points_on(std::size_t index, const SceneSurvey& survey, const Grid& gri
   for (int i = 0; i <= steps; ++i) {
     const double start = curve.length * i / steps;
     const Vector3 sample = to_array(curve.position(start));
-    grid.around(sample, [&](std::size_t p) {
+    grid.around(sample, step, [&](std::size_t p) {
       const Point& point = survey.scene.points[p];
       // Every point of the curve is within half a step of a sample.
       if (norm(difference(point.position, sample)) > 0.5 * step + tolerance) return;
@@ -161,11 +121,44 @@ void add_points_on_members(const SceneSurvey& survey, WarningList& list) {
     list.add("searches", "the scene is large: not searched for points that lie on members without being connected");
     return;
   }
-  const Grid grid(survey.scene.points, step);
+  const PointGrid grid(survey.scene.points, step);
   for (std::size_t i = 0; i < survey.curves.size(); ++i) add_points_on(i, survey, grid, step, list);
 }
 
 }  // namespace
+
+SceneSurvey::SceneSurvey(const Scene& surveyed) : scene(surveyed), names(surveyed) {
+  for (const Section& section : scene.sections) sections.emplace(section.name, &section);
+  Box box;
+  for (const Point& point : scene.points) box.enclose(point.position);
+  size = box.diagonal();
+  curves.reserve(scene.members.size());
+  for (const Member& member : scene.members) {
+    curves.push_back(
+        make_reference_curve(member, names.position(member.start_point), names.position(member.end_point)));
+    size = std::max(size, curves.back().length);
+  }
+}
+
+std::array<double, 2> SceneSurvey::element_lengths(std::size_t member) const {
+  const std::vector<double>& stations = scene.members[member].stations;
+  const double length = curves[member].length;
+  if (stations.empty()) return {length / scene.members[member].elements, length / scene.members[member].elements};
+  double shortest = 1.0, longest = 0.0;
+  for (std::size_t i = 1; i < stations.size(); ++i) {
+    shortest = std::min(shortest, stations[i] - stations[i - 1]);
+    longest = std::max(longest, stations[i] - stations[i - 1]);
+  }
+  return {shortest * length, longest * length};
+}
+
+double SceneSurvey::end_element_length(std::size_t member, int end) const {
+  const std::vector<double>& stations = scene.members[member].stations;
+  const double length = curves[member].length;
+  if (stations.size() < 2) return length / scene.members[member].elements;
+  const std::size_t last = stations.size() - 1;
+  return length * (end == 0 ? stations[1] - stations[0] : stations[last] - stations[last - 1]);
+}
 
 void add_geometry_warnings(const SceneSurvey& survey, WarningList& list) {
   add_close_points(survey, list);

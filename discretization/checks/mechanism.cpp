@@ -4,11 +4,11 @@
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 namespace mixbeam {
@@ -203,10 +203,8 @@ std::string rounded_text(const Vector3& v, double size) {
   for (std::size_t i = 0; i < 3; ++i) {
     // Six decimals relative to the size are enough to find the place.
     const double grid = size * 1e-6;
-    const double rounded = std::round(v[i] / grid) * grid;
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), "%.6g", rounded == 0.0 ? 0.0 : rounded);
-    text += (i == 0 ? "" : ", ") + std::string(digits.data());
+    const double on_grid = std::round(v[i] / grid) * grid;
+    text += (i == 0 ? "" : ", ") + rounded(on_grid == 0.0 ? 0.0 : on_grid, 6);
   }
   return text + ")";
 }

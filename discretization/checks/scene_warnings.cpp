@@ -1,16 +1,14 @@
 #include "discretization/checks/scene_warnings.hpp"
 
-#include "discretization/checks/geometry_warnings.hpp"
 #include "discretization/checks/survey.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/amplitude.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
-#include "discretization/text/warning_list.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <set>
 
@@ -39,11 +37,7 @@ constexpr double kMostLoad = 1e6;            // F L^2 / EI; a strut buckles at 2
 constexpr double kMostStiffnessRatio = 1e12;
 constexpr double kNoticeableStart = 1e-12;  // of an amplitude at t = 0: less is rounding of a formula
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string number(double value) { return rounded(value, 3); }
 
 std::string place(const std::string& list, const std::string& name) { return list + " / " + excerpt(name) + ": "; }
 

@@ -1,10 +1,14 @@
-/// Sizes of a scene that its warnings refer to.
+/// What the warnings about a scene have in common: its sizes, and the list that they are collected in.
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/scene/names.hpp"
 
+#include <map>
+#include <string>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 namespace mixbeam {
 
@@ -24,5 +28,31 @@ struct SceneSurvey {
   std::vector<ReferenceCurve> curves;  ///< of the members
   double size = 0.0;                   ///< diagonal of the box around all points, or the longest member if that is more
 };
+
+/// Warnings in the order in which they were found, those of a kind cut off after the first few.
+class WarningList {
+ public:
+  /// `kind` names what many warnings have in common: "members that lie on each other".
+  void add(const std::string& kind, const std::string& text) {
+    if (++count_[kind] <= kMostOfAKind) texts_.push_back(text);
+  }
+
+  std::vector<std::string> finished() const {
+    std::vector<std::string> all = texts_;
+    for (const auto& [kind, count] : count_)
+      if (count > kMostOfAKind) all.push_back("... and " + std::to_string(count - kMostOfAKind) + " more " + kind);
+    return all;
+  }
+
+ private:
+  static constexpr std::size_t kMostOfAKind = 5;  // the next ones tell the same story
+
+  std::vector<std::string> texts_;
+  std::map<std::string, std::size_t> count_;
+};
+
+/// Connections that were probably meant but are not there: points that all but coincide, members that lie on each
+/// other, points that lie on a member which does not know them.
+void add_geometry_warnings(const SceneSurvey& survey, WarningList& list);
 
 }  // namespace mixbeam

@@ -82,7 +82,7 @@ ArcLengthCurve::Panel ArcLengthCurve::panel_from(const PolynomialPiece& piece, d
 
 ArcLengthCurve::Integrals ArcLengthCurve::integrate(const Panel& panel, double t) {
   Integrals sum;
-  const double half = 0.5 * (t - panel.first), forward = panel.last > panel.first ? 1.0 : -1.0;
+  const double half = 0.5 * (t - panel.first), forward = panel.forward();
   for (int q = 0; q < kGaussPoints; ++q) {
     const double here = panel.first + half * (1.0 + rule().points[q]), weight = std::abs(half) * rule().weights[q];
     const Vec3<double> velocity = panel.piece->velocity(here);
@@ -99,8 +99,7 @@ ArcLengthCurve::Integrals ArcLengthCurve::integrate(const Panel& panel, double t
 }
 
 Quaternion<double> ArcLengthCurve::carried_triad(const Panel& panel, double t) {
-  const double forward = panel.last > panel.first ? 1.0 : -1.0;
-  const Vec3<double> g1 = forward * unit(panel.piece->velocity(t));
+  const Vec3<double> g1 = panel.forward() * unit(panel.piece->velocity(t));
   return normalized(smallest_rotation(panel.tangent, g1) * panel.triad * turn_about_tangent(integrate(panel, t).angle));
 }
 
@@ -150,8 +149,7 @@ double ArcLengthCurve::parameter(const Panel& panel, double s) {
     const double error = integrate(panel, t).length - wanted;
     if (std::abs(error) <= tolerance) break;
     (error > 0.0 ? high : low) = t;
-    const double forward = panel.last > panel.first ? 1.0 : -1.0;
-    const double next = t - forward * error / norm(panel.piece->velocity(t));
+    const double next = t - panel.forward() * error / norm(panel.piece->velocity(t));
     const bool is_inside = (next - low) * (next - high) < 0.0;
     const double before = std::exchange(t, is_inside ? next : 0.5 * (low + high));
     if (t == before) break;
@@ -166,7 +164,7 @@ Vec3<double> ArcLengthCurve::position(double s) const {
 
 Vec3<double> ArcLengthCurve::tangent(double s) const {
   const Panel& panel = panel_at(s);
-  return (panel.last > panel.first ? 1.0 : -1.0) * unit(panel.piece->velocity(parameter(panel, s)));
+  return panel.forward() * unit(panel.piece->velocity(parameter(panel, s)));
 }
 
 Vec3<double> ArcLengthCurve::tangent_slope(double s) const {

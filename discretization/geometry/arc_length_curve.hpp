@@ -36,6 +36,8 @@ class ArcLengthCurve {
     double start, end;   ///< s
     Vec3<double> tangent;
     Quaternion<double> triad;  ///< at the start
+
+    double forward() const { return last > first ? 1.0 : -1.0; }
   };
   /// Integrals from the start of a panel.
   struct Integrals {

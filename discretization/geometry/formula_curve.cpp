@@ -2,6 +2,7 @@
 #include "discretization/geometry/polynomial_curve.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +15,6 @@
 namespace mixbeam {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kSamples = 64;  // of a piece: a full turn of a helix needs 30
 // Coefficients have decayed when the last quarter of them is at rounding, relative to the coordinates.
 constexpr double kRoundingLevel = 1e-15;

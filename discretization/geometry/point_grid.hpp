@@ -1,38 +1,64 @@
-/// Finding points that coincide, each in constant time.
+/// Finding the points near a place, each in constant time.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
 
+#include <cmath>
 #include <cstdint>
-#include <optional>
 #include <unordered_map>
 #include <vector>
 
 namespace mixbeam {
 
+/// Numbers of points by the cell of a regular grid in which they lie.
 class PointGrid {
  public:
-  /// Points closer than `tolerance` coincide; coordinates are at least those of `low`, and less than 1e17 tolerances
-  /// above it.
-  PointGrid(const Vector3& low, double tolerance) : low_(low), tolerance_(tolerance), cell_(4.0 * tolerance) {}
+  /// Coordinates differ by less than 1e17 cells.
+  PointGrid(const std::vector<Point>& points, double cell) : cell_(cell), origin_(points.front().position) {
+    for (const Point& point : points) insert(point.position);
+  }
 
   /// The point gets the next number: 0, 1, 2, ...
-  void insert(const Vector3& position);
+  void insert(const Vector3& position) { points_in_[key(cell_of(position, 0.0))].push_back(count_++); }
 
-  /// The first point of those with a number below `end` that coincides with `position`; `preferred` goes before all
-  /// others.
-  std::optional<std::size_t> find(const Vector3& position, std::size_t end, std::size_t preferred) const;
+  /// Calls visit(number) for every point that is within `reach` of `position` along each axis, and for some others:
+  /// different cells may share a key. Whoever visits compares positions anyway.
+  template <typename Visit>
+  void around(const Vector3& position, double reach, const Visit& visit) const {
+    const Cell first = cell_of(position, -reach), last = cell_of(position, reach);
+    Cell cell{};
+    for (cell[0] = first[0]; cell[0] <= last[0]; ++cell[0])
+      for (cell[1] = first[1]; cell[1] <= last[1]; ++cell[1])
+        for (cell[2] = first[2]; cell[2] <= last[2]; ++cell[2]) {
+          const auto found = points_in_.find(key(cell));
+          if (found == points_in_.end()) continue;
+          for (const std::size_t point : found->second) visit(point);
+        }
+  }
 
  private:
   using Cell = std::array<std::int64_t, 3>;
-  Cell cell_of(const Vector3& position) const;
-  static std::uint64_t key(const Cell& cell);
-  bool coincide(std::size_t point, const Vector3& position) const;
 
-  Vector3 low_;
-  double tolerance_, cell_;
-  std::vector<Vector3> positions_;
-  std::unordered_multimap<std::uint64_t, std::size_t> points_in_;
+  Cell cell_of(const Vector3& position, double shift) const {
+    Cell cell{};
+    for (std::size_t i = 0; i < 3; ++i)
+      cell[i] = static_cast<std::int64_t>(std::floor((position[i] + shift - origin_[i]) / cell_));
+    return cell;
+  }
+  static std::uint64_t key(const Cell& cell) {
+    std::uint64_t mixed = 0;
+    for (const std::int64_t index : cell) {
+      mixed ^= static_cast<std::uint64_t>(index) + 0x9e3779b97f4a7c15U + (mixed << 6U) + (mixed >> 2U);
+      mixed *= 0xff51afd7ed558ccdU;
+      mixed ^= mixed >> 33U;
+    }
+    return mixed;
+  }
+
+  double cell_;
+  Vector3 origin_;
+  std::size_t count_ = 0;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> points_in_;
 };
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "discretization/geometry/reference_curve.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,22 +18,9 @@ constexpr double kShortestRelativeLength = 1e-12;
 // The start of an arc lies in its plane up to this share of the radius: coordinates are written with six digits.
 constexpr double kOutOfPlaneTolerance = 1e-6;
 
-void require(bool condition, const char* otherwise) {
-  if (!condition) throw std::invalid_argument(otherwise);
-}
-
 bool is_finite(const Vector3& v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
 
-Vec3<double> to_vec3(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
-
-Vector3 axis_direction(const Curve& curve) { return unit(curve.axis); }
-
-/// From the nearest point of the axis to `start`; its length is the radius.
-Vector3 radius_vector(const Curve& curve, const Vector3& start) {
-  const Vector3 from_center = difference(start, curve.center);
-  const Vector3 axis = axis_direction(curve);
-  return difference(from_center, scaled(dot(from_center, axis), axis));
-}
+bool is_path(const Curve& curve) { return curve.shape == CurveShape::spline || curve.shape == CurveShape::parametric; }
 
 /// Part of `v` normal to the unit vector `tangent`, of unit length. The second pass removes what rounding leaves of the
 /// tangent in the first one when v is nearly parallel to it.
@@ -69,18 +57,6 @@ void check_curve(const Curve& curve, const Vector3& start, const Vector3& end) {
     check_turning_curve(curve, start);
 }
 
-double curve_length(const Curve& curve, const Vector3& start, const Vector3& end) {
-  if (curve.shape == CurveShape::line) return norm(difference(end, start));
-  return std::hypot(curve.angle * norm(radius_vector(curve, start)), curve.rise);
-}
-
-/// g1 at the start.
-Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& end) {
-  if (curve.shape == CurveShape::line) return unit(difference(end, start));
-  const Vector3 axis = axis_direction(curve);
-  return unit(sum(scaled(curve.angle, cross(axis, radius_vector(curve, start))), scaled(curve.rise, axis)));
-}
-
 /// g2 of a line whose member leaves the choice to the program, see make_reference_curve.
 Vector3 default_second_axis_of_line(const Vector3& tangent) {
   const Vector3 horizontal = {-tangent[1], tangent[0], 0.0};  // e3 x g1
@@ -101,8 +77,6 @@ Vector3 start_second_axis(const Member& member, const Vector3& start, const Vect
       turns ? scaled(-1.0, radius_vector(member.curve, start)) : default_second_axis_of_line(tangent);
   return unit_normal_part(unit(choice), tangent);
 }
-
-Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
 
 Quaternion<double> triad_of(const Vector3& g1, const Vector3& g2) {
   const Vector3 g3 = cross(g1, g2);
@@ -189,15 +163,36 @@ Vec3<double> ReferenceCurve::curvature(double s) const {
 
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end) {
   require(std::isfinite(member.twist), "The twist of the member is not finite.");
-  const bool is_path = member.curve.shape == CurveShape::spline || member.curve.shape == CurveShape::parametric;
-  return is_path ? make_path(member, start, end) : make_turning_curve(member, start, end);
+  return is_path(member.curve) ? make_path(member, start, end) : make_turning_curve(member, start, end);
 }
 
-Vector3 end_position(const Member& member, const Vector3& start) {
-  require(member.curve.shape != CurveShape::line && member.curve.shape != CurveShape::spline,
-          "A line ends at its end point; only arc, helix and parametric curve define their own end.");
-  const ReferenceCurve curve = make_reference_curve(member, start, start);
-  return to_array(curve.position(curve.length));
+Vector3 axis_direction(const Curve& curve) { return unit(curve.axis); }
+
+Vector3 radius_vector(const Curve& curve, const Vector3& position) {
+  const Vector3 from_center = difference(position, curve.center);
+  const Vector3 axis = axis_direction(curve);
+  return difference(from_center, scaled(dot(from_center, axis), axis));
+}
+
+bool defines_end(const Curve& curve) { return curve.shape != CurveShape::line && curve.shape != CurveShape::spline; }
+
+Vector3 curve_end(const Curve& curve, const Vector3& start) {
+  // Rodrigues' rotation of the radius vector about the axis, which keeps start - radius where it is.
+  const Vector3 axis = axis_direction(curve);
+  const Vector3 radius = radius_vector(curve, start);
+  const Vector3 turned = sum(scaled(std::cos(curve.angle), radius), scaled(std::sin(curve.angle), cross(axis, radius)));
+  return sum(sum(difference(start, radius), turned), scaled(curve.rise, axis));
+}
+
+double curve_length(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return norm(difference(end, start));
+  return std::hypot(norm(radius_vector(curve, start)) * curve.angle, curve.rise);
+}
+
+Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& end) {
+  if (curve.shape == CurveShape::line) return unit(difference(end, start));
+  const Vector3 axis = axis_direction(curve);
+  return unit(sum(scaled(curve.angle, cross(axis, radius_vector(curve, start))), scaled(curve.rise, axis)));
 }
 
 }  // namespace mixbeam

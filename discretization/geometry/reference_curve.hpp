@@ -60,8 +60,19 @@ constexpr double kSmallestSecondAxisAngle = 1e-6;
 /// for a second axis along the tangent, and for points and formulas that make no curve (polynomial_curve.hpp).
 ReferenceCurve make_reference_curve(const Member& member, const Vector3& start, const Vector3& end);
 
-/// Where an arc or helix from `start` ends, or a parametric curve, wherever it starts; line and spline have no end of
-/// their own and throw std::invalid_argument.
-Vector3 end_position(const Member& member, const Vector3& start);
+// Pieces of it, for lines, arcs and helices.
+
+/// Unit vector along `curve.axis`.
+Vector3 axis_direction(const Curve& curve);
+/// From the nearest point of the axis to `position`; its length is the radius. Arc and helix.
+Vector3 radius_vector(const Curve& curve, const Vector3& position);
+/// Whether the curve defines where it ends: arc, helix, parametric curve. Line and spline end at their end point.
+bool defines_end(const Curve& curve);
+/// End of an arc or helix that starts at `start`.
+Vector3 curve_end(const Curve& curve, const Vector3& start);
+/// Arc length; `end` matters for a line only.
+double curve_length(const Curve& curve, const Vector3& start, const Vector3& end);
+/// g1 at the start; `end` matters for a line only.
+Vector3 start_tangent(const Curve& curve, const Vector3& start, const Vector3& end);
 
 }  // namespace mixbeam

@@ -1,11 +1,16 @@
-/// Vectors of the scene: three doubles.
+/// Vectors of the scene: three doubles. The kernels have a type of their own, for any scalar.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
+#include "kernels/math/small_algebra.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam::vector_algebra {
+
+inline Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
+inline Vec3<double> to_vec3(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
 inline Vector3 sum(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 inline Vector3 difference(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -20,6 +25,19 @@ inline double norm(const Vector3& a) { return std::hypot(a[0], a[1], a[2]); }
 inline Vector3 unit(const Vector3& a) { return scaled(1.0 / norm(a), a); }
 /// Shorter vectors have no direction: the squares of their components underflow.
 inline constexpr double kShortestLength = 1e-100;
+
+/// Smallest box around points, sides along the global axes.
+struct Box {
+  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  void enclose(const Vector3& position) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], position[i]);
+      high[i] = std::max(high[i], position[i]);
+    }
+  }
+  double diagonal() const { return norm(difference(high, low)); }
+};
 
 inline bool is_zero(const Vector3& a) { return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0; }
 

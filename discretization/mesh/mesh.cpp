@@ -1,6 +1,6 @@
 #include "discretization/mesh/mesh.hpp"
 
-#include "discretization/geometry/curve_end.hpp"
+#include "discretization/geometry/placement.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/joined_ends.hpp"
@@ -15,6 +15,8 @@
 namespace mixbeam {
 
 namespace {
+
+using namespace vector_algebra;
 
 // Of the member's length: points are written with a dozen digits or more.
 constexpr double kPlaceTolerance = 1e-9;
@@ -47,8 +49,6 @@ int vertex_of_end(Mesh& mesh, const JointTable& joints, const std::string& point
   }
   return vertex;
 }
-
-Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
 
 /// Positions of all points and curves of all members, as far as they are known.
 class Placement {
@@ -97,7 +97,7 @@ class Placement {
   void place_on(const ReferenceCurve& curve, double s, const std::string& point, const Member& member) {
     const Vector3 here = to_array(curve.position(s));
     const Vector3& known = position_.try_emplace(point, here).first->second;
-    const double distance = vector_algebra::norm(vector_algebra::difference(known, here));
+    const double distance = norm(difference(known, here));
     if (distance > kPlaceTolerance * curve.length)
       throw InputError("point \"" + point + "\" is at " + to_text(known) + ", but member \"" + member.name +
                        "\" passes it at " + to_text(here));
@@ -192,13 +192,9 @@ int member_index(const Scene& scene, const std::string& name) {
 }
 
 double characteristic_length(const Mesh& mesh) {
-  Vector3 low = mesh.vertex_position.front(), high = low;
-  for (const Vector3& p : mesh.vertex_position)
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], p[i]);
-      high[i] = std::max(high[i], p[i]);
-    }
-  double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  Box box;
+  for (const Vector3& position : mesh.vertex_position) box.enclose(position);
+  double length = box.diagonal();
   for (const MeshMember& member : mesh.members) length = std::max(length, member.curve.length);
   return length;
 }

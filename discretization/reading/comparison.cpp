@@ -1,7 +1,7 @@
 #include "discretization/reading/comparison.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
-#include "discretization/reading/members.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/division.hpp"
 
 #include <algorithm>
@@ -14,8 +14,6 @@ using namespace vector_algebra;
 
 constexpr double kSameAngle = 1e-6;  // of axes 2, whose directions are written with six digits. [radian]
 
-Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
-
 bool coincide(const ReferenceCurve& a, const ReferenceCurve& b, SameLine direction, double tolerance) {
   for (const double x : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const double y = direction == SameLine::forward ? x : 1.0 - x;
@@ -23,10 +21,6 @@ bool coincide(const ReferenceCurve& a, const ReferenceCurve& b, SameLine directi
     if (norm(difference(from_a, from_b)) > tolerance) return false;
   }
   return true;
-}
-
-Vector3 axis2(const ReferenceCurve& curve, double s) {
-  return to_array(rotation_matrix(curve.triad(s)) * Vec3<double>{{0.0, 1.0, 0.0}});
 }
 
 /// Whether it does not matter how the section is turned about the tangent.
@@ -61,6 +55,10 @@ bool same_inner_points(const Member& a, const Member& b, SameLine direction) {
 }
 
 }  // namespace
+
+Vector3 axis2(const ReferenceCurve& curve, double s) {
+  return to_array(rotation_matrix(curve.triad(s)) * Vec3<double>{{0.0, 1.0, 0.0}});
+}
 
 std::optional<SameLine> same_centerline(const PlacedMember& a, const PlacedMember& b, double tolerance) {
   const bool closed = a.member.start_point == a.member.end_point;

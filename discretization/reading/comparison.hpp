@@ -19,6 +19,9 @@ struct PlacedMember {
   ReferenceCurve curve() const { return make_reference_curve(member, start, end); }
 };
 
+/// g2(s), spatial.
+Vector3 axis2(const ReferenceCurve& curve, double s);
+
 enum class SameLine { forward, backward };  ///< direction of the second member along the first
 
 /// Whether the centerlines of two members that share both points coincide up to `tolerance` [length], and how.

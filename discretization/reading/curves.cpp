@@ -1,6 +1,6 @@
-#include "discretization/reading/curves.hpp"
+#include "discretization/reading/scene_parts.hpp"
 
-#include "discretization/parameters/formula.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -76,8 +76,7 @@ BoundList<CurveDraft> declared_curve_parameters() {
 
 class CurveReader {
  public:
-  CurveReader(const ParameterList& list, const ParameterSource& source, const ParameterPath& path)
-      : list_(list), source_(source), path_(path) {}
+  CurveReader(const ParameterList& list, const InputPlace& place) : list_(list), place_(place) {}
 
   CurveDraft read() const {
     CurveDraft draft = curve_parameters().read(list_);
@@ -92,7 +91,7 @@ class CurveReader {
 
  private:
   InputError error(const std::string& parameter, const std::string& problem) const {
-    return source_.error(child(path_, parameter), problem);
+    return place_[parameter].error(problem);
   }
 
   std::vector<Vector3> positions(const std::string& name) const {
@@ -131,14 +130,13 @@ class CurveReader {
     std::vector<std::vector<double>> samples;
     for (int i = 0; i <= kSamples; ++i)
       samples.push_back({curve.range[0] + (curve.range[1] - curve.range[0]) * i / kSamples});
-    const ParameterPath path = child(path_, "Formula");
+    const InputPlace place = place_["Formula"];
     for (const std::string& formula : curve.formula)
-      check_finite(checked_formula(formula, {"t"}, source_, path), {"t"}, samples, source_, path);
+      check_finite(checked_formula(formula, {"t"}, place), {"t"}, samples, place);
   }
 
   const ParameterList& list_;
-  const ParameterSource& source_;
-  const ParameterPath& path_;
+  const InputPlace& place_;
 };
 
 }  // namespace
@@ -148,8 +146,6 @@ const BoundList<CurveDraft>& curve_parameters() {
   return parameters;
 }
 
-CurveDraft read_curve(const ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
-  return CurveReader(list, source, path).read();
-}
+CurveDraft read_curve(const ParameterList& list, const InputPlace& place) { return CurveReader(list, place).read(); }
 
 }  // namespace mixbeam

@@ -1,7 +1,7 @@
 #include "discretization/reading/import.hpp"
 
 #include "discretization/parameters/validate.hpp"
-#include "discretization/reading/members.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -21,23 +21,20 @@ std::filesystem::path beside_scene(const std::string& name, const ParameterSourc
   return std::filesystem::path(source.file()).parent_path() / name;
 }
 
-std::string resolved(const Teuchos::ParameterList& list, const std::string& parameter, const ParameterSource& source,
-                     const ParameterPath& path) {
+std::string resolved(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place) {
   const auto& name = list.get<std::string>(parameter);
-  const std::filesystem::path file = beside_scene(name, source);
+  const std::filesystem::path file = beside_scene(name, place.source());
   std::error_code failure;
   if (std::filesystem::is_regular_file(file, failure)) return file.string();
-  throw source.error(child(path, parameter), "value \"" + excerpt(name) + "\": there is no file \"" +
-                                                 excerpt(file.string()) +
-                                                 "\"; allowed: a file, relative to the folder of the scene");
+  throw place[parameter].error("value \"" + excerpt(name) + "\": there is no file \"" + excerpt(file.string()) +
+                               "\"; allowed: a file, relative to the folder of the scene");
 }
 
-CsvFile table_of(const Teuchos::ParameterList& list, const std::string& parameter, const ParameterSource& source,
-                 const ParameterPath& path) {
+CsvFile table_of(const Teuchos::ParameterList& list, const std::string& parameter, const InputPlace& place) {
   const auto& name = list.get<std::string>(parameter);
-  const auto kept = source.files().find(name);
-  if (kept == source.files().end()) return CsvFile(resolved(list, parameter, source, path));
-  return {beside_scene(name, source).string(), kept->second};
+  const auto kept = place.source().files().find(name);
+  if (kept == place.source().files().end()) return CsvFile(resolved(list, parameter, place));
+  return {beside_scene(name, place.source()).string(), kept->second};
 }
 
 std::string imported_name(const ImportTable& table, const CsvRecord& record) {
@@ -171,22 +168,22 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
   for (const std::string& parameter : {kPointsFile, kMembersFile}) {
     if (!list.isParameter(parameter)) continue;
     const auto& name = list.get<std::string>(parameter);
-    if (texts.count(name) == 0) texts[name] = text_of_table(resolved(list, parameter, source, child(path, "Import")));
+    if (texts.count(name) == 0)
+      texts[name] = text_of_table(resolved(list, parameter, InputPlace(source, path)["Import"]));
   }
   return texts;
 }
 
-ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path) {
-  return {table_of(list, kPointsFile, source, path), {kNameColumn, "x", "y", "z"}, 4};
+ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {
+  return {table_of(list, kPointsFile, place), {kNameColumn, "x", "y", "z"}, 4};
 }
 
-ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source,
-                          const ParameterPath& path) {
+ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place) {
   std::vector<std::string> columns = member_columns(false);
   columns.insert(columns.begin(), kNameColumn);
   const std::size_t required = columns.size();
   for (std::string& column : member_columns(true)) columns.push_back(std::move(column));
-  return {table_of(list, kMembersFile, source, path), columns, required};
+  return {table_of(list, kMembersFile, place), columns, required};
 }
 
 Point imported_point(const ImportTable& table, const CsvRecord& record) {

@@ -1,7 +1,7 @@
 /// Points and members of a scene from two tables.
 #pragma once
 
-#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/parameters/spec.hpp"
 #include "discretization/scene/scene.hpp"
 #include "discretization/text/csv_file.hpp"
@@ -55,8 +55,8 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
 
 /// The table that a parameter of the list "Import" names: a text that the source has under this name, otherwise a file
 /// relative to the folder of the scene file.
-ImportTable points_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
-ImportTable members_table(const Teuchos::ParameterList& list, const ParameterSource& source, const ParameterPath& path);
+ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place);
+ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
 
 /// One record as a point, or as a member with the defaults of the list "Import".
 Point imported_point(const ImportTable& table, const CsvRecord& record);

@@ -1,11 +1,10 @@
 /// The part of SceneReader that reads members, apart from where they are.
 
-#include "discretization/reading/members.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
-#include "discretization/parameters/formula.hpp"
-#include "discretization/reading/curves.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/read_scene.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/limits.hpp"
@@ -108,13 +107,13 @@ void SceneReader::read_members() {
   for (std::size_t i = 0; i < list_names_.size(); ++i) {
     const std::string& name = list_names_[i];
     const List& list = members.sublist(name);
-    const ParameterPath path = child(child(path_, "Members"), name);
-    check_name(name, child(path_, "Members"));
-    Member member = read_member(name, list, path);
+    const InputPlace place = place_["Members"][name];
+    check_name(name, place_["Members"]);
+    Member member = read_member(name, list, place);
     CurveDraft draft;
-    if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), source_, child(path, "Curve"));
+    if (list.isSublist("Curve")) draft = read_curve(list.sublist("Curve"), place["Curve"]);
     if (draft.is_polyline) {
-      check_plain(list, path);
+      check_plain(list, place);
       add_polyline(member, draft, i);
       continue;
     }
@@ -124,30 +123,28 @@ void SceneReader::read_members() {
   }
 }
 
-Member SceneReader::read_member(const std::string& name, const List& list, const ParameterPath& path) const {
+Member SceneReader::read_member(const std::string& name, const List& list, const InputPlace& place) const {
   Member member = member_parameters().read(list);
   member.name = name;
-  check_taper(member, path);
-  if (list.isSublist("Inner Points"))
-    read_inner_points(member, list.sublist("Inner Points"), child(path, "Inner Points"));
-  if (list.isParameter("Stations")) read_stations(member, list, path);
+  check_taper(member, place);
+  if (list.isSublist("Inner Points")) read_inner_points(member, list.sublist("Inner Points"), place["Inner Points"]);
+  if (list.isParameter("Stations")) read_stations(member, list, place);
   return member;
 }
 
-void SceneReader::check_taper(const Member& member, const ParameterPath& path) const {
+void SceneReader::check_taper(const Member& member, const InputPlace& place) const {
   if (member.taper.empty()) return;
-  const ParameterPath taper = child(path, "Taper");
+  const InputPlace taper = place["Taper"];
   if (member.end_section.empty())
-    throw source_.error(taper,
-                        "value \"" + excerpt(member.taper) + "\" without \"End Section\"; allowed: with it only");
-  const Expression weight = checked_formula(member.taper, {"x"}, source_, taper);
-  check_finite(weight, {"x"}, {{0.0}, {0.25}, {0.5}, {0.75}, {1.0}}, source_, taper);
+    throw taper.error("value \"" + excerpt(member.taper) + "\" without \"End Section\"; allowed: with it only");
+  const Expression weight = checked_formula(member.taper, {"x"}, taper);
+  check_finite(weight, {"x"}, {{0.0}, {0.25}, {0.5}, {0.75}, {1.0}}, taper);
 }
 
-void SceneReader::read_inner_points(Member& member, const List& list, const ParameterPath& path) const {
+void SceneReader::read_inner_points(Member& member, const List& list, const InputPlace& place) const {
   for (const std::string& point : names_of(list)) {
     if (point == member.start_point || point == member.end_point)
-      throw source_.error(child(path, point), "an end of the member too; allowed: another point");
+      throw place[point].error("an end of the member too; allowed: another point");
     member.inner_points.push_back({point, list.get<double>(point)});
   }
   auto& inner = member.inner_points;
@@ -157,56 +154,54 @@ void SceneReader::read_inner_points(Member& member, const List& list, const Para
     const double before = i == 0 ? 0.0 : inner[i - 1].position;
     const double after = i + 1 == inner.size() ? 1.0 : 2.0;
     if (inner[i].position - before > kStationTolerance && after - inner[i].position > kStationTolerance) continue;
-    throw source_.error(child(path, inner[i].point),
-                        "value " + shortest(inner[i].position) +
-                            "; allowed: between 0 and 1, and further than 1e-9 from the ends and other inner points");
+    throw place[inner[i].point].error(
+        "value " + shortest(inner[i].position) +
+        "; allowed: between 0 and 1, and further than 1e-9 from the ends and other inner points");
   }
 }
 
-void SceneReader::read_stations(Member& member, const List& list, const ParameterPath& path) const {
+void SceneReader::read_stations(Member& member, const List& list, const InputPlace& place) const {
   const int elements = static_cast<int>(member.stations.size()) - 1;
   if (is_given(list, "Elements") && member.elements != elements) {
-    throw source_.error(child(path, "Elements"), "value " + std::to_string(member.elements) +
-                                                     ", but \"Stations\" has " +
-                                                     std::to_string(member.stations.size()) +
-                                                     " entries; allowed: one less than these, or only one of the two");
+    throw place["Elements"].error("value " + std::to_string(member.elements) + ", but \"Stations\" has " +
+                                  std::to_string(member.stations.size()) +
+                                  " entries; allowed: one less than these, or only one of the two");
   }
   member.elements = elements;
   try {
     divide(member);
   } catch (const std::invalid_argument& problem) {
-    throw source_.error(child(path, "Stations"),
-                        "value " + excerpt(to_text(binding::value_from(member.stations))) + ": " + problem.what());
+    throw place["Stations"].error("value " + excerpt(to_text(binding::value_from(member.stations))) + ": " +
+                                  problem.what());
   }
 }
 
 /// What a polyline shares out among its lines cannot be said for the whole of it.
-void SceneReader::check_plain(const List& list, const ParameterPath& path) const {
+void SceneReader::check_plain(const List& list, const InputPlace& place) const {
   for (const std::string name : {"Twist", "Stations", "End Section", "Taper", "Inner Points"}) {
     if (!list.isParameter(name) && !list.isSublist(name)) continue;
-    throw source_.error(child(path, name),
-                        "given for a polyline, which becomes several members; allowed: for a single curve");
+    throw place[name].error("given for a polyline, which becomes several members; allowed: for a single curve");
   }
 }
 
 std::vector<std::string> SceneReader::polyline_points(const Member& whole, const CurveDraft& draft,
-                                                      const ParameterPath& path) {
+                                                      const InputPlace& place) {
   std::vector<std::string> points = {whole.start_point};
   points.insert(points.end(), draft.corner_names.begin(), draft.corner_names.end());
   for (std::size_t i = 0; i < draft.corners.size(); ++i) {
     points.push_back(numbered(whole.name, i + 1));
     if (add_point(points.back(), draft.corners[i])) continue;
-    throw source_.error(child(child(path, "Curve"), "Through"),
-                        "corner " + std::to_string(i + 1) + " would be point \"" + excerpt(points.back()) +
-                            "\", which exists already; allowed: another name of the point or of the member");
+    throw place["Curve"]["Through"].error(
+        "corner " + std::to_string(i + 1) + " would be point \"" + excerpt(points.back()) +
+        "\", which exists already; allowed: another name of the point or of the member");
   }
   points.push_back(whole.end_point);
   return points;
 }
 
 void SceneReader::add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name) {
-  const ParameterPath path = child(child(path_, "Members"), whole.name);
-  const std::vector<std::string> points = polyline_points(whole, draft, path);
+  const InputPlace place = place_["Members"][whole.name];
+  const std::vector<std::string> points = polyline_points(whole, draft, place);
   const std::size_t lines = points.size() - 1;
   polylines_.push_back({scene_.members.size(), lines, whole.elements});
   for (std::size_t i = 0; i < lines; ++i) {
@@ -217,8 +212,8 @@ void SceneReader::add_polyline(const Member& whole, const CurveDraft& draft, std
     // the whole of it counts at once, and is shared out when all positions are known
     line.elements = i == 0 ? std::max(1, whole.elements - static_cast<int>(lines) + 1) : 1;
     if (member_index_.count(line.name) > 0 || list_.sublist("Members").isSublist(line.name)) {
-      throw source_.error(path, "line " + std::to_string(i + 1) + " of the polyline would be member \"" +
-                                    excerpt(line.name) + "\", which exists already; allowed: another name");
+      throw place.error("line " + std::to_string(i + 1) + " of the polyline would be member \"" + excerpt(line.name) +
+                        "\", which exists already; allowed: another name");
     }
     add_member(std::move(line), {false, list_name});
   }
@@ -227,7 +222,7 @@ void SceneReader::add_polyline(const Member& whole, const CurveDraft& draft, std
 void SceneReader::import_members() {
   if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Members File")) return;
   const List& list = list_.sublist("Import");
-  imported_members_.emplace(members_table(list, source_, child(path_, "Import")));
+  imported_members_.emplace(members_table(list, place_["Import"]));
   imported_members_->for_each([&](const CsvRecord& record) {
     Member member = imported_member(*imported_members_, record, list);
     if (member_index_.count(member.name) > 0) {

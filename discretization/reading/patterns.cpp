@@ -1,4 +1,4 @@
-#include "discretization/reading/patterns.hpp"
+#include "discretization/reading/scene_parts.hpp"
 
 #include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/point_grid.hpp"
@@ -11,6 +11,7 @@
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,6 @@ namespace {
 using Teuchos::ParameterList;
 using namespace vector_algebra;
 
-constexpr double kTurn = 6.28318530717958647693;
 constexpr double kPointTolerance = 1e-9;  // of the size of the structure: points are written with a dozen digits
 constexpr double kMostCopiedBytes = 4e9;  // keeps copies of large members from eating memory
 constexpr std::size_t kNoPoint = ~std::size_t{0};
@@ -70,7 +70,7 @@ std::vector<Isometry> motions_of(const Pattern& pattern) {
   if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
   std::vector<Isometry> motions;
   for (int i = 1; i < pattern.count; ++i) {
-    const double angle = pattern.angle ? i * *pattern.angle : kTurn * i / pattern.count;
+    const double angle = pattern.angle ? i * *pattern.angle : 2.0 * kPi * i / pattern.count;
     motions.push_back(pattern.kind == PatternKind::repeat ? Isometry::shift(scaled(i, pattern.vector))
                                                           : Isometry::rotation(pattern.center, pattern.axis, angle));
   }
@@ -100,23 +100,51 @@ struct Label {
 /// The scene while patterns act on it, with what finds things in it.
 class PatternScene {
  public:
-  PatternScene(const ParameterSource& source, Scene& scene);
+  explicit PatternScene(Scene& scene) : scene_(scene) {
+    for (std::size_t i = 0; i < scene.sections.size(); ++i) section_index_.emplace(scene.sections[i].name, i);
+    for (std::size_t i = 0; i < scene.points.size(); ++i) {
+      point_index_.emplace(scene.points[i].name, i);
+      point_label_.push_back({scene.points[i].name});
+    }
+    for (const Member& member : scene.members) {
+      const Ends ends = {point_index_.at(member.start_point), point_index_.at(member.end_point)};
+      members_at_.emplace(between(ends), ends_.size());
+      ends_.push_back(ends);
+      member_names_.insert(member.name);
+      member_label_.push_back({member.name});
+    }
+  }
 
-  void apply(const Pattern& pattern, const ParameterPath& path);
+  void apply(const Pattern& pattern, const InputPlace& place) {
+    Work work{place};
+    select_members(pattern.members, work);
+    check_size(work, pattern.count - 1);
+    const std::vector<Isometry> copies = motions_of(pattern);
+    select_points(work);
+    check_extent(work, copies);
+    PointGrid grid(scene_.points, 4.0 * work.tolerance);
+    number_originals(work);
+    if (!copies.front().is_shift()) find_second_axes(work);
+    work.image.assign(scene_.points.size(), kNoPoint);
+    for (std::size_t i = 0; i < copies.size(); ++i) {
+      copy_points(copies[i], static_cast<int>(i) + 1, grid, work);
+      copy_members(copies[i], static_cast<int>(i) + 1, work);
+    }
+  }
 
  private:
   using Ends = std::array<std::size_t, 2>;
 
   /// One pattern at work.
   struct Work {
-    const ParameterPath& path;
+    const InputPlace& place;
     std::vector<std::size_t> members{}, points{};  ///< what is copied
     std::vector<Vector3> second_axes{};            ///< of the members, as far as copies must keep them
     std::vector<std::size_t> image{};              ///< point of the scene -> its copy
     double tolerance = 0.0;                        ///< [length]
   };
 
-  InputError error(const Work& work, const std::string& problem) const { return source_.error(work.path, problem); }
+  InputError error(const Work& work, const std::string& problem) const { return work.place.error(problem); }
   static std::uint64_t between(const Ends& ends) {
     return (static_cast<std::uint64_t>(std::min(ends[0], ends[1])) << 32U) | std::max(ends[0], ends[1]);
   }
@@ -125,19 +153,194 @@ class PatternScene {
             scene_.sections[section_index_.at(member.section)]};
   }
 
-  void select_members(const std::vector<std::string>& texts, Work& work) const;
-  void select_points(Work& work) const;
-  void check_size(const Work& work, int copies) const;
-  PointGrid grid_of(Work& work, const std::vector<Isometry>& motions) const;
-  void number_originals(const Work& work);
-  void find_second_axes(Work& work) const;
-  void copy_points(const Isometry& motion, int number, PointGrid& grid, Work& work);
-  void copy_members(const Isometry& motion, int number, const Work& work);
-  Member copy_of(const Isometry& motion, std::size_t member, const Vector3& second_axis, const Work& work);
-  bool is_there(const Member& copy, const Ends& ends, std::size_t members_before, const Work& work) const;
-  std::string mirrored_section(const std::string& name);
+  void select_members(const std::vector<std::string>& texts, Work& work) const {
+    std::vector<std::string> names;
+    for (const Member& member : scene_.members) names.push_back(member.name);
+    std::unordered_set<std::string> selected;
+    for (const std::string& text : texts) {
+      const std::vector<std::string> meant = names_meant(text, names);
+      if (meant.empty()) throw unknown_name(work.place["Members"], "member", text, names);
+      selected.insert(meant.begin(), meant.end());
+    }
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (selected.count(names[i]) > 0) work.members.push_back(i);
+  }
 
-  const ParameterSource& source_;
+  void select_points(Work& work) const {
+    std::vector<bool> selected(scene_.points.size(), false);
+    const auto select = [&](std::size_t point) {
+      if (!selected[point]) work.points.push_back(point);
+      selected[point] = true;
+    };
+    for (const std::size_t m : work.members) {
+      select(ends_[m][0]);
+      select(ends_[m][1]);
+      for (const InnerPoint& inner : scene_.members[m].inner_points) select(point_index_.at(inner.point));
+    }
+  }
+
+  /// Before anything is copied: elements and memory, as if no two copies coincided.
+  void check_size(const Work& work, int copies) const {
+    double elements = 0.0, bytes = 0.0;
+    for (const Member& member : scene_.members) elements += member.elements;
+    for (const std::size_t m : work.members) {
+      const Member& member = scene_.members[m];
+      const double count = copies;
+      elements += count * std::max<double>(member.elements, static_cast<double>(member.inner_points.size()) + 1.0);
+      bytes += count * static_cast<double>(sizeof(Member) + sizeof(Vector3) * member.curve.through.size() +
+                                           sizeof(double) * member.stations.size() + 3 * member.name.size() +
+                                           member.start_point.size() + member.end_point.size() +
+                                           member.curve.formula[0].size() + member.curve.formula[1].size() +
+                                           member.curve.formula[2].size() + 2 * member.taper.size());
+    }
+    if (elements <= kMostElements && bytes <= kMostCopiedBytes) return;
+    throw error(work, std::to_string(copies) + " copies bring the scene to " + shortest(elements) + " elements and " +
+                          shortest(bytes) + " bytes; allowed: " + std::to_string(kMostElements) + " elements, " +
+                          shortest(kMostCopiedBytes) + " bytes");
+  }
+
+  /// Sets the tolerance by the size of the scene with all copies.
+  void check_extent(Work& work, const std::vector<Isometry>& motions) const {
+    Box box;
+    for (const Point& point : scene_.points) box.enclose(point.position);
+    for (const Isometry& motion : motions)
+      for (const std::size_t point : work.points) box.enclose(motion.position(scene_.points[point].position));
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (box.low[i] >= -kLargestCoordinate && box.high[i] <= kLargestCoordinate) continue;
+      throw error(work, "copies have coordinates up to " + shortest(std::max(-box.low[i], box.high[i])) +
+                            "; allowed: up to " + shortest(kLargestCoordinate));
+    }
+    work.tolerance = std::max(kPointTolerance * box.diagonal(), kShortestLength);
+  }
+
+  /// The first point of those with a number below `end` that lies there; `preferred` goes before all others.
+  std::optional<std::size_t> point_at(const Vector3& position, const PointGrid& grid, std::size_t end,
+                                      std::size_t preferred, double tolerance) const {
+    const auto coincides = [&](std::size_t i) {
+      return i < end && norm(difference(scene_.points[i].position, position)) <= tolerance;
+    };
+    if (coincides(preferred)) return preferred;
+    std::optional<std::size_t> found;
+    grid.around(position, tolerance, [&](std::size_t i) {
+      if ((!found || i < *found) && coincides(i)) found = i;
+    });
+    return found;
+  }
+
+  void number_originals(const Work& work) {
+    for (const std::size_t point : work.points) point_label_[point].numbers.push_back(0);
+    for (const std::size_t member : work.members) member_label_[member].numbers.push_back(0);
+  }
+
+  /// A copy keeps how the section lies in it: the choice of the program depends on the direction in space, except for
+  /// arc and helix, whose axis 2 points to their own axis.
+  void find_second_axes(Work& work) const {
+    for (const std::size_t m : work.members) {
+      const Member& member = scene_.members[m];
+      const CurveShape shape = member.curve.shape;
+      const bool follows = shape == CurveShape::circular_arc || shape == CurveShape::helix;
+      if (!is_zero(member.second_axis) || follows) {
+        work.second_axes.push_back(member.second_axis);
+        continue;
+      }
+      work.second_axes.push_back(axis2(placed(member, ends_[m]).curve(), 0.0));
+    }
+  }
+
+  void copy_points(const Isometry& motion, int number, PointGrid& grid, Work& work) {
+    const std::size_t before = scene_.points.size();
+    for (const std::size_t point : work.points) {
+      const Vector3 position = motion.position(scene_.points[point].position);
+      const auto there = point_at(position, grid, before, point, work.tolerance);
+      work.image[point] = there.value_or(scene_.points.size());
+      if (there) continue;
+      Label label = point_label_[point].copy(number);
+      const std::string name = label.name();
+      if (!point_index_.emplace(name, scene_.points.size()).second) {
+        throw error(work, "the copy of point \"" + excerpt(scene_.points[point].name) + "\" would be \"" +
+                              excerpt(name) + "\", which exists already; allowed: another name of that point");
+      }
+      grid.insert(position);
+      scene_.points.push_back({name, position});
+      point_label_.push_back(std::move(label));
+    }
+  }
+
+  void copy_members(const Isometry& motion, int number, const Work& work) {
+    const std::size_t before = scene_.members.size();
+    for (std::size_t i = 0; i < work.members.size(); ++i) {
+      const std::size_t m = work.members[i];
+      Member copy = copy_of(motion, m, work.second_axes.empty() ? Vector3{} : work.second_axes[i], work);
+      Label label = member_label_[m].copy(number);
+      copy.name = label.name();
+      const Ends ends = {work.image[ends_[m][0]], work.image[ends_[m][1]]};
+      if (ends[0] == ends[1] && ends_[m][0] != ends_[m][1])
+        throw error(work, "member \"" + excerpt(copy.name) + "\" would have no length");
+      if (copy.curve.shape == CurveShape::parametric) placed(copy, ends).curve();  // formulas grow with every copy
+      if (is_there(copy, ends, before, work)) continue;
+      if (!member_names_.insert(copy.name).second) {
+        throw error(work, "the copy of member \"" + excerpt(scene_.members[m].name) + "\" would be \"" +
+                              excerpt(copy.name) + "\", which exists already; allowed: another name of that member");
+      }
+      members_at_.emplace(between(ends), scene_.members.size());
+      ends_.push_back(ends);
+      member_label_.push_back(std::move(label));
+      scene_.members.push_back(std::move(copy));
+    }
+  }
+
+  Member copy_of(const Isometry& motion, std::size_t member, const Vector3& second_axis, const Work& work) {
+    Member copy = scene_.members[member];
+    copy.start_point = scene_.points[work.image[ends_[member][0]]].name;
+    copy.end_point = scene_.points[work.image[ends_[member][1]]].name;
+    for (InnerPoint& inner : copy.inner_points)
+      inner.point = scene_.points[work.image[point_index_.at(inner.point)]].name;
+    copy.curve = image(motion, copy.curve);
+    if (motion.is_shift()) return copy;
+    copy.second_axis = motion.direction(second_axis);
+    if (!motion.mirrors()) return copy;
+    copy.twist = -copy.twist;
+    copy.section = mirrored_section(copy.section);
+    if (!copy.end_section.empty()) copy.end_section = mirrored_section(copy.end_section);
+    return copy;
+  }
+
+  /// Whether the copy coincides with one of the members that were there before this round of copies.
+  bool is_there(const Member& copy, const Ends& ends, std::size_t members_before, const Work& work) const {
+    const auto [begin, end] = members_at_.equal_range(between(ends));
+    std::string problem;
+    for (auto entry = begin; entry != end; ++entry) {
+      if (entry->second >= members_before) continue;
+      const Member& other = scene_.members[entry->second];
+      const PlacedMember first = placed(copy, ends), second = placed(other, ends_[entry->second]);
+      const auto direction = same_centerline(first, second, work.tolerance);
+      if (!direction) continue;
+      const std::string what = difference_between(first, second, *direction);
+      if (what.empty()) return true;
+      problem = "member \"" + excerpt(copy.name) + "\" would lie on member \"" + excerpt(other.name) +
+                "\" but differ from it in " + what + "; allowed: equal members, which become one";
+    }
+    if (problem.empty()) return false;
+    throw error(work, problem);
+  }
+
+  std::string mirrored_section(const std::string& name) {
+    const Section& section = scene_.sections[section_index_.at(name)];
+    if (!section.matrix) return name;
+    const auto known = mirrored_sections_.find(name);
+    if (known != mirrored_sections_.end()) return known->second;
+    Section mirrored = section;
+    mirrored.matrix = mirrored_stiffness(*section.matrix);
+    if (*mirrored.matrix == *section.matrix) return mirrored_sections_[name] = name;
+    mirrored.name += " (mirrored)";
+    while (section_index_.count(mirrored.name) > 0) mirrored.name += "'";
+    mirrored_sections_[name] = mirrored.name;
+    mirrored_sections_[mirrored.name] = name;
+    section_index_.emplace(mirrored.name, scene_.sections.size());
+    scene_.sections.push_back(mirrored);
+    return mirrored.name;
+  }
+
   Scene& scene_;
   std::unordered_map<std::string, std::size_t> point_index_, section_index_;
   std::unordered_set<std::string> member_names_;
@@ -147,248 +350,21 @@ class PatternScene {
   std::unordered_map<std::string, std::string> mirrored_sections_;  ///< name -> name of the mirror image
 };
 
-PatternScene::PatternScene(const ParameterSource& source, Scene& scene) : source_(source), scene_(scene) {
-  for (std::size_t i = 0; i < scene.sections.size(); ++i) section_index_.emplace(scene.sections[i].name, i);
-  for (std::size_t i = 0; i < scene.points.size(); ++i) {
-    point_index_.emplace(scene.points[i].name, i);
-    point_label_.push_back({scene.points[i].name});
-  }
-  for (const Member& member : scene.members) {
-    const Ends ends = {point_index_.at(member.start_point), point_index_.at(member.end_point)};
-    members_at_.emplace(between(ends), ends_.size());
-    ends_.push_back(ends);
-    member_names_.insert(member.name);
-    member_label_.push_back({member.name});
-  }
-}
-
-void PatternScene::apply(const Pattern& pattern, const ParameterPath& path) {
-  Work work{path};
-  select_members(pattern.members, work);
-  check_size(work, pattern.count - 1);
-  const std::vector<Isometry> copies = motions_of(pattern);
-  select_points(work);
-  PointGrid grid = grid_of(work, copies);
-  number_originals(work);
-  if (!copies.front().is_shift()) find_second_axes(work);
-  work.image.assign(scene_.points.size(), kNoPoint);
-  for (std::size_t i = 0; i < copies.size(); ++i) {
-    copy_points(copies[i], static_cast<int>(i) + 1, grid, work);
-    copy_members(copies[i], static_cast<int>(i) + 1, work);
-  }
-}
-
-void PatternScene::select_members(const std::vector<std::string>& texts, Work& work) const {
-  std::vector<bool> selected(scene_.members.size(), false);
-  std::unordered_map<std::string, std::size_t> index;
-  for (std::size_t i = 0; i < scene_.members.size(); ++i) index.emplace(scene_.members[i].name, i);
-  for (const std::string& text : texts) {
-    bool found = false;
-    const auto exact = index.find(text);
-    if (exact != index.end()) {
-      selected[exact->second] = found = true;
-    } else if (has_wildcard(text)) {
-      for (std::size_t i = 0; i < scene_.members.size(); ++i)
-        if (matches(text, scene_.members[i].name)) selected[i] = found = true;
-    }
-    if (found) continue;
-    std::vector<std::string> names;
-    for (const Member& member : scene_.members) names.push_back(member.name);
-    throw unknown_name(source_, child(work.path, "Members"), "member", text, names);
-  }
-  for (std::size_t i = 0; i < selected.size(); ++i)
-    if (selected[i]) work.members.push_back(i);
-}
-
-void PatternScene::select_points(Work& work) const {
-  std::vector<bool> selected(scene_.points.size(), false);
-  const auto select = [&](std::size_t point) {
-    if (!selected[point]) work.points.push_back(point);
-    selected[point] = true;
-  };
-  for (const std::size_t m : work.members) {
-    select(ends_[m][0]);
-    select(ends_[m][1]);
-    for (const InnerPoint& inner : scene_.members[m].inner_points) select(point_index_.at(inner.point));
-  }
-}
-
-/// Before anything is copied: elements and memory, as if no two copies coincided.
-void PatternScene::check_size(const Work& work, int copies) const {
-  double elements = 0.0, bytes = 0.0;
-  for (const Member& member : scene_.members) elements += member.elements;
-  for (const std::size_t m : work.members) {
-    const Member& member = scene_.members[m];
-    const double count = copies;
-    elements += count * std::max<double>(member.elements, static_cast<double>(member.inner_points.size()) + 1.0);
-    bytes += count * static_cast<double>(sizeof(Member) + sizeof(Vector3) * member.curve.through.size() +
-                                         sizeof(double) * member.stations.size() + 3 * member.name.size() +
-                                         member.start_point.size() + member.end_point.size() +
-                                         member.curve.formula[0].size() + member.curve.formula[1].size() +
-                                         member.curve.formula[2].size() + 2 * member.taper.size());
-  }
-  if (elements <= kMostElements && bytes <= kMostCopiedBytes) return;
-  throw error(work, std::to_string(copies) + " copies bring the scene to " + shortest(elements) + " elements and " +
-                        shortest(bytes) + " bytes; allowed: " + std::to_string(kMostElements) + " elements, " +
-                        shortest(kMostCopiedBytes) + " bytes");
-}
-
-/// Grid with all points of the scene, wide enough for all copies.
-PointGrid PatternScene::grid_of(Work& work, const std::vector<Isometry>& motions) const {
-  constexpr double kHuge = 1e300;
-  Vector3 low = {kHuge, kHuge, kHuge}, high = {-kHuge, -kHuge, -kHuge};
-  const auto include = [&](const Vector3& x) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], x[i]);
-      high[i] = std::max(high[i], x[i]);
-    }
-  };
-  for (const Point& point : scene_.points) include(point.position);
-  for (const Isometry& motion : motions)
-    for (const std::size_t point : work.points) include(motion.position(scene_.points[point].position));
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (low[i] >= -kLargestCoordinate && high[i] <= kLargestCoordinate) continue;
-    throw error(work, "copies have coordinates up to " + shortest(std::max(-low[i], high[i])) + "; allowed: up to " +
-                          shortest(kLargestCoordinate));
-  }
-  work.tolerance = std::max(kPointTolerance * norm(difference(high, low)), kShortestLength);
-  const double reach = 2.0 * work.tolerance;
-  PointGrid grid(difference(low, {reach, reach, reach}), work.tolerance);
-  for (const Point& point : scene_.points) grid.insert(point.position);
-  return grid;
-}
-
-void PatternScene::number_originals(const Work& work) {
-  for (const std::size_t point : work.points) point_label_[point].numbers.push_back(0);
-  for (const std::size_t member : work.members) member_label_[member].numbers.push_back(0);
-}
-
-/// A copy keeps how the section lies in it: the choice of the program depends on the direction in space, except for
-/// arc and helix, whose axis 2 points to their own axis.
-void PatternScene::find_second_axes(Work& work) const {
-  for (const std::size_t m : work.members) {
-    const Member& member = scene_.members[m];
-    const CurveShape shape = member.curve.shape;
-    const bool follows = shape == CurveShape::circular_arc || shape == CurveShape::helix;
-    if (!is_zero(member.second_axis) || follows) {
-      work.second_axes.push_back(member.second_axis);
-      continue;
-    }
-    const Vec3<double> g2 = rotation_matrix(placed(member, ends_[m]).curve().triad(0.0)) * Vec3<double>{{0, 1, 0}};
-    work.second_axes.push_back({g2[0], g2[1], g2[2]});
-  }
-}
-
-void PatternScene::copy_points(const Isometry& motion, int number, PointGrid& grid, Work& work) {
-  const std::size_t before = scene_.points.size();
-  for (const std::size_t point : work.points) {
-    const Vector3 position = motion.position(scene_.points[point].position);
-    const auto there = grid.find(position, before, point);
-    work.image[point] = there.value_or(scene_.points.size());
-    if (there) continue;
-    Label label = point_label_[point].copy(number);
-    const std::string name = label.name();
-    if (!point_index_.emplace(name, scene_.points.size()).second) {
-      throw error(work, "the copy of point \"" + excerpt(scene_.points[point].name) + "\" would be \"" + excerpt(name) +
-                            "\", which exists already; allowed: another name of that point");
-    }
-    grid.insert(position);
-    scene_.points.push_back({name, position});
-    point_label_.push_back(std::move(label));
-  }
-}
-
-void PatternScene::copy_members(const Isometry& motion, int number, const Work& work) {
-  const std::size_t before = scene_.members.size();
-  for (std::size_t i = 0; i < work.members.size(); ++i) {
-    const std::size_t m = work.members[i];
-    Member copy = copy_of(motion, m, work.second_axes.empty() ? Vector3{} : work.second_axes[i], work);
-    Label label = member_label_[m].copy(number);
-    copy.name = label.name();
-    const Ends ends = {work.image[ends_[m][0]], work.image[ends_[m][1]]};
-    if (ends[0] == ends[1] && ends_[m][0] != ends_[m][1])
-      throw error(work, "member \"" + excerpt(copy.name) + "\" would have no length");
-    if (copy.curve.shape == CurveShape::parametric) placed(copy, ends).curve();  // formulas grow with every copy
-    if (is_there(copy, ends, before, work)) continue;
-    if (!member_names_.insert(copy.name).second) {
-      throw error(work, "the copy of member \"" + excerpt(scene_.members[m].name) + "\" would be \"" +
-                            excerpt(copy.name) + "\", which exists already; allowed: another name of that member");
-    }
-    members_at_.emplace(between(ends), scene_.members.size());
-    ends_.push_back(ends);
-    member_label_.push_back(std::move(label));
-    scene_.members.push_back(std::move(copy));
-  }
-}
-
-Member PatternScene::copy_of(const Isometry& motion, std::size_t member, const Vector3& second_axis, const Work& work) {
-  Member copy = scene_.members[member];
-  copy.start_point = scene_.points[work.image[ends_[member][0]]].name;
-  copy.end_point = scene_.points[work.image[ends_[member][1]]].name;
-  for (InnerPoint& inner : copy.inner_points)
-    inner.point = scene_.points[work.image[point_index_.at(inner.point)]].name;
-  copy.curve = image(motion, copy.curve);
-  if (motion.is_shift()) return copy;
-  copy.second_axis = motion.direction(second_axis);
-  if (!motion.mirrors()) return copy;
-  copy.twist = -copy.twist;
-  copy.section = mirrored_section(copy.section);
-  if (!copy.end_section.empty()) copy.end_section = mirrored_section(copy.end_section);
-  return copy;
-}
-
-/// Whether the copy coincides with one of the members that were there before this round of copies.
-bool PatternScene::is_there(const Member& copy, const Ends& ends, std::size_t members_before, const Work& work) const {
-  const auto [begin, end] = members_at_.equal_range(between(ends));
-  std::string problem;
-  for (auto entry = begin; entry != end; ++entry) {
-    if (entry->second >= members_before) continue;
-    const Member& other = scene_.members[entry->second];
-    const PlacedMember first = placed(copy, ends), second = placed(other, ends_[entry->second]);
-    const auto direction = same_centerline(first, second, work.tolerance);
-    if (!direction) continue;
-    const std::string what = difference_between(first, second, *direction);
-    if (what.empty()) return true;
-    problem = "member \"" + excerpt(copy.name) + "\" would lie on member \"" + excerpt(other.name) +
-              "\" but differ from it in " + what + "; allowed: equal members, which become one";
-  }
-  if (problem.empty()) return false;
-  throw error(work, problem);
-}
-
-std::string PatternScene::mirrored_section(const std::string& name) {
-  const Section& section = scene_.sections[section_index_.at(name)];
-  if (!section.matrix) return name;
-  const auto known = mirrored_sections_.find(name);
-  if (known != mirrored_sections_.end()) return known->second;
-  Section mirrored = section;
-  mirrored.matrix = mirrored_stiffness(*section.matrix);
-  if (*mirrored.matrix == *section.matrix) return mirrored_sections_[name] = name;
-  mirrored.name += " (mirrored)";
-  while (section_index_.count(mirrored.name) > 0) mirrored.name += "'";
-  mirrored_sections_[name] = mirrored.name;
-  mirrored_sections_[mirrored.name] = name;
-  section_index_.emplace(mirrored.name, scene_.sections.size());
-  scene_.sections.push_back(mirrored);
-  return mirrored.name;
-}
-
 }  // namespace
 
 ListSpec patterns_spec() {
   return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", kPatternParameters.spec);
 }
 
-void apply_patterns(const ParameterList& patterns, const ParameterSource& source, const ParameterPath& path,
-                    Scene& scene) {
+void apply_patterns(const ParameterList& patterns, const InputPlace& place, Scene& scene) {
   const std::vector<std::string> names = names_of(patterns);
   if (names.empty()) return;
-  PatternScene work(source, scene);
+  PatternScene work(scene);
   for (const std::string& name : names) {
     try {
-      work.apply(kPatternParameters.read(patterns.sublist(name)), child(path, name));
+      work.apply(kPatternParameters.read(patterns.sublist(name)), place[name]);
     } catch (const std::invalid_argument& problem) {
-      throw source.error(child(path, name), std::string("a copy cannot be made: ") + problem.what());
+      throw place[name].error(std::string("a copy cannot be made: ") + problem.what());
     }
   }
 }

@@ -4,10 +4,9 @@
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/reading/conditions/read_conditions.hpp"
-#include "discretization/reading/patterns.hpp"
 #include "discretization/reading/read_scene.hpp"
-#include "discretization/reading/sections.hpp"
+#include "discretization/reading/scene_parts.hpp"
+#include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
@@ -16,52 +15,70 @@
 
 namespace mixbeam {
 
+ListSpec scene_spec() {
+  ListSpec spec(
+      "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
+  spec.add_list("Sections", ListSpec("Cross sections.").with_named_lists("section", section_spec(), 1),
+                Presence::required);
+  spec.add_list("Points", ListSpec("Points of the undeformed structure; at least one here or by Import.")
+                              .with_named_parameters(
+                                  "point", bounded_vector("").required().means("Global coordinates [length].")));
+  spec.add_list(
+      "Members",
+      ListSpec("Beams; at least one here or by Import.").with_named_lists("member", member_parameters().spec));
+  spec.add_list("Import", import_spec(), Presence::optional);
+  spec.add_list("Patterns", patterns_spec(), Presence::optional);
+  spec.add(real("Accuracy").above(kBestAccuracy).below(1.0),
+           "Wanted error of displacements over the largest of them, at the end of the path: order and number of "
+           "elements are chosen for every member that does not give them itself.");
+  add_condition_lists(spec);
+  return spec;
+}
+
 Scene read_scene(Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path) {
   validate(scene_list, scene_spec(), source, path);
-  Scene scene = SceneReader(scene_list, source, path).read();
+  Scene scene = SceneReader(scene_list, {source, path}).read();
   check_supports(scene, source, path);
   return scene;
 }
 
-SceneReader::SceneReader(const List& list, const ParameterSource& source, ParameterPath path)
-    : list_(list), source_(source), path_(std::move(path)) {}
+SceneReader::SceneReader(const List& list, const InputPlace& place) : list_(list), place_(place) {}
 
 Scene SceneReader::read() {
-  scene_.name = source_.root_name();
+  scene_.name = place_.source().root_name();
   if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
   read_sections();
   read_points();
   import_points();
   read_members();
   import_members();
-  if (scene_.members.empty())
-    throw source_.error(child(path_, "Members"), "no member; allowed: at least one, here or by \"Import\"");
+  if (scene_.members.empty()) throw place_["Members"].error("no member; allowed: at least one, here or by \"Import\"");
   place_members();
   share_out_elements();
   check_members();
-  if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), source_, child(path_, "Patterns"), scene_);
-  read_conditions(list_, source_, path_, scene_);
+  if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
+  read_conditions(list_, place_, scene_);
   check_points_are_used();
   return std::move(scene_);
 }
 
 void SceneReader::read_sections() {
-  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), source_, child(path_, "Sections"));
+  scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), place_["Sections"]);
   for (std::size_t i = 0; i < scene_.sections.size(); ++i) section_index_.emplace(scene_.sections[i].name, i);
 }
 
 void SceneReader::read_points() {
   const List& points = list_.sublist("Points");
   for (const std::string& name : names_of(points)) {
-    check_name(name, child(path_, "Points"));
+    check_name(name, place_["Points"]);
     add_point(name, get_vector(points, name));
   }
 }
 
 /// Of an entry of the list at `path`.
-void SceneReader::check_name(const std::string& name, const ParameterPath& path) const {
+void SceneReader::check_name(const std::string& name, const InputPlace& place) const {
   const Problem problem = result_name_problem(name);
-  if (!problem.empty()) throw source_.error(child(path, name), "name " + problem);
+  if (!problem.empty()) throw place[name].error("name " + problem);
 }
 
 bool SceneReader::add_point(const std::string& name, const Vector3& position) {
@@ -73,7 +90,7 @@ bool SceneReader::add_point(const std::string& name, const Vector3& position) {
 void SceneReader::import_points() {
   declared_points_ = scene_.points.size();
   if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Points File")) return;
-  const ImportTable table = points_table(list_.sublist("Import"), source_, child(path_, "Import"));
+  const ImportTable table = points_table(list_.sublist("Import"), place_["Import"]);
   table.for_each([&](const CsvRecord& record) {
     const Point point = imported_point(table, record);
     if (add_point(point.name, point.position)) return;
@@ -93,8 +110,7 @@ void SceneReader::check_points_are_used() {
   for (std::size_t i = 0; i < declared_points_; ++i) {
     if (point_touched_[i]) continue;
     const std::string& name = scene_.points[i].name;
-    throw source_.error(
-        child(child(path_, "Points"), name),
+    throw place_["Points"][name].error(
         "unused: no member, imported or copied ones included, starts or ends here; allowed: points of members");
   }
 }
@@ -124,9 +140,9 @@ InputError SceneReader::member_error(std::size_t member, const ParameterPath& pa
                                     "member \"" + excerpt(name) + "\": " + problem);
   }
   const std::string& list_name = list_names_[origin.place];
-  ParameterPath path = child(child(path_, "Members"), list_name);
-  path.insert(path.end(), parameter.begin(), parameter.end());
-  return source_.error(path, (name == list_name ? "" : "line \"" + excerpt(name) + "\": ") + problem);
+  InputPlace place = place_["Members"][list_name];
+  for (const std::string& part : parameter) place = place[part];
+  return place.error((name == list_name ? "" : "line \"" + excerpt(name) + "\": ") + problem);
 }
 
 const Vector3& SceneReader::position_of(const std::string& point) const {

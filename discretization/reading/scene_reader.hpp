@@ -1,12 +1,11 @@
 /// The work behind read_scene (reading/read_scene.hpp): one pass over a validated list, with every check that needs
-/// more than one parameter at a time. Supports, loads and all else that acts are in
-/// reading/conditions/read_conditions.hpp.
+/// more than one parameter at a time. What acts on the structure is in conditions/, see scene_parts.hpp.
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/parameters/source.hpp"
-#include "discretization/reading/curves.hpp"
 #include "discretization/reading/import.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -19,7 +18,7 @@ namespace mixbeam {
 
 class SceneReader {
  public:
-  SceneReader(const Teuchos::ParameterList& list, const ParameterSource& source, ParameterPath path);
+  SceneReader(const Teuchos::ParameterList& list, const InputPlace& place);
 
   Scene read();
 
@@ -45,7 +44,7 @@ class SceneReader {
   void import_points();
   void check_points_are_used();
   void touch_point(const std::string& point);
-  void check_name(const std::string& name, const ParameterPath& path) const;
+  void check_name(const std::string& name, const InputPlace& place) const;
   /// False if there is a point of this name.
   bool add_point(const std::string& name, const Vector3& position);
   /// A name in a member that nothing bears.
@@ -55,13 +54,13 @@ class SceneReader {
 
   // reading/members.cpp
   void read_members();
-  Member read_member(const std::string& name, const List& list, const ParameterPath& path) const;
-  void read_inner_points(Member& member, const List& list, const ParameterPath& path) const;
-  void read_stations(Member& member, const List& list, const ParameterPath& path) const;
-  void check_taper(const Member& member, const ParameterPath& path) const;
+  Member read_member(const std::string& name, const List& list, const InputPlace& place) const;
+  void read_inner_points(Member& member, const List& list, const InputPlace& place) const;
+  void read_stations(Member& member, const List& list, const InputPlace& place) const;
+  void check_taper(const Member& member, const InputPlace& place) const;
   void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
-  std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const ParameterPath& path);
-  void check_plain(const List& list, const ParameterPath& path) const;
+  std::vector<std::string> polyline_points(const Member& whole, const CurveDraft& draft, const InputPlace& place);
+  void check_plain(const List& list, const InputPlace& place) const;
   void import_members();
   void add_member(Member member, Origin origin);
 
@@ -85,8 +84,7 @@ class SceneReader {
   InputError member_error(std::size_t member, const ParameterPath& parameter, const std::string& problem) const;
 
   const List& list_;
-  const ParameterSource& source_;
-  const ParameterPath path_;
+  const InputPlace place_;
   Scene scene_;
   Index section_index_, point_index_, member_index_;
   std::vector<bool> point_touched_;

@@ -1,6 +1,6 @@
 /// The part of SceneReader that checks where members are and completes their points.
 
-#include "discretization/geometry/curve_end.hpp"
+#include "discretization/geometry/placement.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/scene_reader.hpp"

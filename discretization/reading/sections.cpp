@@ -1,4 +1,4 @@
-#include "discretization/reading/sections.hpp"
+#include "discretization/reading/scene_parts.hpp"
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
@@ -116,8 +116,8 @@ const BoundList<SectionDraft> kSectionParameters = section_parameters();
 /// Reads one section; `path` is its place.
 class SectionReader {
  public:
-  SectionReader(const ParameterList& list, const ParameterSource& source, ParameterPath path)
-      : list_(list), source_(source), path_(std::move(path)), draft_(kSectionParameters.read(list)) {}
+  SectionReader(const ParameterList& list, const InputPlace& place)
+      : list_(list), place_(place), draft_(kSectionParameters.read(list)) {}
 
   Section read() const {
     check_one_way();
@@ -127,7 +127,7 @@ class SectionReader {
 
  private:
   InputError error(const std::string& parameter, const std::string& problem) const {
-    return source_.error(child(path_, parameter), problem);
+    return place_[parameter].error(problem);
   }
 
   /// Parameters of one way to give a section must not stand beside those of another.
@@ -181,7 +181,7 @@ class SectionReader {
 
   void read_material(SectionShape& shape) const {
     const auto missing = [&](const std::string& name, const std::string& allowed) {
-      return source_.error(child(child(path_, "Material"), name), "missing; allowed: " + allowed);
+      return place_["Material"][name].error("missing; allowed: " + allowed);
     };
     if (!draft_.youngs_modulus) throw missing("E", "a double > 0 (Young's modulus)");
     shape.youngs_modulus = *draft_.youngs_modulus;
@@ -228,8 +228,7 @@ class SectionReader {
   }
 
   const ParameterList& list_;
-  const ParameterSource& source_;
-  const ParameterPath path_;
+  const InputPlace place_;
   const SectionDraft draft_;
 };
 
@@ -237,11 +236,10 @@ class SectionReader {
 
 ListSpec section_spec() { return kSectionParameters.spec; }
 
-std::vector<Section> read_sections(const ParameterList& sections, const ParameterSource& source,
-                                   const ParameterPath& path) {
+std::vector<Section> read_sections(const ParameterList& sections, const InputPlace& place) {
   std::vector<Section> read;
   for (const std::string& name : names_of(sections)) {
-    Section section = SectionReader(sections.sublist(name), source, child(path, name)).read();
+    Section section = SectionReader(sections.sublist(name), place[name]).read();
     section.name = name;
     read.push_back(std::move(section));
   }

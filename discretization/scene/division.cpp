@@ -1,5 +1,7 @@
 #include "discretization/scene/division.hpp"
 
+#include "discretization/text/errors.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -8,10 +10,6 @@
 
 namespace mixbeam {
 namespace {
-
-void require(bool condition, const std::string& otherwise) {
-  if (!condition) throw std::invalid_argument(otherwise);
-}
 
 /// Ends of the pieces between inner points: 0, the inner points, 1.
 std::vector<double> piece_ends(const Member& member) {

@@ -41,10 +41,10 @@ bool has_one_end_at(const Member& member, const std::string& point) {
   return (member.start_point == point) != (member.end_point == point);
 }
 
-InputError unknown_name(const ParameterSource& source, const ParameterPath& path, const std::string& what,
-                        const std::string& name, const std::vector<std::string>& known) {
-  return source.error(path, "value \"" + excerpt(name) + "\" is not a " + what +
-                                " of the scene; allowed: " + quoted_list(known) + did_you_mean(name, known));
+InputError unknown_name(const InputPlace& place, const std::string& what, const std::string& name,
+                        const std::vector<std::string>& known) {
+  return place.error("value \"" + excerpt(name) + "\" is not a " + what +
+                     " of the scene; allowed: " + quoted_list(known) + did_you_mean(name, known));
 }
 
 }  // namespace mixbeam

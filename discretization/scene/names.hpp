@@ -1,7 +1,7 @@
 /// Finding points and members of a scene by name, and saying so when there is none.
 #pragma once
 
-#include "discretization/parameters/source.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <cstddef>
@@ -38,7 +38,7 @@ class SceneNames {
 bool has_one_end_at(const Member& member, const std::string& point);
 
 /// `scene.xml:12: XML path "...": value "tpi" is not a point of the scene; allowed: ...; did you mean "tip"?`
-InputError unknown_name(const ParameterSource& source, const ParameterPath& path, const std::string& what,
-                        const std::string& name, const std::vector<std::string>& known);
+InputError unknown_name(const InputPlace& place, const std::string& what, const std::string& name,
+                        const std::vector<std::string>& known);
 
 }  // namespace mixbeam

@@ -1,6 +1,9 @@
 #include "discretization/scene/section_shape.hpp"
 
+#include "discretization/text/errors.hpp"
+
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +12,6 @@
 namespace mixbeam {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at 5
 
 /// What geometry gives: everything that does not depend on the material but for the shear factors.
@@ -19,10 +21,6 @@ struct SectionGeometry {
   std::array<double, 2> second_moment{};  ///< about axes 2 and 3
   std::array<double, 2> shear_factor{};   ///< of GA2, GA3
 };
-
-void require(bool condition, const std::string& otherwise) {
-  if (!condition) throw std::invalid_argument(otherwise);
-}
 
 void require_length(double value, const std::string& name) {
   require(std::isfinite(value) && value > 0.0, name + " is " + shortest(value) + "; allowed: a length > 0");

@@ -1,5 +1,6 @@
 #include "discretization/state/reactions.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/kinematics.hpp"
 
@@ -13,8 +14,7 @@ namespace mixbeam {
 
 namespace {
 
-Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
-Vector3 to_array(const Vec& v) { return {v[0], v[1], v[2]}; }
+using namespace vector_algebra;
 
 /// A force and a moment, the moment about some fixed point.
 struct Wrench {
@@ -80,7 +80,7 @@ struct ElementView {
         state(at),
         e(index),
         tangent(of, index,
-                to_vec(mesh.vertex_position[element.vertex[1]]) - to_vec(mesh.vertex_position[element.vertex[0]])),
+                to_vec3(mesh.vertex_position[element.vertex[1]]) - to_vec3(mesh.vertex_position[element.vertex[0]])),
         interior(at.views.interior.data() + of.interior_offset + static_cast<size_t>(index) * of.interior.unknowns()),
         triad(load_quaternion(&at.views.element_triad(of.first_element + index, 0))) {}
 
@@ -123,17 +123,11 @@ struct ElementView {
 
 /// What is added up for one part of a structure.
 struct PartSums {
-  Vec low{{HUGE_VAL, HUGE_VAL, HUGE_VAL}}, high{{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}};  ///< box around it, undeformed
+  Box box{};  ///< around it, undeformed
   Wrench applied{}, reactions{};
   Vec curve_moment{};
   double largest_force = 0.0, largest_moment = 0.0;
-  Vec center() const { return 0.5 * (low + high); }
-  void enclose(const Vector3& position) {
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], position[i]);
-      high[i] = std::max(high[i], position[i]);
-    }
-  }
+  Vec center() const { return 0.5 * to_vec3(sum(box.low, box.high)); }
 };
 
 /// Everything that the balance adds up, of one rank, part by part.
@@ -162,7 +156,7 @@ class BalanceSums {
   void find_boxes() {
     const std::vector<Vector3>& position = model_.mesh().vertex_position;
     for (std::size_t v = 0; v < position.size(); ++v)
-      sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].enclose(position[v]);
+      sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].box.enclose(position[v]);
   }
   PartSums& part_at(int vertex) { return sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[vertex]]; }
   PartSums& part_of(const ElementView& element) {
@@ -170,7 +164,7 @@ class BalanceSums {
   }
   Vec arm(int vertex, const PartSums& part) const {
     const int global = model_.structure().local_vertex_to_global[vertex];
-    return to_vec(model_.mesh().vertex_position[global]) + load_vector(&state_.views.vertex_displacement(vertex, 0)) -
+    return to_vec3(model_.mesh().vertex_position[global]) + load_vector(&state_.views.vertex_displacement(vertex, 0)) -
            part.center();
   }
   void add(Wrench PartSums::*sum, int vertex, const SpatialLoad& load) {

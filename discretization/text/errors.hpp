@@ -17,6 +17,12 @@ class ConvergenceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// For functions that do not know where their numbers come from: whoever does catches it and names the place.
+template <class Text>
+void require(bool condition, const Text& otherwise) {
+  if (!condition) throw std::invalid_argument(otherwise);
+}
+
 inline constexpr int kInputErrorExitCode = 2;
 inline constexpr int kConvergenceErrorExitCode = 3;
 

@@ -1,5 +1,7 @@
 #include "discretization/text/expression.hpp"
 
+#include "kernels/math/constants.hpp"
+
 #include <muParser.h>
 
 #include <cmath>
@@ -9,7 +11,6 @@ namespace mixbeam {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kEuler = 2.71828182845904523536;
 constexpr std::size_t kLongestFormula = 10000;  // a formula longer than that is a mistake, and deep nesting costs stack
 

@@ -20,6 +20,12 @@ std::errc read_all(const std::string& text, Number& value) {
   return error;
 }
 
+template <typename... Format>
+std::string written(double value, Format... format) {
+  std::array<char, 32> text{};  // up to 17 digits
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value, format...).ptr};
+}
+
 }  // namespace
 
 std::string trimmed(const std::string& text) {
@@ -50,11 +56,9 @@ Problem parse_number(const std::string& text, double& value) {
   return "value \"" + excerpt(number) + "\" is not a number; allowed: like 12, 0.5 or 1.5e-3 (decimal point, no units)";
 }
 
-std::string shortest(double value) {
-  std::array<char, 32> buffer{};
-  const char* const end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), static_cast<std::size_t>(end - buffer.data())};
-}
+std::string shortest(double value) { return written(value); }
+
+std::string rounded(double value, int digits) { return written(value, std::chars_format::general, digits); }
 
 std::string to_text(const std::array<double, 3>& vector) {
   return "(" + shortest(vector[0]) + ", " + shortest(vector[1]) + ", " + shortest(vector[2]) + ")";

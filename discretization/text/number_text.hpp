@@ -18,6 +18,9 @@ Problem parse_number(const std::string& text, double& value);
 /// Shortest text that reads back as the same number.
 std::string shortest(double value);
 
+/// With so many significant digits at most, like "%.3g".
+std::string rounded(double value, int digits);
+
 /// `(1, 0, 0.5)`
 std::string to_text(const std::array<double, 3>& vector);
 

@@ -1,7 +1,7 @@
 #include "discretization/parameters/binding.hpp"
 
 #include "discretization/parameters/validate.hpp"
-#include "discretization/reading/members.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "input_text.hpp"
 #include "tests/support/text.hpp"
 

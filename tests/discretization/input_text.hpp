@@ -79,7 +79,7 @@ inline const std::string kBowScene = R"xml(<?xml version="1.0"?>
 inline Scene described_by(const XmlParameters& xml) {
   Teuchos::ParameterList& list = xml.list->sublist("Scene");
   validate(list, scene_spec(), xml.source, {"Scene"});
-  return SceneReader(list, xml.source, {"Scene"}).read();
+  return SceneReader(list, {xml.source, {"Scene"}}).read();
 }
 
 inline Scene scene_from(const std::string& text) { return described_by(parse_xml(text, "scene.xml")); }

@@ -1,7 +1,6 @@
 /// Splines, curves given by formulas, and twist: against closed forms of the textbooks and GSL's elliptic integral.
 #include "discretization/geometry/reference_curve.hpp"
 
-#include "discretization/geometry/curve_end.hpp"
 #include "tests/support/worst_error.hpp"
 
 #include <gsl/gsl_sf_ellint.h>
@@ -385,15 +384,15 @@ TEST(PathCurve, TurnedAndShiftedFormulasGiveTheTurnedAndShiftedCurve) {
 
 // ---- ends for the reader
 
-TEST(PathCurve, EndsLengthsAndTangents) {
+TEST(PathCurve, Ends) {
   const Member parabola = formula_member("1+t", "t^2", "0", 0.0, 1.0);
-  const Vector3 end = end_position(parabola, {});
-  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(end[i], (Vector3{2, 1, 0})[i], 1e-14);
+  const ReferenceCurve curve = curve_of(parabola, {}, {});
+  const Vec3<double> end = curve.position(curve.length);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(end[i], (Vector3{2, 1, 0})[i], 1e-14);
   EXPECT_TRUE(defines_end(parabola.curve));
   const Member spline = spline_member({{1, 1, 0}});
   EXPECT_FALSE(defines_end(spline.curve));
-  EXPECT_EQ(curve_length(spline.curve, {0, 0, 0}, {2, 0, 0}), curve_of(spline, {0, 0, 0}, {2, 0, 0}).length);
-  EXPECT_NEAR(start_tangent(parabola.curve, {}, {})[0], 1.0, 1e-13);
+  EXPECT_NEAR(curve.tangent(0.0)[0], 1.0, 1e-13);
 }
 
 // ---- refusals

@@ -1,9 +1,9 @@
-/// The work behind read_conditions (reading/conditions/read_conditions.hpp).
+/// The work behind read_conditions (reading/scene_parts.hpp).
 #pragma once
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
-#include "discretization/reading/conditions/read_conditions.hpp"
+#include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/names.hpp"
 
 #include <set>
@@ -39,9 +39,8 @@ extern const BoundList<Eigenstrain> kEigenstrainParameters;
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
  public:
-  ConditionReader(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
-                  Scene& scene)
-      : scene_list_(scene_list), source_(source), path_(path), scene_(scene), names_(scene) {}
+  ConditionReader(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene)
+      : scene_list_(scene_list), place_(place), scene_(scene), names_(scene) {}
 
   void read();
 
@@ -52,14 +51,14 @@ class ConditionReader {
   struct UsedStage {
     Stage first = 1, last = 1;
     std::string load_case;
-    ParameterPath path;
+    InputPlace place;
   };
 
   /// Calls `action` with name, list and place of each list inside the list `lists`.
   template <class Action>
   void for_each(const std::string& lists, const Action& action) const {
     const List& all = scene_list_.sublist(lists);
-    for (const std::string& name : names_of(all)) action(name, all.sublist(name), child(child(path_, lists), name));
+    for (const std::string& name : names_of(all)) action(name, all.sublist(name), place_[lists][name]);
   }
 
   void read_load_cases();
@@ -69,52 +68,51 @@ class ConditionReader {
   void read_distributed_loads();
   void read_eigenstrains();
 
-  Support read_support(const List& list, const ParameterPath& path);
-  void claim_support(const std::string& point, const std::string& name, const ParameterPath& path);
-  void check_support(const Support& support, const ParameterPath& path) const;
+  Support read_support(const List& list, const InputPlace& place);
+  void claim_support(const std::string& point, const std::string& name, const InputPlace& place);
+  void check_support(const Support& support, const InputPlace& place) const;
   void check_springs(const Vector3& stiffness, const std::array<bool, 3>& fixed, const std::string& parameter,
-                     const std::string& fixing, const ParameterPath& path) const;
-  void check_holds_still(const List& list, const ParameterPath& path) const;
-  Axes read_axes(const List& list, const ParameterPath& path) const;
+                     const std::string& fixing, const InputPlace& place) const;
+  void check_holds_still(const List& list, const InputPlace& place) const;
+  Axes read_axes(const List& list, const InputPlace& place) const;
 
-  Joint read_joint(const List& list, const ParameterPath& path);
-  void join(const std::string& text, Joint& joint, const ParameterPath& path);
+  Joint read_joint(const List& list, const InputPlace& place);
+  void join(const std::string& text, Joint& joint, const InputPlace& place);
   void check_someone_is_left(const Joint& joint) const;
 
-  std::string follower_member(const std::string& text, const std::string& point, const ParameterPath& path) const;
+  std::string follower_member(const std::string& text, const std::string& point, const InputPlace& place) const;
   /// Instead of the constant `name`, the three formulas of `name` + " Formula" may be given.
   void check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
-                   const std::array<std::string, 3>& formula, const ParameterPath& path) const;
+                   const std::array<std::string, 3>& formula, const InputPlace& place) const;
   double length_of(const Member& member) const;
-  void add_temperature(const List& list, Eigenstrain& strain, const ParameterPath& path) const;
+  void add_temperature(const List& list, Eigenstrain& strain, const InputPlace& place) const;
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
-                       const ParameterPath& path) const;
+                       const InputPlace& place) const;
 
   /// Checks and remembers when something acts.
   template <class Acting>
-  void check_schedule(const Acting& acting, const List& list, const ParameterPath& path) {
-    check_schedule(acting.stage, acting.amplitude, acting.load_case, list, path);
+  void check_schedule(const Acting& acting, const List& list, const InputPlace& place) {
+    check_schedule(acting.stage, acting.amplitude, acting.load_case, list, place);
   }
   void check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case, const List& list,
-                      const ParameterPath& path);
+                      const InputPlace& place);
   void check_stages();
   void check_stages_of_case(const std::string& load_case) const;
   void check_amplitudes() const;
 
   /// What the parameter "Point" or "Member" means, wildcards included. Throws unless members touch these points.
-  std::vector<std::string> points_meant(const List& list, const ParameterPath& path);
-  std::vector<const Member*> members_meant(const List& list, const ParameterPath& path);
-  void count(std::size_t more, const ParameterPath& path);
+  std::vector<std::string> points_meant(const List& list, const InputPlace& place);
+  std::vector<const Member*> members_meant(const List& list, const InputPlace& place);
+  void count(std::size_t more, const InputPlace& place);
 
   const List& scene_list_;
-  const ParameterSource& source_;
-  const ParameterPath& path_;
+  const InputPlace& place_;
   Scene& scene_;
   const SceneNames names_;
   std::unordered_map<std::string, std::string> support_at_;           ///< point -> name of its support
   std::unordered_map<std::string, std::set<std::string>> joined_at_;  ///< point -> members in a joint there
   std::vector<UsedStage> stages_used_;
-  std::vector<std::pair<std::string, ParameterPath>> amplitudes_;
+  std::vector<std::pair<std::string, InputPlace>> amplitudes_;
   std::size_t conditions_ = 0;
 };
 

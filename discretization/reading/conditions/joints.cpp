@@ -37,8 +37,8 @@ BoundList<Joint> joint_parameters() {
 
 const BoundList<Joint> kJointParameters = joint_parameters();
 void ConditionReader::read_joints() {
-  for_each("Joints", [this](const std::string& name, const List& list, const ParameterPath& path) {
-    scene_.joints.push_back(read_joint(list, path));
+  for_each("Joints", [this](const std::string& name, const List& list, const InputPlace& place) {
+    scene_.joints.push_back(read_joint(list, place));
     scene_.joints.back().name = name;
   });
   // Only now: several joints at a point must not take its last member.
@@ -49,43 +49,40 @@ void ConditionReader::check_someone_is_left(const Joint& joint) const {
   std::set<std::string> touching;
   for (const Member* member : *names_.members_at(joint.point)) touching.insert(member->name);
   if (joined_at_.at(joint.point).size() < touching.size()) return;
-  throw source_.error(
-      child(child(child(path_, "Joints"), joint.name), "Members"),
+  throw place_["Joints"][joint.name]["Members"].error(
       "all members at \"" + excerpt(joint.point) +
-          "\" are in joints, and none is left that they could be joined to; allowed: at least one of them not listed");
+      "\" are in joints, and none is left that they could be joined to; allowed: at least one of them not listed");
 }
 
-Joint ConditionReader::read_joint(const List& list, const ParameterPath& path) {
+Joint ConditionReader::read_joint(const List& list, const InputPlace& place) {
   Joint joint = kJointParameters.read(list);
   if (names_.members_at(joint.point) == nullptr)
-    throw unknown_name(source_, child(path, "Point"), "point with members", joint.point, names_.point_names());
-  for (const std::string& text : std::exchange(joint.members, {})) join(text, joint, path);
+    throw unknown_name(place["Point"], "point with members", joint.point, names_.point_names());
+  for (const std::string& text : std::exchange(joint.members, {})) join(text, joint, place);
   if (joint.together && joint.members.size() < 2)
-    throw source_.error(child(path, "Together"), "value true, but \"Members\" names only \"" +
-                                                     excerpt(joint.members.front()) +
-                                                     "\"; allowed: for two members or more");
+    throw place["Together"].error("value true, but \"Members\" names only \"" + excerpt(joint.members.front()) +
+                                  "\"; allowed: for two members or more");
   return joint;
 }
 
 /// Adds the members that `text` means.
-void ConditionReader::join(const std::string& text, Joint& joint, const ParameterPath& joint_path) {
-  const ParameterPath path = child(joint_path, "Members");
+void ConditionReader::join(const std::string& text, Joint& joint, const InputPlace& joint_place) {
+  const InputPlace place = joint_place["Members"];
   std::vector<std::string> candidates;
   for (const Member* member : *names_.members_at(joint.point))
     if (has_one_end_at(*member, joint.point)) candidates.push_back(member->name);
   const std::vector<std::string> meant = names_meant(text, candidates);
   if (meant.empty() && names_.member(text) == nullptr && !has_wildcard(text))
-    throw unknown_name(source_, path, "member", text, names_.member_names());
+    throw unknown_name(place, "member", text, names_.member_names());
   if (meant.empty()) {
-    throw source_.error(path, "value \"" + excerpt(text) + "\"; allowed: members with one end at \"" +
-                                  excerpt(joint.point) + "\": " + quoted_list(candidates) +
-                                  did_you_mean(text, candidates));
+    throw place.error("value \"" + excerpt(text) + "\"; allowed: members with one end at \"" + excerpt(joint.point) +
+                      "\": " + quoted_list(candidates) + did_you_mean(text, candidates));
   }
-  count(meant.size(), path);
+  count(meant.size(), place);
   for (const std::string& member : meant) {
     if (!joined_at_[joint.point].insert(member).second) {
-      throw source_.error(path, "member \"" + excerpt(member) + "\" is in a joint at \"" + excerpt(joint.point) +
-                                    "\" already; allowed: once");
+      throw place.error("member \"" + excerpt(member) + "\" is in a joint at \"" + excerpt(joint.point) +
+                        "\" already; allowed: once");
     }
     joint.members.push_back(member);
   }

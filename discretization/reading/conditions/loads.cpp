@@ -2,7 +2,7 @@
 
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/parameters/access.hpp"
-#include "discretization/parameters/formula.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -94,15 +94,15 @@ const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
 const BoundList<Eigenstrain> kEigenstrainParameters = eigenstrain_parameters();
 void ConditionReader::read_point_loads() {
-  for_each("Point Loads", [this](const std::string&, const List& list, const ParameterPath& path) {
-    const std::vector<std::string> points = points_meant(list, path);
-    check_any_given(list, {"Force", "Moment"}, "loads nothing", path);
+  for_each("Point Loads", [this](const std::string&, const List& list, const InputPlace& place) {
+    const std::vector<std::string> points = points_meant(list, place);
+    check_any_given(list, {"Force", "Moment"}, "loads nothing", place);
     PointLoad load = kPointLoadParameters.read(list);
-    check_schedule(load, list, path);
+    check_schedule(load, list, place);
     const std::string member = load.member;
     for (const std::string& point : points) {
       load.point = point;
-      if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, path);
+      if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, place);
       scene_.point_loads.push_back(load);
     }
   });
@@ -111,7 +111,7 @@ void ConditionReader::read_point_loads() {
 /// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
 /// turn without it.
 std::string ConditionReader::follower_member(const std::string& text, const std::string& point,
-                                             const ParameterPath& path) const {
+                                             const InputPlace& place) const {
   const auto joined = joined_at_.find(point);
   const auto is_joined = [&](const std::string& name) {
     return joined != joined_at_.end() && joined->second.count(name) > 0;
@@ -128,19 +128,18 @@ std::string ConditionReader::follower_member(const std::string& text, const std:
                               : is_joined(text) ? " is in a joint at the point, and turns without it"
                               : meant.empty()   ? ""
                                                 : " means several of them";
-  throw source_.error(child(path, "Member"), seen + problem + "; allowed: a member with one end at \"" +
-                                                 excerpt(point) + "\", not in a joint there: " + quoted_list(touching) +
-                                                 did_you_mean(text, touching));
+  throw place["Member"].error(seen + problem + "; allowed: a member with one end at \"" + excerpt(point) +
+                              "\", not in a joint there: " + quoted_list(touching) + did_you_mean(text, touching));
 }
 
 void ConditionReader::read_distributed_loads() {
-  for_each("Distributed Loads", [this](const std::string&, const List& list, const ParameterPath& path) {
-    const std::vector<const Member*> members = members_meant(list, path);
-    check_any_given(list, {"Force", "Couple", "Force Formula", "Couple Formula"}, "loads nothing", path);
+  for_each("Distributed Loads", [this](const std::string&, const List& list, const InputPlace& place) {
+    const std::vector<const Member*> members = members_meant(list, place);
+    check_any_given(list, {"Force", "Couple", "Force Formula", "Couple Formula"}, "loads nothing", place);
     DistributedLoad load = kDistributedLoadParameters.read(list);
-    check_field(list, "Force", members, load.force_formula, path);
-    check_field(list, "Couple", members, load.couple_formula, path);
-    check_schedule(load, list, path);
+    check_field(list, "Force", members, load.force_formula, place);
+    check_field(list, "Couple", members, load.couple_formula, place);
+    check_schedule(load, list, place);
     for (const Member* member : members) {
       load.member = member->name;
       scene_.distributed_loads.push_back(load);
@@ -149,15 +148,15 @@ void ConditionReader::read_distributed_loads() {
 }
 
 void ConditionReader::read_eigenstrains() {
-  for_each("Eigenstrains", [this](const std::string&, const List& list, const ParameterPath& path) {
-    const std::vector<const Member*> members = members_meant(list, path);
+  for_each("Eigenstrains", [this](const std::string&, const List& list, const InputPlace& place) {
+    const std::vector<const Member*> members = members_meant(list, place);
     check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
-                    "strains nothing", path);
+                    "strains nothing", place);
     Eigenstrain strain = kEigenstrainParameters.read(list);
-    check_field(list, "Strain", members, strain.strain_formula, path);
-    check_field(list, "Curvature", members, strain.curvature_formula, path);
-    add_temperature(list, strain, path);
-    check_schedule(strain, list, path);
+    check_field(list, "Strain", members, strain.strain_formula, place);
+    check_field(list, "Curvature", members, strain.curvature_formula, place);
+    add_temperature(list, strain, place);
+    check_schedule(strain, list, place);
     for (const Member* member : members) {
       strain.member = member->name;
       scene_.eigenstrains.push_back(strain);
@@ -165,34 +164,34 @@ void ConditionReader::read_eigenstrains() {
   });
 }
 
-void ConditionReader::add_temperature(const List& list, Eigenstrain& strain, const ParameterPath& path) const {
+void ConditionReader::add_temperature(const List& list, Eigenstrain& strain, const InputPlace& place) const {
   const bool heated = list.isParameter("Temperature");
   if (heated != list.isParameter("Expansion Coefficient")) {
-    throw source_.error(child(path, heated ? "Expansion Coefficient" : "Temperature"),
-                        "missing; allowed: both \"Temperature\" and \"Expansion Coefficient\", or none");
+    throw place[heated ? "Expansion Coefficient" : "Temperature"].error(
+        "missing; allowed: both \"Temperature\" and \"Expansion Coefficient\", or none");
   }
   if (!heated) return;
   const double expansion = list.get<double>("Temperature") * list.get<double>("Expansion Coefficient");
-  if (!std::isfinite(expansion)) throw source_.error(child(path, "Temperature"), "gives a strain beyond all numbers");
+  if (!std::isfinite(expansion)) throw place["Temperature"].error("gives a strain beyond all numbers");
   std::string& formula = strain.strain_formula[0];
   if (formula.empty()) {
     strain.strain[0] += expansion;
     return;
   }
   formula = "(" + formula + ") + (" + shortest(expansion) + ")";
-  checked_formula(formula, kAlongMember, source_, child(path, "Strain Formula"));  // it may have become too long
+  checked_formula(formula, kAlongMember, place["Strain Formula"]);  // it may have become too long
 }
 
 void ConditionReader::check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
-                                  const std::array<std::string, 3>& formula, const ParameterPath& list_path) const {
+                                  const std::array<std::string, 3>& formula, const InputPlace& list_place) const {
   if (!list.isParameter(name + " Formula")) return;
-  const ParameterPath path = child(list_path, name + " Formula");
-  if (is_given(list, name)) throw source_.error(path, "given beside \"" + name + "\"; allowed: one of the two");
+  const InputPlace place = list_place[name + " Formula"];
+  if (is_given(list, name)) throw place.error("given beside \"" + name + "\"; allowed: one of the two");
   std::vector<Expression> parsed;
-  for (const std::string& text : formula) parsed.push_back(checked_formula(text, kAlongMember, source_, path));
+  for (const std::string& text : formula) parsed.push_back(checked_formula(text, kAlongMember, place));
   for (const Member* member : members) {
     const std::vector<std::vector<double>> samples = samples_along(length_of(*member));
-    for (const Expression& component : parsed) check_finite(component, kAlongMember, samples, source_, path);
+    for (const Expression& component : parsed) check_finite(component, kAlongMember, samples, place);
   }
 }
 
@@ -200,7 +199,7 @@ double ConditionReader::length_of(const Member& member) const {
   try {
     return make_reference_curve(member, names_.position(member.start_point), names_.position(member.end_point)).length;
   } catch (const std::invalid_argument& error) {  // extreme numbers, where the checks of the curve see no fault
-    throw source_.error(child(child(path_, "Members"), member.name), error.what());
+    throw place_["Members"][member.name].error(error.what());
   }
 }
 

@@ -1,6 +1,6 @@
-#include "discretization/reading/conditions/read_conditions.hpp"
+#include "discretization/reading/scene_parts.hpp"
 
-#include "discretization/parameters/formula.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
@@ -33,9 +33,8 @@ void add_condition_lists(ListSpec& spec) {
                 ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
 }
 
-void read_conditions(const Teuchos::ParameterList& scene_list, const ParameterSource& source, const ParameterPath& path,
-                     Scene& scene) {
-  ConditionReader(scene_list, source, path, scene).read();
+void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene) {
+  ConditionReader(scene_list, place, scene).read();
 }
 
 void ConditionReader::read() {
@@ -51,33 +50,32 @@ void ConditionReader::read() {
 
 void ConditionReader::read_load_cases() {
   if (!scene_list_.isParameter("Load Cases")) return;
-  const ParameterPath path = child(path_, "Load Cases");
+  const InputPlace place = place_["Load Cases"];
   const auto& names = scene_list_.get<Teuchos::Array<std::string>>("Load Cases");
   if (static_cast<std::size_t>(names.size()) > kMostLoadCases)
-    throw source_.error(path, std::to_string(names.size()) + " names; allowed: " + std::to_string(kMostLoadCases));
+    throw place.error(std::to_string(names.size()) + " names; allowed: " + std::to_string(kMostLoadCases));
   std::set<std::string> seen;
   for (const std::string& name : names) {
-    if (!seen.insert(name).second) throw source_.error(path, "names \"" + excerpt(name) + "\" twice; allowed: once");
+    if (!seen.insert(name).second) throw place.error("names \"" + excerpt(name) + "\" twice; allowed: once");
     const Problem problem = file_name_problem(name);
-    if (!problem.empty()) throw source_.error(path, "value " + problem);
+    if (!problem.empty()) throw place.error("value " + problem);
     scene_.load_cases.push_back(name);
   }
 }
 
 void ConditionReader::check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case,
-                                     const List& list, const ParameterPath& path) {
+                                     const List& list, const InputPlace& place) {
   const std::vector<std::string>& cases = scene_.load_cases;
   if (list.isParameter("Case") && std::find(cases.begin(), cases.end(), load_case) == cases.end()) {
-    throw source_.error(child(path, "Case"),
-                        "value \"" + excerpt(load_case) +
-                            "\" is not a load case of the scene; allowed: names in \"Load Cases\": " +
-                            quoted_list(cases) + did_you_mean(load_case, cases));
+    throw place["Case"].error("value \"" + excerpt(load_case) +
+                              "\" is not a load case of the scene; allowed: names in \"Load Cases\": " +
+                              quoted_list(cases) + did_you_mean(load_case, cases));
   }
   if (list.isParameter("Amplitude")) {
-    checked_formula(amplitude, {"t"}, source_, child(path, "Amplitude"));
-    amplitudes_.emplace_back(amplitude, child(path, "Amplitude"));
+    checked_formula(amplitude, {"t"}, place["Amplitude"]);
+    amplitudes_.emplace_back(amplitude, place["Amplitude"]);
   }
-  stages_used_.push_back({amplitude.empty() ? stage : 1, stage, load_case, child(path, "Stage")});
+  stages_used_.push_back({amplitude.empty() ? stage : 1, stage, load_case, place["Stage"]});
 }
 
 void ConditionReader::check_stages() {
@@ -95,9 +93,8 @@ void ConditionReader::check_stages_of_case(const std::string& load_case) const {
     if (!used.load_case.empty() && used.load_case != load_case) continue;
     if (used.first > last + 1) {
       const std::string inside = load_case.empty() ? "" : " of load case \"" + excerpt(load_case) + "\"";
-      throw source_.error(used.path, "value " + std::to_string(used.first) + ", but nothing acts in stage " +
-                                         std::to_string(last + 1) + inside +
-                                         "; allowed: stages 1, 2, 3, ... without gaps");
+      throw used.place.error("value " + std::to_string(used.first) + ", but nothing acts in stage " +
+                             std::to_string(last + 1) + inside + "; allowed: stages 1, 2, 3, ... without gaps");
     }
     last = std::max(last, used.last);
   }
@@ -108,33 +105,32 @@ void ConditionReader::check_amplitudes() const {
   for (int i = 0; i <= kSamplesPerStage * scene_.stages; ++i)
     samples.push_back({static_cast<double>(i) / kSamplesPerStage});
   std::set<std::string> checked;  // many loads may share one
-  for (const auto& [text, path] : amplitudes_) {
+  for (const auto& [text, place] : amplitudes_) {
     if (!checked.insert(text).second) continue;
-    check_finite(checked_formula(text, {"t"}, source_, path), {"t"}, samples, source_, path);
+    check_finite(checked_formula(text, {"t"}, place), {"t"}, samples, place);
   }
 }
 
-std::vector<std::string> ConditionReader::points_meant(const List& list, const ParameterPath& list_path) {
-  const ParameterPath path = child(list_path, "Point");
+std::vector<std::string> ConditionReader::points_meant(const List& list, const InputPlace& list_place) {
+  const InputPlace place = list_place["Point"];
   const auto& text = list.get<std::string>("Point");
   if (names_.members_at(text) != nullptr) {
-    count(1, path);
+    count(1, place);
     return {text};
   }
   if (names_.has_point(text)) {
-    throw source_.error(path,
-                        "value \"" + excerpt(text) + "\": no member starts or ends there; allowed: points of members");
+    throw place.error("value \"" + excerpt(text) + "\": no member starts or ends there; allowed: points of members");
   }
   const std::vector<std::string> points = has_wildcard(text) && text.size() <= kLongestPattern
                                               ? names_meant(text, names_.point_names())
                                               : std::vector<std::string>{};
-  if (points.empty()) throw unknown_name(source_, path, "point", text, names_.point_names());
-  count(points.size(), path);
+  if (points.empty()) throw unknown_name(place, "point", text, names_.point_names());
+  count(points.size(), place);
   return points;
 }
 
-std::vector<const Member*> ConditionReader::members_meant(const List& list, const ParameterPath& list_path) {
-  const ParameterPath path = child(list_path, "Member");
+std::vector<const Member*> ConditionReader::members_meant(const List& list, const InputPlace& list_place) {
+  const InputPlace place = list_place["Member"];
   const auto& text = list.get<std::string>("Member");
   std::vector<const Member*> members;
   if (const Member* const member = names_.member(text)) {
@@ -143,23 +139,23 @@ std::vector<const Member*> ConditionReader::members_meant(const List& list, cons
     for (const Member& candidate : scene_.members)
       if (matches(text, candidate.name)) members.push_back(&candidate);
   }
-  if (members.empty()) throw unknown_name(source_, path, "member", text, names_.member_names());
-  count(members.size(), path);
+  if (members.empty()) throw unknown_name(place, "member", text, names_.member_names());
+  count(members.size(), place);
   return members;
 }
 
-void ConditionReader::count(std::size_t more, const ParameterPath& path) {
+void ConditionReader::count(std::size_t more, const InputPlace& place) {
   conditions_ += more;
   if (conditions_ <= kMostConditions) return;
-  throw source_.error(path, "brings the scene to " + std::to_string(conditions_) +
-                                " loads and supports; allowed: " + std::to_string(kMostConditions));
+  throw place.error("brings the scene to " + std::to_string(conditions_) +
+                    " loads and supports; allowed: " + std::to_string(kMostConditions));
 }
 
 void ConditionReader::check_any_given(const List& list, const std::vector<std::string>& parameters,
-                                      const std::string& problem, const ParameterPath& path) const {
+                                      const std::string& problem, const InputPlace& place) const {
   const bool any = std::any_of(parameters.begin(), parameters.end(),
                                [&](const std::string& parameter) { return is_given(list, parameter); });
-  if (!any) throw source_.error(path, problem + "; allowed: one or more of " + quoted_list(parameters));
+  if (!any) throw place.error(problem + "; allowed: one or more of " + quoted_list(parameters));
 }
 
 }  // namespace mixbeam

@@ -55,86 +55,83 @@ std::ptrdiff_t number_of(const std::array<bool, 3>& fixed) { return std::count(f
 
 const BoundList<Support> kSupportParameters = support_parameters();
 void ConditionReader::read_supports() {
-  for_each("Supports", [this](const std::string& name, const List& list, const ParameterPath& path) {
-    const std::vector<std::string> points = points_meant(list, path);
-    Support support = read_support(list, path);
+  for_each("Supports", [this](const std::string& name, const List& list, const InputPlace& place) {
+    const std::vector<std::string> points = points_meant(list, place);
+    Support support = read_support(list, place);
     for (const std::string& point : points) {
-      claim_support(point, name, path);
+      claim_support(point, name, place);
       support.point = point;
       scene_.supports.push_back(support);
     }
   });
 }
 
-Support ConditionReader::read_support(const List& list, const ParameterPath& path) {
+Support ConditionReader::read_support(const List& list, const InputPlace& place) {
   Support support = kSupportParameters.read(list);
-  support.axes = read_axes(list, path);
-  check_support(support, path);
+  support.axes = read_axes(list, place);
+  check_support(support, place);
   if (prescribes_motion(support))
-    check_schedule(support, list, path);
+    check_schedule(support, list, place);
   else
-    check_holds_still(list, path);
+    check_holds_still(list, place);
   return support;
 }
 
-void ConditionReader::claim_support(const std::string& point, const std::string& name, const ParameterPath& path) {
+void ConditionReader::claim_support(const std::string& point, const std::string& name, const InputPlace& place) {
   const auto [earlier, is_new] = support_at_.emplace(point, name);
   if (is_new) return;
-  throw source_.error(child(path, "Point"), "value \"" + excerpt(point) + "\" is supported by \"" +
-                                                excerpt(earlier->second) +
-                                                "\" already; allowed: one support per point");
+  throw place["Point"].error("value \"" + excerpt(point) + "\" is supported by \"" + excerpt(earlier->second) +
+                             "\" already; allowed: one support per point");
 }
 
-void ConditionReader::check_support(const Support& support, const ParameterPath& path) const {
+void ConditionReader::check_support(const Support& support, const InputPlace& place) const {
   const auto rotations = number_of(support.rotation_fixed);
   check_springs(support.displacement_stiffness, support.displacement_fixed, "Displacement Stiffness",
-                "Fixed Displacement", path);
-  check_springs(support.rotation_stiffness, support.rotation_fixed, "Rotation Stiffness", "Fixed Rotation", path);
+                "Fixed Displacement", place);
+  check_springs(support.rotation_stiffness, support.rotation_fixed, "Rotation Stiffness", "Fixed Rotation", place);
   const bool springs = !is_zero(support.displacement_stiffness) || !is_zero(support.rotation_stiffness);
   if (number_of(support.displacement_fixed) + rotations == 0 && !springs)
-    throw source_.error(path, "fixes nothing; allowed: at least one direction, or a spring");
+    throw place.error("fixes nothing; allowed: at least one direction, or a spring");
   for (std::size_t i = 0; i < 3; ++i) {
     if (support.prescribed_displacement[i] == 0.0 || support.displacement_fixed[i]) continue;
-    throw source_.error(child(path, "Prescribed Displacement"),
-                        "value " + to_text(support.prescribed_displacement) + " moves direction " + kAxisNames[i] +
-                            ", which \"Fixed Displacement\" leaves free; allowed: zero there, or " + kAxisNames[i] +
-                            " fixed");
+    throw place["Prescribed Displacement"].error(
+        "value " + to_text(support.prescribed_displacement) + " moves direction " + kAxisNames[i] +
+        ", which \"Fixed Displacement\" leaves free; allowed: zero there, or " + kAxisNames[i] + " fixed");
   }
   if (!is_zero(support.prescribed_rotation) && rotations != 3) {
-    throw source_.error(child(path, "Prescribed Rotation"), "value " + to_text(support.prescribed_rotation) +
-                                                                "; allowed: only with \"Fixed Rotation\" = {x, y, z}");
+    throw place["Prescribed Rotation"].error("value " + to_text(support.prescribed_rotation) +
+                                             "; allowed: only with \"Fixed Rotation\" = {x, y, z}");
   }
 }
 
 void ConditionReader::check_springs(const Vector3& stiffness, const std::array<bool, 3>& fixed,
                                     const std::string& parameter, const std::string& fixing,
-                                    const ParameterPath& path) const {
+                                    const InputPlace& place) const {
   for (std::size_t i = 0; i < 3; ++i) {
     if (stiffness[i] == 0.0 || !fixed[i]) continue;
-    throw source_.error(child(path, parameter), "value " + to_text(stiffness) + " is a spring in direction " +
-                                                    kAxisNames[i] + ", which \"" + fixing +
-                                                    "\" fixes (all three if absent); allowed: zero there, or " +
-                                                    kAxisNames[i] + " not fixed");
+    throw place[parameter].error("value " + to_text(stiffness) + " is a spring in direction " + kAxisNames[i] +
+                                 ", which \"" + fixing + "\" fixes (all three if absent); allowed: zero there, or " +
+                                 kAxisNames[i] + " not fixed");
   }
 }
 
-void ConditionReader::check_holds_still(const List& list, const ParameterPath& path) const {
+void ConditionReader::check_holds_still(const List& list, const InputPlace& place) const {
   for (const std::string parameter : {"Stage", "Amplitude", "Case"}) {
     if (!is_given(list, parameter) || (parameter == "Stage" && list.get<int>("Stage") == 1)) continue;
-    throw source_.error(child(path, parameter),
-                        "given, but nothing is prescribed; a support holds from the beginning and in every load case");
+    throw place[parameter].error(
+        "given, but nothing is prescribed; a support holds from the beginning and in every load case");
   }
 }
 
-Axes ConditionReader::read_axes(const List& list, const ParameterPath& path) const {
+Axes ConditionReader::read_axes(const List& list, const InputPlace& place) const {
   if (!list.isParameter("Axes")) return kGlobalAxes;
   const auto& given = list.get<Teuchos::Array<double>>("Axes");
   const Vector3 x{given[0], given[1], given[2]};
   const Vector3 y{given[3], given[4], given[5]};
   const double length = norm(x), width = norm(y);
   const auto refused = [&](const std::string& problem) {
-    return source_.error(child(path, "Axes"), "axis x = " + to_text(x) + ", axis y = " + to_text(y) + ": " + problem +
-                                                  "; allowed: two directions that differ");
+    return place["Axes"].error("axis x = " + to_text(x) + ", axis y = " + to_text(y) + ": " + problem +
+                               "; allowed: two directions that differ");
   };
   if (length < kShortestLength || width < kShortestLength) throw refused("one of them has no direction");
   Axes axes{};

@@ -1,28 +1,27 @@
-#include "discretization/geometry/arc_construction.hpp"
+#include "discretization/geometry/placement.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/errors.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace mixbeam {
 namespace {
 
 using namespace vector_algebra;
 
-constexpr double kPi = 3.14159265358979323846;
 // Three points within this angle of a line: the radius would be a million lengths, with few digits left.
 constexpr double kStraight = 1e-6;
 // A direction that should be normal to the axis: coordinates are written with six digits. [radian]
 constexpr double kNormalTolerance = 1e-6;
 // A half circle whose radius is half the distance of its ends up to rounding.
 constexpr double kHalfCircleTolerance = 1e-12;
-
-void require(bool condition, const std::string& otherwise) {
-  if (!condition) throw std::invalid_argument(otherwise);
-}
 
 /// `v` without its part along the unit vector `axis`, of unit length.
 Vector3 unit_normal_part(const Vector3& v, const Vector3& axis, const std::string& name) {
@@ -78,6 +77,38 @@ void complete_arc(Curve& curve, const ArcDefinition& definition, const Vector3& 
       return;
     }
   }
+}
+
+std::vector<std::size_t> placement_order(
+    const Scene& scene, const std::function<std::vector<std::string>(const Member& member)>& points_needed) {
+  std::unordered_set<std::string> known;
+  for (const Point& point : scene.points) known.insert(point.name);
+  std::unordered_map<std::string, std::vector<std::size_t>> waiting;  // point -> members that need it
+  std::vector<std::size_t> missing(scene.members.size(), 0);          // points that a member still needs
+  std::vector<std::size_t> ready, order;
+  for (std::size_t i = scene.members.size(); i-- > 0;) {
+    for (const std::string& point : points_needed(scene.members[i])) {
+      if (known.count(point) > 0) continue;
+      waiting[point].push_back(i);
+      ++missing[i];
+    }
+    if (missing[i] == 0) ready.push_back(i);
+  }
+  while (!ready.empty()) {
+    order.push_back(ready.back());
+    ready.pop_back();
+    const Member& placed = scene.members[order.back()];
+    std::vector<std::string> points = {placed.start_point, placed.end_point};
+    for (const InnerPoint& inner : placed.inner_points) points.push_back(inner.point);
+    for (const std::string& point : points) {
+      const auto next = waiting.find(point);
+      if (next == waiting.end()) continue;
+      for (const std::size_t member : next->second)
+        if (--missing[member] == 0) ready.push_back(member);
+      waiting.erase(next);
+    }
+  }
+  return order;
 }
 
 }  // namespace mixbeam

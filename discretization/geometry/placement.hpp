@@ -1,7 +1,12 @@
-/// Circular arcs that a user gives by other things than centre, axis and angle.
+/// Putting members in their places one by one: in which order, and circular arcs that a user gives by other things than
+/// centre, axis and angle.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -23,5 +28,11 @@ struct ArcDefinition {
 /// Throws std::invalid_argument if there is no such arc: points on a line, a radius below half the distance, an axis
 /// that is not normal to the arc.
 void complete_arc(Curve& curve, const ArcDefinition& definition, const Vector3& start, const Vector3& end);
+
+/// Order in which the members can be placed one by one, since ends of curves and inner points may follow from their
+/// members: the points that a member needs are points of the scene, or belong to members before it. Members that
+/// cannot be placed are left out.
+std::vector<std::size_t> placement_order(
+    const Scene& scene, const std::function<std::vector<std::string>(const Member& member)>& points_needed);
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-#include "discretization/parameters/formula.hpp"
+#include "discretization/parameters/input_place.hpp"
 
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -22,27 +22,26 @@ std::string listed(const std::vector<std::string>& variables) {
 }  // namespace
 
 Expression checked_formula(const std::string& text, const std::vector<std::string>& variables,
-                           const ParameterSource& source, const ParameterPath& path) {
+                           const InputPlace& place) {
   try {
     return Expression(text, variables);
   } catch (const std::invalid_argument& error) {
-    throw source.error(path, "value \"" + excerpt(text) + "\" is no formula: " + excerpt(error.what()) +
-                                 "; allowed: a formula of " + listed(variables) +
-                                 " with + - * / ^ ( ), pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, ...");
+    throw place.error("value \"" + excerpt(text) + "\" is no formula: " + excerpt(error.what()) +
+                      "; allowed: a formula of " + listed(variables) +
+                      " with + - * / ^ ( ), pi, e, sin, cos, tan, exp, ln, sqrt, abs, min, max, ...");
   }
 }
 
 void check_finite(const Expression& formula, const std::vector<std::string>& variables,
-                  const std::vector<std::vector<double>>& samples, const ParameterSource& source,
-                  const ParameterPath& path) {
+                  const std::vector<std::vector<double>>& samples, const InputPlace& place) {
   for (const std::vector<double>& sample : samples) {
     const double value = formula(sample);
     if (std::isfinite(value)) continue;
-    std::string place;
+    std::string at;
     for (std::size_t i = 0; i < variables.size(); ++i)
-      place += (i == 0 ? "" : ", ") + variables[i] + " = " + shortest(sample[i]);
-    throw source.error(path, "value \"" + excerpt(formula.text()) + "\" is " + shortest(value) + " at " + place +
-                                 "; allowed: a formula that is finite everywhere");
+      at += (i == 0 ? "" : ", ") + variables[i] + " = " + shortest(sample[i]);
+    throw place.error("value \"" + excerpt(formula.text()) + "\" is " + shortest(value) + " at " + at +
+                      "; allowed: a formula that is finite everywhere");
   }
 }
 

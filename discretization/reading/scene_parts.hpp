@@ -1,0 +1,54 @@
+/// The parts of a scene as parameters: how each is declared, and reading it from its validated list, which stands at
+/// `place`. All of these throw InputError.
+#pragma once
+
+#include "discretization/geometry/placement.hpp"
+#include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/input_place.hpp"
+#include "discretization/scene/scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Declaration of one section: stiffness values, or a shape with a material, or a stiffness matrix.
+ListSpec section_spec();
+/// The list "Sections".
+std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const InputPlace& place);
+
+/// A curve as it was written; some follow only when the positions of their ends are known.
+struct CurveDraft {
+  Curve curve{};
+  std::optional<ArcDefinition> arc{};  ///< an arc without centre or angle
+  bool is_polyline = false;
+  std::vector<Vector3> corners{};           ///< polyline: positions of its inner corners ...
+  std::vector<std::string> corner_names{};  ///< ... or their names
+};
+/// Parameters of the list "Curve".
+const BoundList<CurveDraft>& curve_parameters();
+CurveDraft read_curve(const Teuchos::ParameterList& list, const InputPlace& place);
+
+/// Parameters of one member. A further property of members is a field of Member, a line there, and its use.
+const BoundList<Member>& member_parameters();
+
+/// Declaration of the list "Patterns": copies of members and their points, so that lattices are short to write.
+ListSpec patterns_spec();
+/// Applies patterns in their order to a scene whose members are complete and checked; a later pattern acts on the
+/// copies that earlier ones made.
+///
+/// Copy number i of "strut" is "strut (i)", that of a copy "strut (i, j)"; points likewise. A point of a copy that
+/// coincides (to 1e-9 of the size of the structure) with a point that was there before this copy is that point, and a
+/// member of a copy that coincides with a member that was there is not added again. Two such members must agree in
+/// section, order and elements, and in the direction of axis 2 up to sign where the section has one.
+void apply_patterns(const Teuchos::ParameterList& patterns, const InputPlace& place, Scene& scene);
+
+/// Declares the lists "Supports", "Joints", "Point Loads", ... inside the list "Scene": what acts on the structure.
+void add_condition_lists(ListSpec& scene_spec);
+/// Reads those lists into a scene that has all its points and members. `place`: of the list "Scene".
+void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene);
+
+}  // namespace mixbeam
