@@ -1,23 +1,23 @@
 #include "discretization/assembly/equation_place.hpp"
 
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace mixbeam {
 
 namespace {
 
-/// A row as numbers that travel between ranks.
+/// A row; travels between ranks as bytes.
 struct RowKey {
   bool found = false;
-  int kind = 0, component = 0;
+  RowKind kind = RowKind::vertex_displacement;
+  int component = 0;
   int vertex = -1, element = -1;  ///< of the mesh
   double size = 0.0;              ///< by which the larger of two wins
   double value = 0.0;             ///< the entry
@@ -25,50 +25,25 @@ struct RowKey {
 
 const char* kAxes[] = {"x", "y", "z"};
 
-/// The rows of one rank in the order of the search; `visit` returns whether to go on.
-class RowWalk {
- public:
-  RowWalk(const Model& model, const MixedVector& vector)
-      : structure_(model.structure()), vector_(vector), fixed_(model.fixed_rows()) {}
-
-  template <class Visit>
-  bool vertices(const Visit& visit) const {
-    const KernelView<double*> rows = vector_.vertex();
-    for (size_t i = 0; i < rows.extent(0); ++i) {
-      const int component = static_cast<int>(i % kVertexDofs);
-      RowKey key;
-      key.found = true;
-      key.kind = static_cast<int>(kind_of_vertex_row(component, fixed_(i) != 0));
-      key.component = component % 3;
-      key.vertex = structure_.local_vertex_to_global[i / kVertexDofs];
-      key.value = rows(i);
-      if (!visit(key)) return false;
-    }
-    return true;
+/// All rows of one rank.
+template <class Visit>
+void for_each_row(const Model& model, const MixedVector& vector, const Visit& visit) {
+  const Structure& structure = model.structure();
+  const KernelView<const unsigned char*> fixed = model.fixed_rows();
+  const KernelView<const double*> rows = vector.vertex(), interior = vector.interior();
+  for (size_t i = 0; i < rows.extent(0); ++i) {
+    const int component = static_cast<int>(i % kVertexDofs);
+    visit({true, kind_of_vertex_row(component, fixed(i) != 0), component % 3,
+           structure.local_vertex_to_global[i / kVertexDofs], -1, 0.0, rows(i)});
   }
-
-  template <class Visit>
-  bool elements(const Visit& visit) const {
-    const KernelView<const double*> rows = vector_.interior();
-    for (const ElementBlock& block : structure_.blocks)
-      for (int e = 0; e < block.count; ++e)
-        for (int i = 0; i < block.interior.increments(); ++i) {
-          RowKey key;
-          key.found = true;
-          key.kind = static_cast<int>(kind_of_interior_row(block.interior, i));
-          key.component = i % 3;
-          key.element = structure_.local_element_to_mesh[block.first_element + e];
-          key.value = rows(block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i);
-          if (!visit(key)) return false;
-        }
-    return true;
-  }
-
- private:
-  const Structure& structure_;
-  const MixedVector& vector_;
-  KernelView<const unsigned char*> fixed_;
-};
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int i = 0; i < block.interior.increments(); ++i) {
+        const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
+        visit({true, kind_of_interior_row(block.interior, i), i % 3, -1,
+               structure.local_element_to_mesh[block.first_element + e], 0.0, interior(first + i)});
+      }
+}
 
 /// The key of largest `size` on any rank; the highest of several ranks, which all name the same row.
 RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
@@ -79,20 +54,9 @@ RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
   int candidate = mine.found && size == best ? comm.getRank() : -1, winner = -1;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(winner));
   if (winner < 0) return {};
-  std::array<double, 6> packed = {static_cast<double>(mine.kind),
-                                  static_cast<double>(mine.component),
-                                  static_cast<double>(mine.vertex),
-                                  static_cast<double>(mine.element),
-                                  mine.size,
-                                  mine.value};
-  Teuchos::broadcast(comm, winner, static_cast<int>(packed.size()), packed.data());
-  return {true,
-          static_cast<int>(packed[0]),
-          static_cast<int>(packed[1]),
-          static_cast<int>(packed[2]),
-          static_cast<int>(packed[3]),
-          packed[4],
-          packed[5]};
+  RowKey key = mine;
+  Teuchos::broadcast(comm, winner, static_cast<int>(sizeof key), reinterpret_cast<char*>(&key));
+  return key;
 }
 
 EquationPlace place_of_element(const Model& model, int global_element) {
@@ -110,32 +74,22 @@ EquationPlace place_of_element(const Model& model, int global_element) {
 
 EquationPlace place_of(const Model& model, const RowKey& key) {
   EquationPlace place = key.element >= 0 ? place_of_element(model, key.element) : place_of_vertex(model, key.vertex);
-  place.kind = static_cast<RowKind>(key.kind);
+  place.kind = key.kind;
   place.component = key.component;
   return place;
 }
 
 const Teuchos::Comm<int>& ranks_of(const Model& model) { return *model.map()->getComm(); }
 
-std::string rounded(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
-}
-
 }  // namespace
 
 std::optional<ResidualPeak> largest_row(const Model& model, const MixedVector& scaled_residual,
                                         const ResidualScales& scales) {
   RowKey largest;
-  const auto keep_larger = [&largest](RowKey key) {
+  for_each_row(model, scaled_residual, [&largest](RowKey key) {
     key.size = std::abs(key.value);
     if (std::isfinite(key.size) && key.size > largest.size) largest = key;
-    return true;
-  };
-  const RowWalk walk(model, scaled_residual);
-  walk.vertices(keep_larger);
-  walk.elements(keep_larger);
+  });
   largest = best_of_ranks(ranks_of(model), largest);
   if (!largest.found) return {};
   ResidualPeak peak{place_of(model, largest), largest.size, 0.0};
@@ -149,19 +103,14 @@ std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVec
   // The place in the search decides between ranks: elements come before vertices, or after them.
   const double behind = model.mesh().vertices() + static_cast<double>(model.mesh().elements.size());
   RowKey first;
-  const auto find = [&](RowKey key) {
-    if (std::isfinite(key.value)) return true;
+  for_each_row(model, vector, [&](RowKey key) {
+    if (std::isfinite(key.value)) return;
     const bool is_late = (key.element >= 0) != (order == SearchOrder::elements_first);
     key.size = -(key.element >= 0 ? key.element : key.vertex) - (is_late ? behind : 0.0);
     if (!first.found || key.size > first.size) first = key;
-    return true;
-  };
-  const RowWalk walk(model, vector);
-  walk.elements(find);
-  walk.vertices(find);
+  });
   first = best_of_ranks(ranks_of(model), first);
-  if (!first.found) return {};
-  return place_of(model, first);
+  return first.found ? std::optional(place_of(model, first)) : std::nullopt;
 }
 
 std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent) {
@@ -179,8 +128,7 @@ std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent) {
       first.size = -first.element;
     }
   first = best_of_ranks(ranks_of(model), first);
-  if (!first.found) return {};
-  return place_of(model, first);
+  return first.found ? std::optional(place_of(model, first)) : std::nullopt;
 }
 
 EquationPlace place_of_vertex(const Model& model, int global_vertex) {
@@ -204,7 +152,7 @@ std::string text_of(const EquationPlace& place) {
   if (place.element >= 0)
     return "element " + std::to_string(place.element) + " of member \"" + excerpt(place.member) + "\"";
   if (!place.point.empty()) return "point \"" + excerpt(place.point) + "\"";
-  return "member \"" + excerpt(place.member) + "\" at " + rounded(place.along) + " of its length";
+  return "member \"" + excerpt(place.member) + "\" at " + rounded(place.along, 4) + " of its length";
 }
 
 std::string equation_text(const EquationPlace& place) {

@@ -1,8 +1,11 @@
 #include "discretization/assembly/model.hpp"
 
 #include "discretization/assembly/workspace.hpp"
-
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/mesh/reference_element.hpp"
 #include "kernels/element/kinematics.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -87,15 +90,6 @@ void Model::build_adjacency() {
   });
 }
 
-void Model::build_plane() {
-  if (!options_.planar) return;
-  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_);
-  if (!plane_) return;
-  for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
-  workspace_->rows.planar_rows = KernelView<double* [4]>(
-      Kokkos::view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing), structure_.local_elements());
-}
-
 MixedVector Model::create_vector() const {
   return MixedVector(maps_.rows, structure_.increment_size, owned_interior_, vectors_);
 }
@@ -140,52 +134,167 @@ State Model::reference_state() const {
 
 namespace {
 
+/// Relative to the length of the structure, to the load or to one: the rounding of positions and triads that were
+/// computed from curves, with some room. What is farther out of the plane was meant to be.
+constexpr double kInPlane = 1e-12;
+/// Components of a normal that are rounding beside the others: without them coordinate planes have exact zeros.
+constexpr double kNoComponent = 1e-15;
+
+Vec without_rounding(Vec v) {
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(v[i]) < kNoComponent) v[i] = 0.0;
+  return (1.0 / norm(v)) * v;
+}
+
+Vec column(const Mat& m, int j) { return {{m(0, j), m(1, j), m(2, j)}}; }
+Vec row(const Mat& m, int i) { return {{m(i, 0), m(i, 1), m(i, 2)}}; }
+
+/// p is the coordinate axis that lies most in the plane, as far as it does.
+PlaneAxes axes_of(const Vec& normal) {
+  PlaneAxes axes;
+  axes.n = without_rounding(normal);
+  int most = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(axes.n[i]) < std::abs(axes.n[most])) most = i;
+  Vec p{{0.0, 0.0, 0.0}};
+  p[most] = 1.0;
+  axes.p = without_rounding(p - axes.n[most] * axes.n);
+  axes.q = cross(axes.n, axes.p);
+  return axes;
+}
+
+class PlaneCheck {
+ public:
+  explicit PlaneCheck(const Vec& normal) : n_(normal) {}
+
+  bool holds(const Mesh& mesh, double length) const {
+    const Vec origin = position(mesh, 0);
+    for (int v = 0; v < mesh.vertices(); ++v)
+      if (!is_small(dot(position(mesh, v) - origin, n_), length)) return false;
+    return true;
+  }
+  bool holds(const ElementBlock& block) const {
+    if (block.general_section || block.force_integration != ForceIntegration::both_reduced ||
+        block.field_row.extent(0) > 0)
+      return false;
+    for (int e = 0; e < block.count; ++e)
+      if (!holds(block, e)) return false;
+    return true;
+  }
+  bool holds(const VertexLoad& load) const { return in_plane(load.force) && along_normal(load.moment); }
+  bool holds(const VertexSupport& support) const {
+    const bool* fixed = support.fixed;
+    Vec displacement{{0.0, 0.0, 0.0}};
+    for (int i = 0; i < 3; ++i)
+      if (fixed[i]) displacement += support.displacement[i] * row(support.axes, i);
+    if (!in_plane(displacement) || !along_normal(support.rotation)) return false;
+    return aligned(support.axes) ||
+           (uniform(fixed, support.displacement_stiffness) && uniform(fixed + 3, support.rotation_stiffness));
+  }
+  bool holds(const VertexJoint& joint) const {
+    const Vec axis = row(joint.frame, 2);
+    return joint.kind == JointKind::ball || in_plane(axis) || along_normal(axis);
+  }
+
+ private:
+  Vec n_;
+
+  static bool is_small(double x, double against) { return std::abs(x) <= kInPlane * against; }
+  bool in_plane(const Vec& v) const { return is_small(dot(v, n_), norm(v)); }
+  bool along_normal(const Vec& v) const { return is_small(norm(cross(v, n_)), norm(v)); }
+  /// One of the axes is normal to the plane.
+  bool aligned(const Mat& axes) const {
+    return along_normal(row(axes, 0)) || along_normal(row(axes, 1)) || along_normal(row(axes, 2));
+  }
+  /// All directions alike.
+  static bool uniform(const bool* fixed, const Vec& stiffness) {
+    return fixed[0] == fixed[1] && fixed[1] == fixed[2] && stiffness[0] == stiffness[1] && stiffness[1] == stiffness[2];
+  }
+  static Vec position(const Mesh& mesh, int v) { return vector_algebra::to_vec3(mesh.vertex_position[v]); }
+  /// Triads and tangents; the curvature is along g2 or g3 where that is normal, measured as an angle.
+  bool holds(const ElementBlock& block, int e) const {
+    const double* reference = &block.reference(e, 0);
+    const ReferenceLayout& layout = block.reference_layout;
+    int normal = 0;
+    for (int end = 0; end < 2; ++end) {
+      const Mat triad = rotation_matrix(load_quaternion(reference + layout.end_triad(end)));
+      const int found = along_normal(column(triad, 1)) ? 1 : along_normal(column(triad, 2)) ? 2 : 0;
+      if (found == 0 || (end == 1 && found != normal)) return false;
+      normal = found;
+    }
+    for (int q = 0; q < layout.force_points; ++q)
+      if (!in_plane(load_vector(reference + layout.tangent(q)))) return false;
+    for (int q = 0; q <= layout.order; ++q) {
+      const double* curvature = reference + layout.curvature(q);
+      for (int other : {0, 3 - normal})
+        if (!is_small(reference[layout.length()] * curvature[other], 1.0)) return false;
+    }
+    return true;
+  }
+};
+
+bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, const Conditions& conditions) {
+  const PlaneCheck check(normal);
+  const auto all = [&](const auto& list) {
+    return std::all_of(list.begin(), list.end(), [&](const auto& one) { return check.holds(one); });
+  };
+  return all(conditions.loads) && all(conditions.supports) && all(conditions.joints) && all(structure.blocks) &&
+         check.holds(mesh, structure.length);
+}
+
+/// The plane that everything keeps to, with the normal along g2 or g3 of the first element: members lie in it and have
+/// g2 or g3 along its normal; forces and prescribed displacements are in it, moments and prescribed rotations about its
+/// normal, axes of supports and joints in it or along its normal. Sections are plain and constant, force strains
+/// integrated with k points, and there are no line loads or eigenstrains. None otherwise. Collective.
+std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
+                                  const LineFields& line_fields, const Conditions& conditions) {
+  if (!line_fields.empty()) return std::nullopt;
+  const MeshElement& first = mesh.elements.front();
+  const Mat triad = rotation_matrix(
+      make_reference_element(mesh.member_of(first), first.index, 1, ForceIntegration::both_reduced).end_triad[0]);
+  for (int axis : {2, 1}) {
+    const PlaneAxes axes = axes_of(column(triad, axis));
+    const int mine = keeps_to(axes.n, mesh, structure, conditions) ? 1 : 0;
+    int everywhere = mine;
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(everywhere));
+    if (everywhere != 0) return axes;
+  }
+  return std::nullopt;
+}
+
 /// Of the largest entry: roundings of directions in a plane that is not one of the coordinates'.
 constexpr double kPlaneRounding = 1e-13;
 
-/// What vertices do and what of it leaves the plane, each the largest of all.
-struct PlaneParts {
-  double moved, turned, moved_out, turned_out;
-};
-
-struct PlanePartsLoop {
-  using value_type = PlaneParts;
-  PlaneAxes axes;
-  KernelView<const double*> entries;
-
-  KOKKOS_INLINE_FUNCTION static void raise(volatile double& largest, double x) {
-    const double size = x < 0.0 ? -x : x;
-    if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
-  }
-  KOKKOS_INLINE_FUNCTION void init(PlaneParts& parts) const { parts = {0.0, 0.0, 0.0, 0.0}; }
-  KOKKOS_INLINE_FUNCTION void join(volatile PlaneParts& parts, const volatile PlaneParts& other) const {
-    raise(parts.moved, other.moved);
-    raise(parts.turned, other.turned);
-    raise(parts.moved_out, other.moved_out);
-    raise(parts.turned_out, other.turned_out);
-  }
-  KOKKOS_INLINE_FUNCTION void operator()(int vertex, PlaneParts& parts) const {
-    const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));
-    const Vec turned = load_vector(&entries(vertex_row(vertex, kMomentPart)));
-    for (int i = 0; i < 3; ++i) {
-      raise(parts.moved, moved[i]);
-      raise(parts.turned, turned[i]);
-    }
-    raise(parts.moved_out, dot(axes.n, moved));
-    raise(parts.turned_out, dot(axes.p, turned));
-    raise(parts.turned_out, dot(axes.q, turned));
-  }
-};
-
 }  // namespace
+
+void Model::build_plane() {
+  if (!options_.planar) return;
+  plane_ = plane_of(*maps_.rows->getComm(), mesh_, structure_, line_fields_, conditions_);
+  if (!plane_) return;
+  for (const ElementBlock& block : structure_.blocks) planar_blocks_.push_back(make_planar_block(block, *plane_));
+  workspace_->rows.planar_rows = KernelView<double* [4]>(
+      Kokkos::view_alloc("mixbeam::planar::rows", Kokkos::WithoutInitializing), structure_.local_elements());
+}
 
 /// A motion of an element that leaves the plane moves one of its vertices out of it, or turns one, unless all are held.
 bool Model::is_in_plane(const MixedVector& v) const {
-  PlaneParts parts{};
-  Kokkos::parallel_reduce("mixbeam::plane::parts", Kokkos::RangePolicy<ExecutionSpace>(0, structure_.owned_vertices),
-                          PlanePartsLoop{*plane_, v.vertex()}, parts);
-  double all[4] = {parts.moved, parts.turned, parts.moved_out, parts.turned_out};
-  maxima_over_ranks(*maps_.rows->getComm(), all, 4);
+  const PlaneAxes axes = *plane_;
+  const KernelView<const double*> entries = v.vertex();
+  // moved, turned, and what of each leaves the plane
+  Largest<4> parts = largest_of<4>(
+      "mixbeam::plane::parts", structure_.owned_vertices, KOKKOS_LAMBDA(int vertex, Largest<4>& largest) {
+        const Vec moved = load_vector(&entries(vertex_row(vertex, kForcePart)));
+        const Vec turned = load_vector(&entries(vertex_row(vertex, kMomentPart)));
+        for (int i = 0; i < 3; ++i) {
+          raise(largest.of[0], moved[i]);
+          raise(largest.of[1], turned[i]);
+        }
+        raise(largest.of[2], dot(axes.n, moved));
+        raise(largest.of[3], dot(axes.p, turned));
+        raise(largest.of[3], dot(axes.q, turned));
+      });
+  maxima_over_ranks(*maps_.rows->getComm(), parts.of, 4);
+  const double* all = parts.of;
   return all[2] <= kPlaneRounding * all[0] && all[3] <= kPlaneRounding * all[1] && std::isfinite(all[2] + all[3]);
 }
 

@@ -6,13 +6,14 @@
 
 #include "discretization/assembly/line_fields.hpp"
 #include "discretization/assembly/phase_timer.hpp"
-#include "discretization/assembly/plane.hpp"
 #include "discretization/constraints/constraint_rows.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "discretization/mesh/mixed_vector.hpp"
 #include "discretization/mesh/structure.hpp"
+#include "kernels/loops/planar_block.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace mixbeam {

@@ -48,30 +48,7 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 double largest_component(const Vec& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Largest magnitudes of two kinds, each of several components.
-struct LargestPair {
-  double first, second;
-};
-
-/// Largest of each kind among the values that Values(index, pair) raises.
-template <class Values>
-struct PairLoop {
-  using value_type = LargestPair;
-  Values values;
-  KOKKOS_INLINE_FUNCTION void init(LargestPair& pair) const { pair = {0.0, 0.0}; }
-  KOKKOS_INLINE_FUNCTION void join(volatile LargestPair& pair, const volatile LargestPair& other) const {
-    if (other.first > pair.first) pair.first = other.first;
-    if (other.second > pair.second) pair.second = other.second;
-  }
-  KOKKOS_INLINE_FUNCTION void operator()(int i, LargestPair& pair) const { values(i, pair); }
-};
-template <class Values>
-LargestPair largest_of(const char* label, int count, const Values& values) {
-  LargestPair pair{0.0, 0.0};
-  Kokkos::parallel_reduce(label, Range(0, count), PairLoop<Values>{values}, pair);
-  return pair;
-}
-
+/// Without what is not a number.
 KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
   for (int i = 0; i < count; ++i) {
     const double a = x[i] < 0.0 ? -x[i] : x[i];
@@ -80,14 +57,14 @@ KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
 }
 
 /// Forces and moments of all elements of a block.
-LargestPair largest_stresses(const ElementBlock& block, const KernelView<const double*>& interior) {
+Largest<2> largest_stresses(const ElementBlock& block, const KernelView<const double*>& interior) {
   const InteriorLayout layout = block.interior;
   const size_t offset = block.interior_offset;
-  return largest_of(
-      "mixbeam::magnitude::stresses", block.count, KOKKOS_LAMBDA(int e, LargestPair& pair) {
+  return largest_of<2>(
+      "mixbeam::magnitude::stresses", block.count, KOKKOS_LAMBDA(int e, Largest<2>& pair) {
         const double* x = interior.data() + offset + static_cast<size_t>(e) * layout.unknowns();
-        raise(pair.first, x, layout.moment(0));
-        raise(pair.second, x + layout.moment(0), 3 * (layout.order + 1));
+        raise(pair.of[0], x, layout.moment(0));
+        raise(pair.of[1], x + layout.moment(0), 3 * (layout.order + 1));
       });
 }
 
@@ -97,20 +74,20 @@ StateMagnitude magnitude_of(const Model& model, const State& state, double load_
   const Structure& structure = model.structure();
   StateMagnitude m;
   for (const ElementBlock& block : structure.blocks) {
-    const LargestPair stresses = largest_stresses(block, state.views.interior);
-    m.force = std::max(m.force, stresses.first);
-    m.moment = std::max(m.moment, stresses.second);
+    const Largest<2> stresses = largest_stresses(block, state.views.interior);
+    m.force = std::max(m.force, stresses.of[0]);
+    m.moment = std::max(m.moment, stresses.of[1]);
   }
   const KernelView<const double* [3]> u = state.views.vertex_displacement;
   const KernelView<const double* [4]> q = state.views.vertex_rotation;
-  const LargestPair motions = largest_of(
-      "mixbeam::magnitude::motions", structure.owned_vertices, KOKKOS_LAMBDA(int v, LargestPair& pair) {
-        raise(pair.first, &u(v, 0), 3);
+  const Largest<2> motions = largest_of<2>(
+      "mixbeam::magnitude::motions", structure.owned_vertices, KOKKOS_LAMBDA(int v, Largest<2>& pair) {
+        raise(pair.of[0], &u(v, 0), 3);
         const double square = q(v, 1) * q(v, 1) + q(v, 2) * q(v, 2) + q(v, 3) * q(v, 3);
-        if (square > pair.second) pair.second = square;
+        if (square > pair.of[1]) pair.of[1] = square;
       });
-  m.displacement = motions.first;
-  m.rotation = 2.0 * std::sqrt(motions.second);
+  m.displacement = motions.of[0];
+  m.rotation = 2.0 * std::sqrt(motions.of[1]);
   for (const VertexLoad& load : model.conditions().loads) {
     const double amplitude = std::abs(load.amplitude(load_factor));
     m.load_force = std::max(m.load_force, amplitude * largest_component(load.force));

@@ -11,9 +11,9 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kVertexRows = 6;
+using namespace vector_algebra;
 
-Vec to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+constexpr int kVertexRows = 6;
 
 /// Reference triad of a member at the vertex where a follower load acts.
 Quat reference_triad_at(const Mesh& mesh, int member, int vertex) {
@@ -25,8 +25,8 @@ VertexLoad vertex_load(const PointLoad& load, const Scene& scene, const Mesh& me
   result.vertex = local;
   result.frame = load.frame;
   result.amplitude = Amplitude(load.stage, scene.stages, load.amplitude);
-  result.force = to_vec(load.force);
-  result.moment = to_vec(load.moment);
+  result.force = to_vec3(load.force);
+  result.moment = to_vec3(load.moment);
   if (load.frame == LoadFrame::follower) {
     const Mat triad = rotation_matrix(reference_triad_at(mesh, member_index(scene, load.member), global));
     result.force = triad * result.force;
@@ -59,8 +59,8 @@ VertexSupport vertex_support(const Support& support, int stages, int index, int 
   result.amplitude = Amplitude(support.stage, stages, support.amplitude);
   result.axes = matrix_of(support.axes);
   result.turns_forces = support.axes != kGlobalAxes;
-  result.displacement = to_vec(support.prescribed_displacement);
-  result.rotation = transpose_times(result.axes, to_vec(support.prescribed_rotation));
+  result.displacement = to_vec3(support.prescribed_displacement);
+  result.rotation = transpose_times(result.axes, to_vec3(support.prescribed_rotation));
   result.rotation_kind = rotation_kind(support);
   for (int i = 0; i < 3; ++i) {
     result.fixed[i] = support.displacement_fixed[i];
@@ -73,7 +73,7 @@ VertexSupport vertex_support(const Support& support, int stages, int index, int 
 
 /// A right-handed frame whose third direction is the axis; the first two do not depend on its length.
 Mat joint_frame(const Joint& joint) {
-  const Vec axis = to_vec(joint.axis);
+  const Vec axis = to_vec3(joint.axis);
   const double length = norm(axis);
   if (!(length > 0.0)) throw std::invalid_argument("joint \"" + joint.name + "\": its axis has no direction");
   const Vec a = (1.0 / length) * axis;
@@ -153,8 +153,8 @@ double steepest_slope(const Support& support, int stages) {
 double largest_prescribed_rotation(const Scene& scene) {
   double largest = 0.0;
   for (const Support& s : scene.supports)
-    if (!vector_algebra::is_zero(s.prescribed_rotation))
-      largest = std::max(largest, steepest_slope(s, scene.stages) * norm(to_vec(s.prescribed_rotation)));
+    if (!is_zero(s.prescribed_rotation))
+      largest = std::max(largest, steepest_slope(s, scene.stages) * norm(to_vec3(s.prescribed_rotation)));
   return largest;
 }
 

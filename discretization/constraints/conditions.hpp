@@ -16,7 +16,7 @@ struct VertexLoad {
   Amplitude amplitude{};
 };
 
-/// How a support holds rotations: see support_rows.hpp.
+/// How a support holds rotations: see constraint_rows.hpp.
 enum class SupportRotation { free, fixed, hinge, vector };
 
 struct VertexSupport {
@@ -32,7 +32,7 @@ struct VertexSupport {
   Amplitude amplitude{};
 };
 
-/// One joined end of a member, see joint_rows.hpp.
+/// One joined end of a member, see constraint_rows.hpp.
 struct VertexJoint {
   int master = 0, slave = 0;  ///< owned local vertices
   JointKind kind = JointKind::hinge;

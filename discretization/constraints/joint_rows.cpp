@@ -1,4 +1,4 @@
-#include "discretization/constraints/joint_rows.hpp"
+#include "discretization/constraints/constraint_rows.hpp"
 
 #include "discretization/constraints/swing.hpp"
 
@@ -134,12 +134,6 @@ void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& f
   }
   if (joint.kind == JointKind::hinge) set_hinge_rows(joint, at, moment, matrix);
   if (joint.kind == JointKind::slider) set_slider_rows(joint, at, force, matrix);
-}
-
-double joint_motion(const VertexJoint& joint, const State& state) {
-  const JointState at(joint, state);
-  if (joint.kind == JointKind::hinge) return at.swing(joint).angle;
-  return joint.kind == JointKind::slider ? dot(at.direction(2), at.offset) : 0.0;
 }
 
 }  // namespace mixbeam

@@ -1,4 +1,4 @@
-#include "discretization/constraints/support_rows.hpp"
+#include "discretization/constraints/constraint_rows.hpp"
 
 #include "discretization/constraints/swing.hpp"
 

@@ -31,12 +31,6 @@ void for_each_entry(const char* label, size_t n, const Action& action) {
       });
 }
 
-/// Not-a-number compares false with everything, so it is carried as infinity.
-KOKKOS_INLINE_FUNCTION double magnitude(double x) {
-  const double a = x < 0.0 ? -x : x;
-  return a == a ? a : HUGE_VAL;
-}
-
 void copy_entries(const ConstEntries& from, const Entries& to) {
   for_each_entry(
       "mixbeam::vector::copy", to.extent(0), KOKKOS_LAMBDA(size_t i) { to(i) = from(i); });
@@ -58,40 +52,23 @@ double largest_magnitude(const ConstEntries& x) {
           side_by_side = select(a > side_by_side, a, side_by_side);
         }
         for (int lane = 0; lane < kLanes; ++lane) m = side_by_side[lane] > m ? side_by_side[lane] : m;
-        for (; i < end; ++i) m = magnitude(x(i)) > m ? magnitude(x(i)) : m;
+        for (; i < end; ++i) raise(m, x(i));
       },
       Kokkos::Max<double>(largest));
   return largest;
 }
 
-struct PartsLoop {
-  using value_type = LargestParts;
-  ConstEntries entries;
-
-  KOKKOS_INLINE_FUNCTION void init(LargestParts& parts) const { parts = {0.0, 0.0}; }
-  KOKKOS_INLINE_FUNCTION void join(volatile LargestParts& parts, const volatile LargestParts& other) const {
-    if (other.moved > parts.moved) parts.moved = other.moved;
-    if (other.turned > parts.turned) parts.turned = other.turned;
-  }
-  KOKKOS_INLINE_FUNCTION void operator()(int vertex, LargestParts& parts) const {
-    const double* row = &entries(static_cast<size_t>(kVertexDofs) * vertex);
-    for (int c = 0; c < 3; ++c) {
-      const double moved = magnitude(row[c]), turned = magnitude(row[3 + c]);
-      if (moved > parts.moved) parts.moved = moved;
-      if (turned > parts.turned) parts.turned = turned;
-    }
-  }
-};
-
 }  // namespace
 
 LargestParts largest_parts(const Teuchos::Comm<int>& comm, const KernelView<const double*>& entries) {
-  LargestParts parts;
-  Kokkos::parallel_reduce("mixbeam::vector::largest_parts", Range(0, entries.extent(0) / kVertexDofs),
-                          PartsLoop{entries}, parts);
-  double both[2] = {parts.moved, parts.turned};
-  maxima_over_ranks(comm, both, 2);
-  return {both[0], both[1]};
+  Largest<2> parts = largest_of<2>(
+      "mixbeam::vector::largest_parts", static_cast<int>(entries.extent(0)) / kVertexDofs,
+      KOKKOS_LAMBDA(int vertex, Largest<2>& largest) {
+        const double* row = &entries(static_cast<size_t>(kVertexDofs) * vertex);
+        for (int c = 0; c < kVertexDofs; ++c) raise(largest.of[c / 3], row[c]);
+      });
+  maxima_over_ranks(comm, parts.of, 2);
+  return {parts.of[0], parts.of[1]};
 }
 
 double maximum_over_ranks(const Teuchos::Comm<int>& comm, double value) {
@@ -342,8 +319,7 @@ double MixedVector::largest_vertex_spin() const {
       "mixbeam::vector::largest_spin", Range(0, x.extent(0) / kVertexDofs),
       KOKKOS_LAMBDA(size_t v, double& m) {
         const double* spin = &x(kVertexDofs * v + 3);
-        const double square = magnitude(spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]);
-        if (square > m) m = square;
+        raise(m, spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2]);
       },
       Kokkos::Max<double>(largest));
   return std::sqrt(maximum_over_ranks(*vertex_dofs_->getMap()->getComm(), largest));

@@ -6,6 +6,7 @@
 #include "discretization/mesh/tpetra_types.hpp"
 #include "discretization/mesh/view_pool.hpp"
 
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -75,6 +76,36 @@ class MixedVector {
   KernelView<double*> interior_;
   KernelView<const unsigned char*> owned_interior_;  ///< empty: all
 };
+
+/// Keeps the larger magnitude; not-a-number, which compares false with everything, is carried as infinity.
+KOKKOS_INLINE_FUNCTION void raise(double& largest, double x) {
+  const double size = x < 0.0 ? -x : x;
+  if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
+}
+
+/// Largest magnitudes of several kinds.
+template <int kinds>
+struct Largest {
+  double of[kinds] = {};
+};
+
+/// Among all that raise_all(i, largest) raises, 0 <= i < count.
+template <int kinds, class RaiseAll>
+Largest<kinds> largest_of(const char* label, int count, const RaiseAll& raise_all) {
+  struct Loop {
+    using value_type = Largest<kinds>;
+    RaiseAll raise_all;
+    KOKKOS_INLINE_FUNCTION void init(value_type& largest) const { largest = {}; }
+    KOKKOS_INLINE_FUNCTION void join(volatile value_type& largest, const volatile value_type& other) const {
+      for (int k = 0; k < kinds; ++k)
+        if (other.of[k] > largest.of[k]) largest.of[k] = other.of[k];
+    }
+    KOKKOS_INLINE_FUNCTION void operator()(int i, value_type& largest) const { raise_all(i, largest); }
+  };
+  Largest<kinds> largest;
+  Kokkos::parallel_reduce(label, Kokkos::RangePolicy<ExecutionSpace>(0, count), Loop{raise_all}, largest);
+  return largest;
+}
 
 /// Largest component of a displacement or force, and of a rotation or moment.
 struct LargestParts {

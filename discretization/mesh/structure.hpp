@@ -3,15 +3,18 @@
 /// travels.
 #pragma once
 
-#include "discretization/mesh/element_compliance.hpp"
 #include "discretization/mesh/mesh.hpp"
 #include "discretization/mesh/view_pool.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "kernels/loops/block.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace mixbeam {
+
+/// (member): the section of those that need general elements, null for all others.
+using MemberLaws = std::vector<std::shared_ptr<const SectionLaw>>;
 
 /// A configuration: quaternions and additive interior unknowns. Copies share the same numbers, so a state that others
 /// may hold is never written to: a new one is allocated (Model::apply).
@@ -64,7 +67,9 @@ struct Structure {
   const ElementBlock& block_of(int local_element) const;
 };
 
-/// Distributes elements and vertices and fills the reference data.
+/// Distributes elements and vertices and fills the reference data. Throws InputError that names the member for what
+/// SectionLaw and make_reference_element reject, and where a general section meets another integration rule than "both
+/// reduced", the only one whose force points see M exactly.
 Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ranks);
 
 /// Undeformed state: vertex rotations identity, element triads and relative rotations of the reference elements

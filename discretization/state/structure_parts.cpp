@@ -1,5 +1,6 @@
 #include "discretization/state/structure_parts.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "kernels/element/kinematics.hpp"
 
 #include <algorithm>
@@ -12,21 +13,13 @@ namespace {
 
 double largest_component(const Vec3<double>& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Keeps what is not a number as infinity.
-void raise(double& largest, double value) {
-  const double size = std::abs(value);
-  if (!(size <= largest)) largest = size == size ? size : HUGE_VAL;
-}
-
 /// What residual scales are made of, see residual_scales.
 struct PartSize {
   StateMagnitude state{};
-  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  ///< box, undeformed
+  vector_algebra::Box box{};  ///< undeformed
   double longest_member = 0.0, shortest_element = HUGE_VAL;
 
-  double length() const {
-    return std::max(longest_member, std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]));
-  }
+  double length() const { return std::max(longest_member, box.diagonal()); }
 };
 
 /// Sizes and residuals of the parts of one state.
@@ -66,9 +59,8 @@ void PartMeasure::measure_vertices(const State& state) {
   for (int v = 0; v < mesh.vertices(); ++v) {
     PartSize& size = part_at(v);
     double square = 0.0;
+    size.box.enclose(mesh.vertex_position[v]);
     for (int i = 0; i < 3; ++i) {
-      size.low[i] = std::min(size.low[i], mesh.vertex_position[v][i]);
-      size.high[i] = std::max(size.high[i], mesh.vertex_position[v][i]);
       raise(size.state.displacement, state.views.vertex_displacement(v, i));
       square += state.views.vertex_rotation(v, i + 1) * state.views.vertex_rotation(v, i + 1);
     }
