@@ -17,28 +17,11 @@ using Quat = Quaternion<double>;
 constexpr Vec kZero{{0.0, 0.0, 0.0}};
 // Mean of the relative rotation that is left: rounding. [radian]
 constexpr double kMeanTolerance = 1e-15;
-constexpr double kAcceptedMean = 1e-13;  // where rounding keeps it above
+constexpr double kAcceptedMean = 1e-13;  // of an undeformed element, where rounding keeps it above
 constexpr int kMostIterations = 100;     // the error shrinks by |psi|^2 / 12 or faster
 // Rotations from the triad of the element to its ends stay below pi, where the logarithm jumps. [radian]
 constexpr double kLargestRotation = 3.0;
 constexpr int kTurningSamples = 8;  // of the curvature, in each element
-
-struct Rule {
-  std::vector<double> points, weights;
-};
-
-/// Gauss rule of `count` points, computed once.
-const Rule& gauss_points(int count) {
-  static const std::array<Rule, kMaximumOrder + 2> rules = [] {
-    std::array<Rule, kMaximumOrder + 2> all;
-    for (int n = 1; n <= kMaximumOrder + 1; ++n) {
-      all[n] = {std::vector<double>(n), std::vector<double>(n)};
-      gauss_rule(n, all[n].points.data(), all[n].weights.data());
-    }
-    return all;
-  }();
-  return rules[count];
-}
 
 double arc_length(const MeshMember& member, int index, double xi) {
   return member.vertex_arc_length[index] + 0.5 * member.element_length(index) * (1.0 + xi);
@@ -60,44 +43,16 @@ void check_turning(const MeshMember& member, int index) {
   if (!(turning <= 2.0 * kLargestRotation)) throw turns_too_far();
 }
 
-Vec relative_rotation(const ReferenceElement& element, int order, double xi) {
-  double P[kMaximumOrder + 1];
-  legendre(order, xi, P);
-  Vec psi = kZero;
-  for (int j = 1; j < order; ++j) psi += P[j] * element.relative_rotation[j];
-  return psi;
-}
-
-/// Legendre coefficients 0 .. k-1 of log(Lambda_lo^T Lambda_0) through the k Gauss points.
-std::array<Vec, kMaximumOrder> interpolated_logarithm(const Quat& triad, const std::vector<Quat>& exact,
-                                                      const Rule& gauss) {
-  const int order = static_cast<int>(exact.size());
-  std::array<Vec, kMaximumOrder> modes{};
-  for (int q = 0; q < order; ++q) {
-    const Vec rotation = log_quaternion(conjugate(triad) * exact[q]);
-    if (!(norm(rotation) <= kLargestRotation)) throw turns_too_far();
-    double P[kMaximumOrder + 1];
-    legendre(order, gauss.points[q], P);
-    for (int j = 0; j < order; ++j) modes[j] += (0.5 * (2 * j + 1) * gauss.weights[q] * P[j]) * rotation;
-  }
-  return modes;
-}
-
-/// Chooses Lambda_lo and psi: moves Lambda_lo by the mean of the logarithm until it vanishes.
+/// Chooses Lambda_lo and psi, from the k Gauss points.
 void fit_triad(const MeshMember& member, int index, int order, ReferenceElement& element) {
-  const Rule& gauss = gauss_points(order);
+  const GaussPoints& gauss = gauss_points(order);
   std::vector<Quat> exact;
-  for (const double xi : gauss.points) exact.push_back(member.curve.triad(arc_length(member, index, xi)));
-  element.triad = member.curve.triad(arc_length(member, index, 0.0));
-  double mean = 1.0;
-  for (int i = 0; i < kMostIterations && mean > kMeanTolerance; ++i) {
-    element.relative_rotation = interpolated_logarithm(element.triad, exact, gauss);
-    const Vec shift = element.relative_rotation[0];
-    mean = norm(shift);
-    if (mean > kMeanTolerance) element.triad = normalized(element.triad * exp_quaternion(shift));
-  }
-  if (!(mean <= kAcceptedMean)) throw turns_too_far();
-  element.relative_rotation[0] = kZero;
+  for (const double xi : gauss.xi) exact.push_back(member.curve.triad(arc_length(member, index, xi)));
+  const FittedRotation fit =
+      fit_rotation(member.curve.triad(arc_length(member, index, 0.0)), exact, gauss.xi, gauss.weight, order);
+  if (!(fit.mean <= kAcceptedMean)) throw turns_too_far();
+  element.triad = fit.triad;
+  element.relative_rotation = fit.psi;
 }
 
 /// Jump log(exp(-psi) Lambda_lo^T Lambda_0) at an end, see EndRotation.
@@ -110,17 +65,17 @@ Vec end_jump(const ReferenceElement& element, int order, int end) {
 
 /// kappa0 of the discrete fields. The first part is a polynomial through the k + 1 moment points already.
 void fit_curvature(double length, int order, ReferenceElement& element) {
-  const Rule& gauss = gauss_points(order + 1);
+  const GaussPoints& gauss = gauss_points(order + 1);
   const Vec jump[2] = {end_jump(element, order, 0), end_jump(element, order, 1)};
   for (int q = 0; q <= order; ++q) {
     double P[kMaximumOrder + 1], slope[kMaximumOrder + 1];
-    legendre(order, gauss.points[q], P);
-    legendre_derivatives(order, gauss.points[q], slope);
+    legendre(order, gauss.xi[q], P);
+    legendre_derivatives(order, gauss.xi[q], slope);
     Vec psi_slope = kZero, jumps = kZero;
     for (int j = 1; j < order; ++j) psi_slope += (2.0 / length * slope[j]) * element.relative_rotation[j];
     for (int j = 0; j <= order; ++j)
       jumps += ((2 * j + 1) / length * P[j]) * (jump[1] - (j % 2 == 0 ? 1.0 : -1.0) * jump[0]);
-    const Vec psi = relative_rotation(element, order, gauss.points[q]);
+    const Vec psi = relative_rotation(element, order, gauss.xi[q]);
     element.curvature[q] = transpose_times(tangent_map(psi), psi_slope) + jumps;
   }
 }
@@ -131,7 +86,7 @@ void set_tangents(const MeshMember& member, int index, int order, ForceIntegrati
   const int counts[2] = {axial_points(order, rule), shear_points(order, rule)};
   int point = 0;
   for (int set = 0; set < (counts[0] == counts[1] ? 1 : 2); ++set)
-    for (const double xi : gauss_points(counts[set]).points) {
+    for (const double xi : gauss_points(counts[set]).xi) {
       Vec& tangent = element.tangent[point++];
       if (is_exact)
         tangent = member.curve.tangent(arc_length(member, index, xi));
@@ -142,6 +97,45 @@ void set_tangents(const MeshMember& member, int index, int order, ForceIntegrati
 }
 
 }  // namespace
+
+const GaussPoints& gauss_points(int count) {
+  static const std::array<GaussPoints, kMaximumOrder + 2> rules = [] {
+    std::array<GaussPoints, kMaximumOrder + 2> all;
+    for (int n = 1; n <= kMaximumOrder + 1; ++n) {
+      all[n] = {std::vector<double>(n), std::vector<double>(n)};
+      gauss_rule(n, all[n].xi.data(), all[n].weight.data());
+    }
+    return all;
+  }();
+  return rules[count];
+}
+
+FittedRotation fit_rotation(const Quat& start, const std::vector<Quat>& rotation, const std::vector<double>& xi,
+                            const std::vector<double>& weight, int order) {
+  FittedRotation fit{start};
+  for (int i = 0; i < kMostIterations && fit.mean > kMeanTolerance; ++i) {
+    fit.psi = {};
+    for (size_t q = 0; q < rotation.size(); ++q) {
+      const Vec psi = log_quaternion(conjugate(fit.triad) * rotation[q]);
+      if (!(norm(psi) <= kLargestRotation)) return {};
+      double P[kMaximumOrder + 1];
+      legendre(order, xi[q], P);
+      for (int j = 0; j < order; ++j) fit.psi[j] += (0.5 * (2 * j + 1) * weight[q] * P[j]) * psi;
+    }
+    fit.mean = norm(fit.psi[0]);
+    if (fit.mean > kMeanTolerance) fit.triad = normalized(fit.triad * exp_quaternion(fit.psi[0]));
+  }
+  fit.psi[0] = kZero;
+  return fit;
+}
+
+Vec relative_rotation(const ReferenceElement& element, int order, double xi) {
+  double P[kMaximumOrder + 1];
+  legendre(order, xi, P);
+  Vec psi = kZero;
+  for (int j = 1; j < order; ++j) psi += P[j] * element.relative_rotation[j];
+  return psi;
+}
 
 ReferenceElement make_reference_element(const MeshMember& member, int index, int order, ForceIntegration rule) {
   ReferenceElement element;

@@ -5,6 +5,8 @@
 #include "kernels/element/layout.hpp"
 
 #include <array>
+#include <cmath>
+#include <vector>
 
 namespace mixbeam {
 
@@ -35,5 +37,25 @@ struct ReferenceElement {
 /// rounding for every such curve, order and rule.
 /// Throws std::invalid_argument when the curve turns too far in one element.
 ReferenceElement make_reference_element(const MeshMember& member, int index, int order, ForceIntegration rule);
+
+/// psi(xi) of such an element.
+Vec3<double> relative_rotation(const ReferenceElement& element, int order, double xi);
+
+/// A Gauss rule of 1 .. kMaximumOrder + 1 points, computed once.
+struct GaussPoints {
+  std::vector<double> xi{}, weight{};
+};
+const GaussPoints& gauss_points(int count);
+
+/// Rotations Lambda_lo exp(psi) with a psi of degree k - 1 and mean zero.
+struct FittedRotation {
+  Quaternion<double> triad{};                     ///< Lambda_lo
+  std::array<Vec3<double>, kMaximumOrder> psi{};  ///< Legendre coefficients, [0] = 0
+  double mean = HUGE_VAL;                         ///< of psi as it was left: rounding, unless they turn too far
+};
+/// Those nearest to given rotations at the points `xi`, whose weights sum up to 2: moves Lambda_lo, at first `start`,
+/// by the mean of the logarithms until it vanishes.
+FittedRotation fit_rotation(const Quaternion<double>& start, const std::vector<Quaternion<double>>& rotation,
+                            const std::vector<double>& xi, const std::vector<double>& weight, int order);
 
 }  // namespace mixbeam

@@ -1,4 +1,5 @@
-/// How far apart two states of one discretization are, element by element and vertex by vertex.
+/// What estimates of the error need of states: how far apart two of one discretization are, and rotations inside
+/// elements made more accurate by those of their vertices.
 #pragma once
 
 #include "discretization/assembly/model.hpp"
@@ -22,5 +23,14 @@ struct StateDifference {
 
 /// Complete on every rank, the same for any number of ranks and threads. Collective.
 StateDifference difference(const Model& model, const State& first, const State& second);
+
+/// A state whose orders were raised by one, with the relative rotation that the new degree has room for.
+///
+/// In a solution of order k the rotation Lambda_E of an element differs from the exact one by about c P_k(xi), an error
+/// of h^k, while the vertices are right to h^2k. So the jumps phi at the ends are c and (-1)^k c up to higher orders,
+/// which gives psi_k by theory (51). The slope of the centerline follows its tangent.
+///
+/// `raised`: (member) elements of which members have it done.
+State with_recovered_rotations(const Model& model, const State& state, const std::vector<unsigned char>& raised);
 
 }  // namespace mixbeam

@@ -19,14 +19,18 @@ namespace mixbeam {
 /// columns.
 using TriadQuaternion = std::array<double, 4>;
 
+/// What a sampled member is, without its samples.
+struct SampledMember {
+  std::string name{};           ///< the member's name in the scene
+  int order = 0, elements = 0;  ///< of its mesh
+  int points_per_element = 0;   ///< samples of each of its elements
+  RowShare share{};             ///< which samples of the member are held here
+};
+
 /// One member sampled along its centerline, or the share of a rank in it. Every vector has one entry per sample, in the
 /// order of growing arc length. Elements may disagree in triad and strains at a common vertex, so a vertex inside the
 /// member is sampled once for each of the two elements that meet there; `element` tells them apart.
-struct MemberSamples {
-  std::string name;                         ///< the member's name in the scene
-  int order = 0, elements = 0;              ///< of its mesh
-  int points_per_element = 0;               ///< samples of each of its elements
-  RowShare share;                           ///< which samples of the member are held here
+struct MemberSamples : SampledMember {
   std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
   std::vector<int> element;                 ///< element within the member, 0, 1, ...
   std::vector<Vector3> reference_position;  ///< undeformed centerline, spatial
@@ -96,18 +100,21 @@ struct RecordedStability {
   bool has_potential = true;  ///< the loads have one; without, stability is never certain
 };
 
-/// A limit point or bifurcation between two steps; see CriticalPoint. Fields at those samples of all members that the
-/// rank holds, one after the other, spatial.
-struct RecordedCriticalPoint {
+/// A limit point or bifurcation between two steps, see CriticalPoint, without its fields.
+struct CriticalPointSummary {
   std::string kind{};  ///< "limit point", "bifurcation"
   double load_factor = 0.0;
   double load_factor_error = 0.0;               ///< estimated
   int negative_before = 0, negative_after = 0;  ///< eigenvalues below zero on either side, in the direction of the path
   int modes = 1;                                ///< that become singular together
+  std::vector<MonitoredQuantity> monitored{};   ///< as in the step
+  std::vector<RecordedReaction> reactions{};
+};
+
+/// Fields at those samples of all members that the rank holds, one after the other, spatial.
+struct RecordedCriticalPoint : CriticalPointSummary {
   std::vector<Vector3> position{}, displacement{};
   std::vector<Vector3> mode{};  ///< displacement of the critical mode, per unit of its largest |du_i|/L or |dtheta_i|
-  std::vector<MonitoredQuantity> monitored{};  ///< as in the step
-  std::vector<RecordedReaction> reactions{};
   StateShare state{};
 };
 
@@ -125,17 +132,18 @@ struct RecordedError {
 };
 
 /// See ErrorEstimate (nonlinear/accuracy/error_estimate.hpp).
-struct RecordedErrorEstimate {
-  std::string not_estimated{};                                   ///< why there is none; empty where there is one
-  std::vector<Vector3> vertex_displacement{};                    ///< (vertex of the mesh)
-  std::vector<double> element_displacement{}, element_moment{};  ///< (element of the mesh)
+struct ErrorSummary {
+  std::string not_estimated{};  ///< why there is none; empty where there is one
   RecordedError largest_displacement{}, displacement{}, moment{}, energy{};
   std::vector<MonitoredQuantity> points{};  ///< error of the displacement of the points that the run follows
 };
+struct RecordedErrorEstimate : ErrorSummary {
+  std::vector<Vector3> vertex_displacement{};                    ///< (vertex of the mesh)
+  std::vector<double> element_displacement{}, element_moment{};  ///< (element of the mesh)
+};
 
-/// A converged configuration and how it was reached. On several ranks each holds its own share of the samples and of
-/// the state; all else is the same on every rank.
-struct StepRecord {
+/// How a converged configuration was reached, and its numbers: the same on every rank.
+struct StepSummary {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
   double load_factor = 0.0;   ///< may fall along a path past a limit point
   int newton_iterations = 0;  ///< spent on this step, failed attempts included
@@ -143,17 +151,21 @@ struct StepRecord {
   double strain_energy = std::numeric_limits<double>::quiet_NaN();  ///< of the whole structure
   double force_energy = std::numeric_limits<double>::quiet_NaN();   ///< share of the force strains in it
   double moment_energy = std::numeric_limits<double>::quiet_NaN();  ///< share of the moment strains
-  std::vector<MemberSamples> members;         ///< same members, same samples in every record of a run
-  std::vector<MonitoredQuantity> monitored;   ///< same names in every record of a run
-  std::vector<RecordedReaction> reactions{};  ///< same supports in every record of a run
+  std::vector<MonitoredQuantity> monitored{};                       ///< same names in every record of a run
+  std::vector<RecordedReaction> reactions{};                        ///< same supports in every record of a run
   RecordedBalance balance{};
   RecordedStability stability{};
+  std::vector<NewtonIteration> history{};  ///< of all attempts at this step
+  PathPoint point{};                       ///< of the state
+};
+
+/// A converged configuration. On several ranks each holds its own share of the samples and of the state.
+struct StepRecord : StepSummary {
+  std::vector<MemberSamples> members{};                   ///< same members, same samples in every record of a run
   std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
-  std::vector<NewtonIteration> history{};                 ///< of all attempts at this step
   StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
-  PathPoint point{};                                      ///< of the state
 };
 
 /// All but the fields at samples, vertices and elements: what a step takes few bytes for.

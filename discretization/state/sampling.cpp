@@ -1,5 +1,6 @@
 #include "discretization/state/sampling.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/kinematics.hpp"
 
@@ -68,9 +69,15 @@ void set_strains(const Matrix6& compliance, PointSample& sample) {
   }
 }
 
-/// PointSample as plain numbers, for the exchange between ranks.
-constexpr int kSampleNumbers = sizeof(PointSample) / sizeof(double);
 static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
+
+/// Each sample is on one rank, and zero on all others.
+void sum_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t count) {
+  constexpr size_t numbers = sizeof(PointSample) / sizeof(double);
+  auto* const all = reinterpret_cast<double*>(samples);
+  const std::vector<double> mine(all, all + numbers * count);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all);
+}
 
 }  // namespace
 
@@ -123,14 +130,10 @@ PointSample sample_member(const Model& model, const State& state, int member, do
   const int index = static_cast<int>(next - ends.begin()) - 1;
   const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
   const int local = structure.mesh_element_to_local[m.first_element + index];
-  double mine[kSampleNumbers] = {}, all[kSampleNumbers];
-  if (answers_for(structure, m.first_element + index)) {
-    const PointSample sample = sample_element(structure, model.mesh(), state, local, xi);
-    std::copy_n(reinterpret_cast<const double*>(&sample), kSampleNumbers, mine);
-  }
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, kSampleNumbers, mine, all);
-  PointSample sample;
-  std::copy_n(all, kSampleNumbers, reinterpret_cast<double*>(&sample));
+  PointSample sample{};
+  if (answers_for(structure, m.first_element + index))
+    sample = sample_element(structure, model.mesh(), state, local, xi);
+  sum_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;
 }
 
@@ -159,17 +162,16 @@ std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int poin
 }
 
 void put(const PointSample& sample, int element, size_t place, MemberSamples& member) {
-  const auto array = [](const Vec& v) { return Vector3{v[0], v[1], v[2]}; };
   member.arc_length[place] = sample.arc_length;
   member.element[place] = element;
-  member.reference_position[place] = array(sample.reference_position);
-  member.position[place] = array(sample.position);
-  member.displacement[place] = array(sample.displacement);
+  member.reference_position[place] = vector_algebra::to_array(sample.reference_position);
+  member.position[place] = vector_algebra::to_array(sample.position);
+  member.displacement[place] = vector_algebra::to_array(sample.displacement);
   member.triad[place] = {sample.triad.w, sample.triad.x, sample.triad.y, sample.triad.z};
-  member.force_strain[place] = array(sample.force_strain);
-  member.moment_strain[place] = array(sample.moment_strain);
-  member.material_force[place] = array(sample.force);
-  member.material_moment[place] = array(sample.moment);
+  member.force_strain[place] = vector_algebra::to_array(sample.force_strain);
+  member.moment_strain[place] = vector_algebra::to_array(sample.moment_strain);
+  member.material_force[place] = vector_algebra::to_array(sample.force);
+  member.material_moment[place] = vector_algebra::to_array(sample.moment);
 }
 
 /// Place of one of `points` equidistant points along an element.
@@ -201,60 +203,6 @@ RowShare own_share(const Structure& structure, const MeshMember& member, const s
   return share;
 }
 
-/// Calls action(mesh element, place, sample) for every sample that this rank answers for.
-template <class Action>
-void for_each_sample(const Model& model, const State& state, const std::vector<size_t>& first, const Action& action) {
-  const Structure& structure = model.structure();
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!answers_for(structure, block, e)) continue;
-      const int local = block.first_element + e, element = structure.local_element_to_mesh[local];
-      const size_t points = first[element + 1] - first[element];
-      for (size_t i = 0; i < points; ++i) {
-        action(element, first[element] + i,
-               sample_element(structure, model.mesh(), state, local, sample_point(i, points)));
-      }
-    }
-}
-
-/// Samples of one rank: their elements, and the numbers of all samples of these one after the other.
-struct RankSamples {
-  std::vector<int> elements;
-  std::vector<double> numbers;
-};
-
-RankSamples numbers_of_own_samples(const Model& model, const State& state, const std::vector<size_t>& first) {
-  RankSamples mine;
-  for_each_sample(model, state, first, [&](int element, size_t place, const PointSample& sample) {
-    if (place == first[element]) mine.elements.push_back(element);
-    const auto* numbers = reinterpret_cast<const double*>(&sample);
-    mine.numbers.insert(mine.numbers.end(), numbers, numbers + kSampleNumbers);
-  });
-  return mine;
-}
-
-/// One rank after the other, so that rank 0 never holds more than its own samples and those of one other rank.
-template <class Keep>
-void send_samples_to_root(const Teuchos::Comm<int>& comm, const RankSamples& mine, const Keep& keep) {
-  constexpr int root = 0;
-  if (comm.getRank() != root) {
-    const int sizes[2] = {static_cast<int>(mine.elements.size()), static_cast<int>(mine.numbers.size())};
-    Teuchos::send<int, int>(comm, 2, sizes, root);
-    Teuchos::send<int, int>(comm, sizes[0], mine.elements.data(), root);
-    Teuchos::send<int, double>(comm, sizes[1], mine.numbers.data(), root);
-    return;
-  }
-  keep(mine);
-  for (int rank = 1; rank < comm.getSize(); ++rank) {
-    int sizes[2];
-    Teuchos::receive<int, int>(comm, rank, 2, sizes);
-    RankSamples other{std::vector<int>(sizes[0]), std::vector<double>(sizes[1])};
-    Teuchos::receive<int, int>(comm, rank, sizes[0], other.elements.data());
-    Teuchos::receive<int, double>(comm, rank, sizes[1], other.numbers.data());
-    keep(other);
-  }
-}
-
 }  // namespace
 
 std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& model, const State& state,
@@ -282,24 +230,26 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model
                                           int points_per_element) {
   const auto& comm = *model.map()->getComm();
   if (comm.getSize() == 1) return sample_own_elements(scene, model, state, points_per_element);
+  const Structure& structure = model.structure();
   const Mesh& mesh = model.mesh();
   const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
+  std::vector<PointSample> samples(first.back());
+  for (size_t element = 0; element < mesh.elements.size(); ++element) {
+    const size_t points = first[element + 1] - first[element];
+    for (size_t i = 0; i < points && answers_for(structure, static_cast<int>(element)); ++i)
+      samples[first[element] + i] =
+          sample_element(structure, mesh, state, structure.mesh_element_to_local[element], sample_point(i, points));
+  }
+  sum_over_ranks(comm, samples.data(), samples.size());
   std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
-  if (comm.getRank() == 0)
-    for (MemberSamples& member : members) member.resize(member.share.rows);
-  const auto keep = [&](int element, size_t place, const PointSample& sample) {
-    const MeshElement& of = mesh.elements[element];
-    put(sample, of.index, place - first[mesh.members[of.member].first_element], members[of.member]);
-  };
-  send_samples_to_root(comm, numbers_of_own_samples(model, state, first), [&](const RankSamples& of_rank) {
-    const double* numbers = of_rank.numbers.data();
-    for (int element : of_rank.elements)
-      for (size_t place = first[element]; place < first[element + 1]; ++place, numbers += kSampleNumbers) {
-        PointSample sample;
-        std::copy_n(numbers, kSampleNumbers, reinterpret_cast<double*>(&sample));
-        keep(element, place, sample);
-      }
-  });
+  if (comm.getRank() != 0) return members;
+  for (size_t m = 0; m < members.size(); ++m) {
+    const int begin = mesh.members[m].first_element;
+    members[m].resize(members[m].share.rows);
+    for (int e = 0; e < mesh.members[m].elements; ++e)
+      for (size_t place = first[begin + e]; place < first[begin + e + 1]; ++place)
+        put(samples[place], e, place - first[begin], members[m]);
+  }
   return members;
 }
 
@@ -322,96 +272,6 @@ double l2_norm(const Model& model, const State& state, int points,
     }
   Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
   return std::sqrt(total[0] / total[1]);
-}
-
-namespace {
-
-/// Half the work of N on its strain and of M on its strain, where a general section couples them.
-StrainEnergy general_element_energy(const ElementBlock& block, int e, const double* interior) {
-  const int k = block.order, n = block.interior.force_points;
-  const GeneralSection<> section{&block.compliance(e, 0), {k, n}, 0.0, 0.0};
-  StrainEnergy energy;
-  double points[kMaximumPoints], weights[kMaximumPoints];
-  const auto moment_at = [&](double xi) {
-    double P[kMaximumOrder + 1];
-    legendre(k, xi, P);
-    Vec moment{{0.0, 0.0, 0.0}};
-    for (int j = 0; j <= k; ++j) moment += P[j] * load_vector(interior + block.interior.moment(j));
-    return moment;
-  };
-  const double quarter = 0.25 * block.reference(e, 0);  // half of ds = h/2 dxi
-  gauss_rule(n, points, weights);
-  for (int q = 0; q < n; ++q) {
-    const Vec force = load_vector(interior + block.interior.force(q));
-    const double mixed = dot(force, section.force_moment(q) * moment_at(points[q]));
-    energy.force += quarter * weights[q] * (dot(force, section.force_force(q) * force) + mixed);
-    energy.moment += quarter * weights[q] * mixed;
-  }
-  gauss_rule(k + 1, points, weights);
-  for (int q = 0; q <= k; ++q) {
-    const Vec moment = moment_at(points[q]);
-    energy.moment += quarter * weights[q] * dot(moment, section.moment_moment(q) * moment);
-  }
-  return energy;
-}
-
-StrainEnergy element_energy(const ElementBlock& block, const double* interior, double h,
-                            const SectionConstants& section) {
-  StrainEnergy energy;
-  const int axial = axial_points(block.order, block.force_integration),
-            shear = shear_points(block.order, block.force_integration);
-  const auto add_force = [&](int first, int count, int begin, int end) {
-    double points[kMaximumPoints], weights[kMaximumPoints];
-    gauss_rule(count, points, weights);
-    for (int q = 0; q < count; ++q)
-      for (int i = begin; i < end; ++i) {
-        const double n = interior[block.interior.force(first + q) + i];
-        energy.force += 0.25 * h * weights[q] * section.force_compliance[i] * n * n;
-      }
-  };
-  add_force(0, axial, 0, 1);
-  add_force(axial == shear ? 0 : axial, shear, 1, 3);
-  for (int j = 0; j <= block.order; ++j)
-    for (int i = 0; i < 3; ++i) {
-      const double m = interior[block.interior.moment(j) + i];
-      energy.moment += 0.5 * h / (2 * j + 1) * section.moment_compliance[i] * m * m;
-    }
-  return energy;
-}
-
-StrainEnergy element_energy(const Structure& structure, const ElementBlock& block, const State& state, int e) {
-  const double* interior = interior_of(block, state, e);
-  if (block.general_section) return general_element_energy(block, e, interior);
-  return element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
-}
-
-}  // namespace
-
-std::vector<StrainEnergy> strain_energy_of_parts(const Model& model, const State& state, const StructureParts& parts) {
-  const Structure& structure = model.structure();
-  std::vector<StrainEnergy> sums(parts.count);
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const StrainEnergy energy = element_energy(structure, block, state, e);
-      StrainEnergy& sum = sums[parts.of_element[block.first_element + e]];
-      sum.force += energy.force;
-      sum.moment += energy.moment;
-    }
-  return sums;
-}
-
-StrainEnergy strain_energy(const Model& model, const State& state) {
-  const Structure& structure = model.structure();
-  double sum[2] = {0.0, 0.0}, total[2];
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!answers_for(structure, block, e)) continue;
-      const StrainEnergy energy = element_energy(structure, block, state, e);
-      sum[0] += energy.force;
-      sum[1] += energy.moment;
-    }
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
-  return {total[0], total[1]};
 }
 
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex) {

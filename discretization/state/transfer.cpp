@@ -1,6 +1,6 @@
 #include "discretization/state/transfer.hpp"
 
-#include "discretization/mesh/reference_element.hpp"
+#include "discretization/state/element_polynomials.hpp"
 #include "kernels/element/kinematics.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -16,119 +16,11 @@ namespace mixbeam {
 
 namespace {
 
-constexpr Vec kNone{{0.0, 0.0, 0.0}};
 /// Vertices of two meshes at this distance or less are the same, over the length of the elements there: stations are
 /// written with a dozen digits, and no element is so short beside its neighbours.
 constexpr double kSamePlace = 1e-6;
-/// Mean of psi that is left: rounding. [radian]
-constexpr double kLeastMean = 1e-15;
-constexpr double kAllowedMean = 1e-12;  ///< where rounding keeps it above
-constexpr int kMostFits = 50;           ///< the mean shrinks by |psi|^2 / 12 or faster
-constexpr double kMostRotation = 3.0;   ///< from the triad of an element to a point of it; the logarithm ends at pi
+constexpr double kAllowedMean = 1e-12;  ///< of psi in an element that takes a state over: rounding [radian]
 constexpr double kSameLength = 1e-12;   ///< of a member in two meshes, relative
-
-/// Points and weights of the Gauss rules, computed once.
-struct GaussRule {
-  std::vector<double> xi, weight;
-};
-const GaussRule& gauss(int count) {
-  static const std::array<GaussRule, kMaximumOrder + 2> rules = [] {
-    std::array<GaussRule, kMaximumOrder + 2> all;
-    for (int n = 1; n <= kMaximumOrder + 1; ++n) {
-      all[n] = {std::vector<double>(n), std::vector<double>(n)};
-      gauss_rule(n, all[n].xi.data(), all[n].weight.data());
-    }
-    return all;
-  }();
-  return rules[count];
-}
-
-using Coefficients = std::array<Vec, kMaximumOrder + 1>;  ///< of P_0 .. P_k
-
-Vec value_at(const Coefficients& coefficients, int degree, const double* P) {
-  Vec sum = kNone;
-  for (int j = 0; j <= degree; ++j) sum += P[j] * coefficients[j];
-  return sum;
-}
-
-/// The fields of one element, in polynomials. What an order does not have is zero.
-struct ElementPolynomials {
-  Vec start = kNone;               ///< displacement there
-  Coefficients slope{};            ///< u' = du/ds, degree k - 1
-  Quat triad;                      ///< Lambda_lo
-  Coefficients psi{};              ///< degree k - 1, [0] = 0
-  Coefficients force{}, moment{};  ///< N of degree k - 1 or k, M of degree k
-};
-
-/// Legendre coefficients of one component of N through its `count` Gauss points, from point `first` on.
-void fit_force(const InteriorLayout& layout, const double* interior, int first, int count, int component,
-               Coefficients& force) {
-  const GaussRule& rule = gauss(count);
-  for (int q = 0; q < count; ++q) {
-    double P[kMaximumOrder + 1];
-    legendre(count - 1, rule.xi[q], P);
-    const double n = interior[layout.force(first + q) + component];
-    for (int j = 0; j < count; ++j) force[j][component] += 0.5 * (2 * j + 1) * rule.weight[q] * P[j] * n;
-  }
-}
-
-/// Their inverse, of a polynomial cut off at the degree that the points carry.
-void put_force(const InteriorLayout& layout, const Coefficients& force, int first, int count, int component,
-               double* interior) {
-  for (int q = 0; q < count; ++q) {
-    double P[kMaximumOrder + 1];
-    legendre(count - 1, gauss(count).xi[q], P);
-    double n = 0.0;
-    for (int j = 0; j < count; ++j) n += P[j] * force[j][component];
-    interior[layout.force(first + q) + component] = n;
-  }
-}
-
-/// Calls action(first point, points, component of N) for what the Gauss points of an element carry.
-template <class Action>
-void for_each_force_component(const Member& member, const Action& action) {
-  const int axial = axial_points(member.order, member.force_integration),
-            shear = shear_points(member.order, member.force_integration);
-  action(0, axial, 0);
-  for (int i = 1; i < 3; ++i) action(axial == shear ? 0 : axial, shear, i);
-}
-
-InteriorLayout layout_of(const Member& member) {
-  return {member.order, force_point_count(member.order, member.force_integration)};
-}
-
-ElementPolynomials read(const Member& member, double length, const double* start, const double* end,
-                        const double* triad, const double* interior) {
-  const InteriorLayout layout = layout_of(member);
-  ElementPolynomials element;
-  element.start = load_vector(start);
-  element.slope[0] = (1.0 / length) * (load_vector(end) - element.start);
-  element.triad = load_quaternion(triad);
-  for (int j = 1; j < member.order; ++j) {
-    element.slope[j] = load_vector(interior + layout.bubble(j));
-    element.psi[j] = load_vector(interior + layout.relative_rotation(j));
-  }
-  for (int j = 0; j <= member.order; ++j) element.moment[j] = load_vector(interior + layout.moment(j));
-  for_each_force_component(member, [&](int first, int count, int component) {
-    fit_force(layout, interior, first, count, component, element.force);
-  });
-  return element;
-}
-
-/// Everything but the displacement of the vertices.
-void write(const Member& member, const ElementPolynomials& element, double* triad, double* interior) {
-  const InteriorLayout layout = layout_of(member);
-  std::fill_n(interior, layout.unknowns(), 0.0);  // a force point may carry one part only
-  store_quaternion(element.triad, triad);
-  for (int j = 1; j < member.order; ++j) {
-    store_vector(element.slope[j], interior + layout.bubble(j));
-    store_vector(element.psi[j], interior + layout.relative_rotation(j));
-  }
-  for (int j = 0; j <= member.order; ++j) store_vector(element.moment[j], interior + layout.moment(j));
-  for_each_force_component(member, [&](int first, int count, int component) {
-    put_force(layout, element.force, first, count, component, interior);
-  });
-}
 
 /// Discrete rotations of an undeformed element.
 struct UndeformedRotation {
@@ -139,13 +31,7 @@ struct UndeformedRotation {
       : order(d.scene.members[member].order),
         reference(
             make_reference_element(d.mesh.members[member], index, order, d.scene.members[member].force_integration)) {}
-  Quat at(double xi) const {
-    double P[kMaximumOrder + 1];
-    legendre(order, xi, P);
-    Vec psi = kNone;
-    for (int j = 1; j < order; ++j) psi += P[j] * reference.relative_rotation[j];
-    return reference.triad * exp_quaternion(psi);
-  }
+  Quat at(double xi) const { return reference.triad * exp_quaternion(relative_rotation(reference, order, xi)); }
 };
 
 /// Whether the undeformed rotations are Lambda_0(s) in elements of this order.
@@ -194,8 +80,8 @@ class MemberFields {
     const auto displacement = [&](int end) {
       return &state_.vertex_displacement[3 * static_cast<size_t>(d_.mesh.elements[e].vertex[end])];
     };
-    polynomials_ = read(d_.scene.members[member_], length(index), displacement(0), displacement(1),
-                        &state_.element_triad[4 * static_cast<size_t>(e)], &state_.interior[places_[e]]);
+    polynomials_ = polynomials_of(d_.scene.members[member_], length(index), displacement(0), displacement(1),
+                                  &state_.element_triad[4 * static_cast<size_t>(e)], &state_.interior[places_[e]]);
     polynomials_of_ = index;
     return polynomials_;
   }
@@ -291,17 +177,17 @@ class MemberTransfer {
     if (!coincides || !same_undeformed_) {
       collect_points(start, end);
       if (!coincides) project(element);
-      fit_rotation(index, element);
+      fit_rotations(index, element);
     }
     const auto e = static_cast<size_t>(mesh_.first_element + index);
-    write(member_, element, &result_.element_triad[4 * e], &result_.interior[places_[e]]);
+    store_polynomials(member_, element, &result_.element_triad[4 * e], &result_.interior[places_[e]]);
   }
 
   /// Gauss points in every piece that the old elements cut the new one into, enough to integrate products of old and
   /// new polynomials, and of undeformed rotations and new polynomials, exactly.
   void collect_points(double start, double end) {
     points_.clear();
-    const GaussRule& rule = gauss(std::max((fields_.order() + member_.order) / 2 + 1, member_.order));
+    const GaussPoints& rule = gauss_points(std::max((fields_.order() + member_.order) / 2 + 1, member_.order));
     const double length = end - start, least = kSamePlace * length;
     double from = start;
     for (int old = fields_.element_behind(start + least); old < fields_.elements() && end - from > least; ++old) {
@@ -332,40 +218,25 @@ class MemberTransfer {
   }
 
   /// Lambda_lo and psi that turn the undeformed rotations of the new element as the points say.
-  void fit_rotation(int index, ElementPolynomials& element) {
+  void fit_rotations(int index, ElementPolynomials& element) {
     std::vector<Quat> target;
-    for (const FieldPoint& point : points_) target.push_back(point.rotation);
+    std::vector<double> xi, weight;
+    for (const FieldPoint& point : points_) {
+      target.push_back(point.rotation);
+      xi.push_back(point.xi);
+      weight.push_back(point.weight);
+    }
     if (!same_undeformed_) {
       const UndeformedRotation undeformed(to_, index_, index);
-      for (size_t q = 0; q < target.size(); ++q) target[q] = target[q] * undeformed.at(points_[q].xi);
+      for (size_t q = 0; q < target.size(); ++q) target[q] = target[q] * undeformed.at(xi[q]);
     }
     for (Quat& rotation : target) rotation = normalized(rotation);
-    element.triad = target[target.size() / 2];
-    double mean = 1.0;
-    for (int i = 0; i < kMostFits && mean > kLeastMean; ++i) {
-      element.psi = logarithms(element.triad, target);
-      mean = norm(element.psi[0]);
-      if (mean > kLeastMean) element.triad = normalized(element.triad * exp_quaternion(element.psi[0]));
-    }
-    if (!(mean <= kAllowedMean)) throw turns_too_far();
-    element.psi[0] = kNone;
-  }
-
-  Coefficients logarithms(const Quat& triad, const std::vector<Quat>& target) const {
-    Coefficients psi{};
-    for (size_t q = 0; q < target.size(); ++q) {
-      const Vec rotation = log_quaternion(conjugate(triad) * target[q]);
-      if (!(norm(rotation) <= kMostRotation)) throw turns_too_far();
-      double P[kMaximumOrder + 1];
-      legendre(member_.order, points_[q].xi, P);
-      for (int j = 0; j < member_.order; ++j) psi[j] += (0.5 * (2 * j + 1) * points_[q].weight * P[j]) * rotation;
-    }
-    return psi;
-  }
-
-  std::invalid_argument turns_too_far() const {
-    return std::invalid_argument("member \"" + member_.name +
-                                 "\": the state turns too far inside an element of the mesh that is to take it over");
+    const FittedRotation fit = fit_rotation(target[target.size() / 2], target, xi, weight, member_.order);
+    if (!(fit.mean <= kAllowedMean))
+      throw std::invalid_argument("member \"" + member_.name +
+                                  "\": the state turns too far inside an element of the mesh that is to take it over");
+    element.triad = fit.triad;
+    std::copy(fit.psi.begin(), fit.psi.end(), element.psi.begin());
   }
 
   MemberFields fields_;

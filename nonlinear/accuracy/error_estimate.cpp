@@ -1,7 +1,6 @@
 #include "nonlinear/accuracy/error_estimate.hpp"
 
 #include "discretization/state/difference.hpp"
-#include "discretization/state/recovered_rotation.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/state/transfer.hpp"
 #include "discretization/text/errors.hpp"

@@ -1,0 +1,86 @@
+#include "discretization/state/element_polynomials.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+/// Legendre coefficients of one component of N through its `count` Gauss points, from point `first` on.
+void fit_force(const InteriorLayout& layout, const double* interior, int first, int count, int component,
+               Coefficients& force) {
+  const GaussPoints& rule = gauss_points(count);
+  for (int q = 0; q < count; ++q) {
+    double P[kMaximumOrder + 1];
+    legendre(count - 1, rule.xi[q], P);
+    const double n = interior[layout.force(first + q) + component];
+    for (int j = 0; j < count; ++j) force[j][component] += 0.5 * (2 * j + 1) * rule.weight[q] * P[j] * n;
+  }
+}
+
+/// The inverse, of a polynomial cut off at the degree that the points carry.
+void put_force(const InteriorLayout& layout, const Coefficients& force, int first, int count, int component,
+               double* interior) {
+  for (int q = 0; q < count; ++q) {
+    double P[kMaximumOrder + 1];
+    legendre(count - 1, gauss_points(count).xi[q], P);
+    double n = 0.0;
+    for (int j = 0; j < count; ++j) n += P[j] * force[j][component];
+    interior[layout.force(first + q) + component] = n;
+  }
+}
+
+/// Calls action(first point, points, component of N) for what the Gauss points of an element carry.
+template <class Action>
+void for_each_force_component(const Member& member, const Action& action) {
+  const int axial = axial_points(member.order, member.force_integration),
+            shear = shear_points(member.order, member.force_integration);
+  action(0, axial, 0);
+  for (int i = 1; i < 3; ++i) action(axial == shear ? 0 : axial, shear, i);
+}
+
+InteriorLayout layout_of(const Member& member) {
+  return {member.order, force_point_count(member.order, member.force_integration)};
+}
+
+}  // namespace
+
+Vec value_at(const Coefficients& coefficients, int degree, const double* P) {
+  Vec sum{{0.0, 0.0, 0.0}};
+  for (int j = 0; j <= degree; ++j) sum += P[j] * coefficients[j];
+  return sum;
+}
+
+ElementPolynomials polynomials_of(const Member& member, double length, const double* start, const double* end,
+                                  const double* triad, const double* interior) {
+  const InteriorLayout layout = layout_of(member);
+  ElementPolynomials element;
+  element.start = load_vector(start);
+  element.slope[0] = (1.0 / length) * (load_vector(end) - element.start);
+  element.triad = load_quaternion(triad);
+  for (int j = 1; j < member.order; ++j) {
+    element.slope[j] = load_vector(interior + layout.bubble(j));
+    element.psi[j] = load_vector(interior + layout.relative_rotation(j));
+  }
+  for (int j = 0; j <= member.order; ++j) element.moment[j] = load_vector(interior + layout.moment(j));
+  for_each_force_component(member, [&](int first, int count, int component) {
+    fit_force(layout, interior, first, count, component, element.force);
+  });
+  return element;
+}
+
+void store_polynomials(const Member& member, const ElementPolynomials& element, double* triad, double* interior) {
+  const InteriorLayout layout = layout_of(member);
+  std::fill_n(interior, layout.unknowns(), 0.0);  // a force point may carry one part only
+  store_quaternion(element.triad, triad);
+  for (int j = 1; j < member.order; ++j) {
+    store_vector(element.slope[j], interior + layout.bubble(j));
+    store_vector(element.psi[j], interior + layout.relative_rotation(j));
+  }
+  for (int j = 0; j <= member.order; ++j) store_vector(element.moment[j], interior + layout.moment(j));
+  for_each_force_component(member, [&](int first, int count, int component) {
+    put_force(layout, element.force, first, count, component, interior);
+  });
+}
+
+}  // namespace mixbeam
