@@ -4,11 +4,16 @@
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/text/number_text.hpp"
-#include "nonlinear/parameters/nox_spec.hpp"
-#include "nonlinear/parameters/status_test_check.hpp"
+
+#include <NOX_StatusTest_Generic.H>
+// needs the header above
+#include <NOX_StatusTest_Factory.H>
+#include <NOX_Utils.H>
 
 #include <algorithm>
+#include <exception>
 #include <limits>
+#include <sstream>
 
 namespace mixbeam {
 namespace {
@@ -80,6 +85,110 @@ BoundList<LinearSolverParameters> linear_parameters() {
   return linear;
 }
 
+ListSpec backtrack_spec() {
+  ListSpec spec("Shorten the step until the residual decreases.");
+  spec.add(real("Minimum Step").above(0.0), "Shortest length tried (NOX: 1e-12).");
+  spec.add(real("Recovery Step").above(0.0), "Length taken when the search fails (NOX: 1).");
+  spec.add(integer("Max Iters").at_least(1), "Lengths tried at most (NOX: 100).");
+  spec.add(real("Reduction Factor").above(0.0).below(1.0), "From one length to the next (NOX: 0.5).");
+  return spec;
+}
+
+ListSpec line_search_spec() {
+  ListSpec spec("How much of Newton's step is taken.");
+  // "Polynomial", "More'-Thuente" and the like ask for J d of any direction d, and the mixed tangent J is never
+  // formed. Lengths other than 1 for every first step have no quadratic convergence and use up all steps.
+  spec.add(choice("Method", {kRotationLimited, "Full Step", "Backtrack"}),
+           "The program's own is Rotation Limited: the full step, shortened so that no vertex turns by more than "
+           "Newton / Maximum Rotation.");
+  spec.add_list("Backtrack", backtrack_spec(), Presence::optional);
+  return spec;
+}
+
+ListSpec direction_spec() {
+  ListSpec newton("Newton's direction.");
+  newton.add(choice("Forcing Term Method", {"Constant"}), "Linear systems are solved exactly.");
+  newton.add(boolean("Rescue Bad Newton Solve"), "Use a direction whose linear solve was inexact (NOX: true).");
+  ListSpec spec("Search direction.");
+  spec.add(choice("Method", {"Newton"}), "Newton's method.");
+  spec.add_list("Newton", newton, Presence::optional);
+  return spec;
+}
+
+ListSpec printing_spec() {
+  ListSpec information("What NOX and LOCA write to the terminal.");
+  for (const char* const name : {"Error", "Warning", "Outer Iteration", "Inner Iteration", "Parameters", "Details",
+                                 "Outer Iteration StatusTest", "Linear Solver Details", "Test Details",
+                                 "Stepper Iteration", "Stepper Details", "Stepper Parameters", "Debug"}) {
+    information.add(boolean(name), "Print this kind of message.");
+  }
+  ListSpec spec("Output of NOX and LOCA.");
+  spec.add_list("Output Information", information, Presence::optional);
+  spec.add(integer("Output Precision").at_least(1).at_most(17), "Digits of numbers (NOX: 3).");
+  return spec;
+}
+
+ListSpec stepper_spec() {
+  ListSpec spec("Continuation in the load factor.");
+  spec.add(choice("Continuation Method", {"Natural", "Arc Length"}), "Step in the load factor or along the curve.");
+  // "Nested", "Householder" and "LAPACK Direct Solve" need groups of another kind.
+  spec.add(choice("Bordered Solver Method", {"Bordering"}), "How the arc length equation is solved along.");
+  spec.add(boolean("Skip Parameter Derivative"), "No separate derivative by the parameter (LOCA: true).");
+  spec.add(boolean("Enable Arc Length Scaling"), "Balance parameter and solution in the arc length (LOCA: true).");
+  spec.add(real("Goal Arc Length Parameter Contribution").above(0.0).below(1.0), "Share of the parameter (LOCA: 0.5).");
+  spec.add(real("Max Arc Length Parameter Contribution").at_least(0.0).at_most(1.0), "Rescale above it (LOCA: 0.8).");
+  spec.add(real("Initial Scale Factor").above(0.0), "First weight of the parameter (LOCA: 1).");
+  spec.add(real("Min Scale Factor").above(0.0), "Least weight of the parameter (LOCA: 1e-3).");
+  spec.add(boolean("Enable Tangent Factor Step Size Scaling"), "Shorter steps where the curve turns (LOCA: false).");
+  spec.add(real("Min Tangent Factor").at_least(-1.0).at_most(1.0), "Least cosine between tangents (LOCA: 0.1).");
+  spec.add(real("Tangent Factor Exponent").at_least(0.0), "Strength of that scaling (LOCA: 1).");
+  return spec;
+}
+
+ListSpec predictor_spec() {
+  ListSpec spec("First guess of the next step.");
+  spec.add(choice("Method", {"Constant", "Tangent", "Secant"}), "Predictor (LOCA: Secant).");
+  ListSpec single("For one step.");
+  single.add(choice("Method", {"Constant", "Tangent"}), "Predictor.");
+  spec.add_list("First Step Predictor", single, Presence::optional);
+  spec.add_list("Last Step Predictor", single, Presence::optional);
+  return spec;
+}
+
+ListSpec step_size_spec() {
+  ListSpec spec("Size of the steps; first, least and largest size follow from Load Path.");
+  spec.add(choice("Method", {"Constant", "Adaptive"}), "Step size control.");
+  spec.add(real("Failed Step Reduction Factor").above(0.0).below(1.0), "After a failed step (LOCA: 0.5).");
+  spec.add(real("Successful Step Increase Factor").at_least(1.0), "Constant: after a step that worked (LOCA: 1.26).");
+  return spec;
+}
+
+/// What a user may set of NOX (names: NOX_LineSearch_*.H, NOX_Direction_Newton.H, NOX_Utils.H of Trilinos 13.2). NOX
+/// and LOCA ignore names that they do not know, so a misspelt one would have no effect and no message; defaults stay
+/// theirs unless this program sets its own.
+ListSpec nox_spec() {
+  ListSpec spec("Parameters handed to NOX, on top of the program's own.");
+  spec.add(choice("Nonlinear Solver", {"Line Search Based"}), "The only solver that the element's state supports.");
+  spec.add_list("Line Search", line_search_spec(), Presence::optional);
+  spec.add_list("Direction", direction_spec(), Presence::optional);
+  spec.add_list("Printing", printing_spec(), Presence::optional);
+  ListSpec options("General options.");
+  options.add(choice("Status Test Check Type", {"Complete", "Minimal"}), "How far tests are evaluated.");
+  spec.add_list("Solver Options", options, Presence::optional);
+  return spec;
+}
+
+/// Of LOCA (names: LOCA_Stepper, LOCA_MultiContinuation_ArcLengthGroup.H, LOCA_StepSize_*.H,
+/// LOCA_MultiPredictor_Factory.H). Continuation parameter, its range and the numbers of steps and iterations are not
+/// among them: the program sets them from the scene and from "Load Path" and "Newton".
+ListSpec loca_spec() {
+  ListSpec spec("Parameters handed to LOCA, on top of the program's own.");
+  spec.add_list("Stepper", stepper_spec(), Presence::optional);
+  spec.add_list("Predictor", predictor_spec(), Presence::optional);
+  spec.add_list("Step Size", step_size_spec(), Presence::optional);
+  return spec;
+}
+
 BoundList<SolverParameters> solver_parameters() {
   BoundList<SolverParameters> solver("How the equations are solved.");
   solver.bind_list(&SolverParameters::load_path, "Load Path", load_path_parameters());
@@ -123,6 +232,41 @@ void check_steps(LoadPathParameters& parameters, const ParameterList& list, cons
 RCP<ParameterList> given_list(const ParameterList& list, const std::string& name) {
   if (!list.isSublist(name)) return Teuchos::null;
   return Teuchos::rcp(new ParameterList(list.sublist(name)));
+}
+
+bool begins_with(const std::string& line, const std::string& beginning) { return line.rfind(beginning, 0) == 0; }
+
+/// Lines that Teuchos puts around a message: the place in its own source, and how often it has thrown.
+bool is_decoration(const std::string& line) {
+  return begins_with(line, "Throw number") || begins_with(line, "Throw test that evaluated") ||
+         (line.find(".C:") != std::string::npos && line.back() == ':') ||
+         (line.find(".hpp:") != std::string::npos && line.back() == ':');
+}
+
+std::string one_line(const std::string& message) {
+  std::istringstream lines(message);
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find_first_not_of(" \t");
+    if (begin == std::string::npos || is_decoration(line)) continue;
+    result += (result.empty() ? "" : " ") + line.substr(begin);
+  }
+  return result;
+}
+
+/// What NOX says against the list "Status Tests", in one line; empty if it can build the tests. NOX checks names, types
+/// and test types itself, but only when it builds the tests, and in a form that is no message for a user.
+std::string problem_of_status_tests(const ParameterList& tests) {
+  ParameterList tried(tests);  // NOX fills in defaults
+  const NOX::Utils silent;
+  try {
+    NOX::StatusTest::buildStatusTests(tried, silent);
+  } catch (const std::exception& error) {
+    return one_line(error.what());
+  } catch (const char* error) {  // NOX throws texts too
+    return error;
+  }
+  return "";
 }
 
 RCP<ParameterList> given_status_tests(const ParameterList& list, const ParameterSource& source,
