@@ -1,7 +1,7 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 
 #include "discretization/text/message_text.hpp"
-#include "nonlinear/newton/cap_correction.hpp"
+#include "nonlinear/newton/step.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -1,7 +1,5 @@
 #include "nonlinear/newton/beam_group.hpp"
 
-#include "nonlinear/newton/cap_correction.hpp"
-
 #include <LOCA_Extended_MultiAbstractGroup.H>
 
 #include <cmath>

@@ -37,7 +37,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.
   double equilibrium_norm() const;
   /// Largest strain or relative rotation that the cap of the last tangent left out of the Newton step from `before` to
-  /// here, over how far the structure has moved; zero where the increment was corrected (newton/cap_correction.hpp).
+  /// here, over how far the structure has moved; zero where the increment was corrected (newton/step.hpp).
   double left_out_since(const BeamGroup& before) const;
   /// The beam group inside any group that NOX or LOCA hands over.
   static const BeamGroup& of(const NOX::Abstract::Group& group);

@@ -6,7 +6,7 @@
 ///   Linearization::newton_increment             junctions solved, the solve checked -> chains expanded
 ///                                               -> interiors recovered
 ///   remove_cap_compliance_where_it_slows        compliance of the cap removed
-///   step_within_rotation (line_search.hpp)      rotations limited
+///   step_within_rotation (newton_setup.hpp)     rotations limited
 ///   Model::apply                                state updated
 #pragma once
 
@@ -53,7 +53,21 @@ class Linearization {
   std::string failure_;
 };
 
-/// Takes the cap out of the Newton increment where it would slow down the iteration. Returns whether it did.
+/// Takes the cap of the tangent out of a Newton increment. The capped tangent J_c differs from J only by the compliance
+/// that it adds to N and M where a section is (nearly) rigid. Forces that equilibrium determines do not feel it; but in
+/// a redundant structure N and M are shared by stiffness, and an increment with J_c shares them by the capped one: then
+/// Newton's method would need as many iterations as the cap is below the stiffness. J = J_c + D, D the E of theory
+/// (38), is solved here instead by GMRES, preconditioned with the factorised J_c: its iterations are as many as there
+/// are distinct ways of sharing.
+///
+/// From d with J_c d = -r to d with (J_c + D) d = -r. `cap_ratio`: of the cap to the largest finite stiffness
+/// (Cap::least_ratio); what answers less belongs to closed frames that are exactly rigid, may carry any stress of their
+/// own, and are left alone. The increment stays as it is where the iteration gains nothing. Returns whether it gained
+/// something. Throws LinearSolverError, the increment being untouched then. Collective; the same for any number of
+/// threads.
+bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment);
+
+/// The same where the cap would slow down the iteration.
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
                                           MixedVector& increment);
 

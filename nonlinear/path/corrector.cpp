@@ -1,11 +1,11 @@
 #include "nonlinear/path/corrector.hpp"
 
 #include "nonlinear/newton/beam_group.hpp"
-#include "nonlinear/newton/line_search.hpp"
-#include "nonlinear/path/path_measure.hpp"
 
 #include <LOCA_MultiContinuation_ConstrainedGroup.H>
+#include <LOCA_MultiContinuation_ConstraintInterfaceMVDX.H>
 #include <LOCA_Parameter_SublistParser.H>
+#include <NOX_Abstract_MultiVector.H>
 #include <NOX_Solver_Factory.H>
 #include <NOX_StatusTest_Combo.H>
 #include <NOX_StatusTest_MaxIters.H>
@@ -28,6 +28,82 @@ Corrector::Corrector(const Teuchos::RCP<BeamProblem>& problem, const SolverParam
 Corrector::~Corrector() { LOCA::destroyGlobalData(global_); }
 
 namespace {
+
+/// The row as LOCA's constrained group wants it.
+class LinearControl : public LOCA::MultiContinuation::ConstraintInterfaceMVDX {
+ public:
+  using Constraint = LOCA::MultiContinuation::ConstraintInterface;
+  using Matrix = NOX::Abstract::MultiVector::DenseMatrix;
+  using Status = NOX::Abstract::Group::ReturnType;
+
+  LinearControl(const ControlRow& row, double load_factor)
+      : row_(Teuchos::rcp(new ControlRow(row))),
+        weights_(BeamVector(row.weights).createMultiVector(1, NOX::DeepCopy)),
+        x_(Teuchos::rcp(new BeamVector(row.weights.clone(false)))),
+        load_factor_(load_factor) {
+    x_->init(0.0);
+  }
+  LinearControl(const LinearControl& other, NOX::CopyType type)
+      : row_(other.row_),
+        weights_(other.weights_),
+        x_(other.x_->clone(type)),
+        load_factor_(other.load_factor_),
+        value_(other.value_),
+        valid_(other.valid_ && type == NOX::DeepCopy) {}
+
+  void copy(const Constraint& source) override {
+    const auto& other = dynamic_cast<const LinearControl&>(source);
+    if (this == &other) return;
+    row_ = other.row_;
+    weights_ = other.weights_;
+    *x_ = *other.x_;
+    load_factor_ = other.load_factor_;
+    value_.assign(other.value_);
+    valid_ = other.valid_;
+  }
+  Teuchos::RCP<Constraint> clone(NOX::CopyType type) const override {
+    return Teuchos::rcp(new LinearControl(*this, type));
+  }
+  int numConstraints() const override { return 1; }
+  void setX(const NOX::Abstract::Vector& x) override {
+    *x_ = x;
+    valid_ = false;
+  }
+  void setParam(int, double value) override {
+    load_factor_ = value;
+    valid_ = false;
+  }
+  void setParams(const std::vector<int>&, const Matrix& values) override { setParam(0, values(0, 0)); }
+  Status computeConstraints() override {
+    if (!valid_)
+      value_(0, 0) =
+          (*weights_)[0].innerProduct(*x_) + row_->load_weight * (load_factor_ - row_->load_start) - row_->target;
+    valid_ = true;
+    return NOX::Abstract::Group::Ok;
+  }
+  Status computeDX() override { return NOX::Abstract::Group::Ok; }
+  Status computeDP(const std::vector<int>&, Matrix& derivatives, bool is_valid_constraint) override {
+    if (!is_valid_constraint) {
+      computeConstraints();
+      derivatives(0, 0) = value_(0, 0);
+    }
+    derivatives(0, 1) = row_->load_weight;
+    return NOX::Abstract::Group::Ok;
+  }
+  bool isConstraints() const override { return valid_; }
+  bool isDX() const override { return true; }
+  const Matrix& getConstraints() const override { return value_; }
+  bool isDXZero() const override { return false; }
+  const NOX::Abstract::MultiVector* getDX() const override { return weights_.get(); }
+
+ private:
+  Teuchos::RCP<const ControlRow> row_;
+  Teuchos::RCP<NOX::Abstract::MultiVector> weights_;  ///< those of the row
+  Teuchos::RCP<NOX::Abstract::Vector> x_;
+  double load_factor_ = 0.0;
+  Matrix value_{1, 1};
+  bool valid_ = false;
+};
 
 Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, const Teuchos::RCP<BeamProblem>& problem,
                                  const Guess& guess, const TangentChoice& choice = {}) {

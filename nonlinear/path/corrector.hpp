@@ -2,8 +2,8 @@
 /// control row.
 #pragma once
 
-#include "nonlinear/newton/linear_control.hpp"
 #include "nonlinear/newton/newton_setup.hpp"
+#include "nonlinear/path/path_measure.hpp"
 
 #include <LOCA_GlobalData.H>
 

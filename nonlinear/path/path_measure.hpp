@@ -2,7 +2,6 @@
 #pragma once
 
 #include "nonlinear/newton/beam_group.hpp"
-#include "nonlinear/newton/linear_control.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <cmath>
@@ -19,6 +18,15 @@ struct PathDirection {
 
 /// `a` times factor.
 PathDirection scaled(const PathDirection& a, double factor);
+
+/// The equation, theory (55), that takes the place of a given load factor where a path is followed by its length, by
+/// the motion of a point or by the amplitude of a mode:
+/// <weights, x> + load_weight (load factor - load_start) = target, x the increments since the start of the step. Linear
+/// in what Newton's method adds, hence satisfied after the first full step.
+struct ControlRow {
+  MixedVector weights;
+  double load_weight = 0.0, load_start = 0.0, target = 0.0;
+};
 
 /// The motion of the structure, theory (53): root mean square over the vertices of displacement / scene length and
 /// rotation. Paths are measured by motion alone; the load factor joins with a weight so small that it counts only where

@@ -18,7 +18,7 @@ constexpr double kSameSolution = 1e-10;
 constexpr double kNextOrder = 0.1;
 constexpr double kMostImbalance = 1e-10;
 constexpr int kIterationsMoreOrLess = 2;
-// Closed frames of exactly rigid bars find their forces by the capped tangent alone (newton/cap_correction.hpp), which
+// Closed frames of exactly rigid bars find their forces by the capped tangent alone (newton/step.hpp), which
 // the dome feels: 10 iterations in place of 4.
 constexpr int kIterationsOfClosedRigidFrames = 6;
 
