@@ -1,11 +1,10 @@
 // The failure report as a page in plain words.
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 namespace mixbeam {
@@ -17,11 +16,7 @@ constexpr std::size_t kAttemptsShown = 5;
 /// Of the path, after all steps that are permitted.
 constexpr double kShareOfACrawl = 1e-2;
 
-std::string number(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", value);
-  return text.data();
-}
+std::string number(double value) { return rounded(value, 4); }
 
 /// `point "tip" moves along (0, 1, 0)`.
 std::string motion_text(const MovingVertex& vertex) {

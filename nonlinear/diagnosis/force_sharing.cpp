@@ -1,6 +1,7 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 #include "nonlinear/newton/step.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <vector>
@@ -194,13 +194,12 @@ std::string text_of(const UncertainForce& force) {
            "rigid members share forces here that neither equilibrium nor bending determines, in one way of many "
            "(finite "
            "stiffnesses would decide)";
-  std::array<char, 64> share{"as much as the largest force"};
-  if (force.change < 1.0)
-    std::snprintf(share.data(), share.size(), "%.1g %% of the largest force", 100.0 * force.change);
+  const std::string share = force.change < 1.0 ? rounded(100.0 * force.change, 1) + " % of the largest force"
+                                               : "as much as the largest force";
   return where +
          "redundant members of this stiffness share forces by strains as small as their rounding errors, which may "
          "shift " +
-         share.data() + " (more load, or a stiffness nearer to the bending of the others, would decide)";
+         share + " (more load, or a stiffness nearer to the bending of the others, would decide)";
 }
 
 }  // namespace mixbeam
