@@ -9,9 +9,6 @@ namespace mixbeam {
 
 namespace {
 
-/// Load factors are sums of steps.
-constexpr double kSameLoadFactor = 1e-9;
-
 Vec3<double> to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 
 double length_of(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
@@ -63,7 +60,7 @@ Deviation TurnedRod::compare(const Configuration& turned, double rotation, doubl
 
 void TurnedRod::observe(const Simulation& simulation, const StepReport& report) {
   const double amplitude = report.load_factor - (support_.stage - 1);
-  if (amplitude < -kSameLoadFactor) return;
+  if (amplitude < -kSameLoadFactor * support_.stage) return;
   const Configuration now = configuration_of(simulation);
   if (deviations_.empty()) start_ = now;
   const double length = simulation.model().mesh().members.front().curve.length;

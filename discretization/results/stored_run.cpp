@@ -13,9 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Load factors at the end of a stage are sums of rounded steps.
-constexpr double kSameLoadFactor = 1e-12;
-
 /// Time series that every result file has; the others are monitored quantities of the scene.
 ResultHeader read_header(hid_t file) {
   ResultHeader header;
@@ -125,8 +122,7 @@ std::vector<MemberSamples> read_members(hid_t file) {
 std::vector<MonitoredQuantity> layout_of(const std::vector<MonitoredSeries>& monitor) {
   std::vector<MonitoredQuantity> quantities;
   for (const MonitoredSeries& series : monitor)
-    if (!is_own_time_series(series.name))
-      quantities.push_back({series.name, std::vector<double>(series.columns, 0.0)});
+    if (!is_own_time_series(series.name)) quantities.push_back({series.name, std::vector<double>(series.columns, 0.0)});
   return quantities;
 }
 

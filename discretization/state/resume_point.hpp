@@ -2,6 +2,7 @@
 /// not depend on ranks and threads.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -47,6 +48,14 @@ inline RowShare even_share(std::size_t rows, int rank, int ranks) {
   RowShare share{rows};
   share.hold(bound(rank), bound(rank + 1) - bound(rank));
   return share;
+}
+
+/// Load factors are sums of rounded steps: two that differ by less than this share are the same.
+inline constexpr double kSameLoadFactor = 1e-12;
+
+/// Whether the load has arrived at the end of a stage.
+inline bool is_end_of_stage(double load_factor, double end) {
+  return std::abs(load_factor - end) <= kSameLoadFactor * end;
 }
 
 /// A state. Vertices and elements in the order of the mesh; every number as the solver holds it, quaternions as

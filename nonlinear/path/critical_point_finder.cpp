@@ -1,10 +1,7 @@
 #include "nonlinear/path/critical_point_finder.hpp"
 
-#include "nonlinear/linear/linear_solver.hpp"
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace mixbeam {
 
@@ -16,36 +13,17 @@ namespace {
 constexpr int kMostIterations = 15;
 /// Samples of one step, far more than a few critical points need.
 constexpr int kMostSamples = 120;
-/// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
-constexpr int kMostSeparated = 6;
-/// Unless they vanish at one place, as those of symmetric structures with as many equal parts.
+/// More eigenvalues than kMostSeparated are located where they vanish at one place, up to these, as those of symmetric
+/// structures with as many equal parts.
 constexpr int kMostMultiple = 24;
-/// And only in steps as short as this (the structure moves by so much of its size); longer ones are halved.
+/// More of them are told by their number only in steps as short as this (the structure moves by so much of its size);
+/// longer ones are halved.
 constexpr double kShortStep = 1e-3;
 /// Points closer together than this share of the step are one multiple point.
 constexpr double kTogether = 1e-6;
 /// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that
 /// reaches from there by kCloser of it to both sides. Else the bracket is divided, at this share of it at least.
 constexpr double kNearlyTogether = 1e-2, kCloser = 0.02, kLeastPart = 0.1;
-/// Next to a bifurcation the equations are nearly singular, so the root is interpolated from four points beside it, at
-/// multiples of this share of the bracket, and three from farther away: they leave an error of its fourth power and
-/// less. Other points may lie beyond the ends of the bracket: the samples keep away from there, unless the share became
-/// less than kLeastDistance.
-constexpr double kDistance = 0.004, kLeastDistance = 1e-4;
-/// At limit points nothing is singular, and the load factor's own rounding is what must be outweighed: six points leave
-/// an error of the sixth power of a larger distance.
-constexpr double kDistanceOfLimit = 0.016;
-constexpr size_t kFarSamples = 3;
-/// Where polynomials of two degrees differ by more than this share of the distance, the samples lie on no one smooth
-/// path.
-constexpr double kWorstRoot = 1e-2;
-/// On the way to a root the next sample is taken where the polynomial through so many passes zero, but every so many
-/// times half-way, since polynomials may mislead. Three samples as a rule.
-constexpr size_t kPolynomialSamples = 5;
-constexpr int kHalfway = 5, kMostRootSamples = 40;
-/// Of the rule of false position for a polynomial.
-constexpr int kMostRootSteps = 60;
-constexpr double kRootRounding = 1e-15;
 /// A prediction by the cubic through known points has the error of the one along the tangents at both ends times the
 /// ratio of the products of the distances to the four points of support. The latter are not quite those of the path
 /// where rotations do not commute.
@@ -53,88 +31,10 @@ constexpr size_t kSupports = 4;
 /// Samples belong to one path when their tangents point along the chord of the step, angles up to 60 degrees; and next
 /// to a critical point those of neighbours differ by no more than 0.05 rad.
 constexpr double kSmallestCosine = 0.5, kSmoothCosine = 0.999;
-/// An imperfection e turns a path aside over a distance of about sqrt(e / 0.05) from a bifurcation: tangents at this
-/// share of the distance of the samples still show those of 1e-8, and 1e-11 that Newton's method leaves is no corner.
-constexpr double kCloseLook = 0.03;
-/// A rate of the load factor over the largest in its bracket whose sign is not one of rounding.
-constexpr double kSignificantRate = 1e-2;
-/// Where no eigenvalue of the vertices passes zero, an element is unstable inside: the place is that where the count
-/// changes, to this share of the step.
-constexpr double kCountedPlace = 1e-10;
-/// Deflated iterations at most: the state is known to 1e-6 or better from its neighbours, and each squares the error.
-constexpr int kDeflatedIterations = 4;
-
-using Samples = std::vector<PassingSample>;
-
-/// Value at x of the polynomial through the first `count` samples (Neville's scheme).
-double interpolate(const Samples& samples, size_t count, double x, double PassingSample::*value) {
-  std::vector<double> p;
-  for (size_t i = 0; i < count; ++i) p.push_back(samples[i].*value);
-  for (size_t k = 1; k < count; ++k)
-    for (size_t i = 0; i + k < count; ++i)
-      p[i] = ((x - samples[i + k].at) * p[i] + (samples[i].at - x) * p[i + 1]) / (samples[i].at - samples[i + k].at);
-  return p[0];
-}
-
-/// Slope of that polynomial at x.
-double slope_of(const Samples& samples, size_t count, double x, double PassingSample::*value) {
-  double slope = 0.0;
-  for (size_t i = 0; i < count; ++i) {
-    double basis = 1.0, basis_slope = 0.0;
-    for (size_t j = 0; j < count; ++j) {
-      if (j == i) continue;
-      const double width = samples[i].at - samples[j].at;
-      basis_slope = basis_slope * (x - samples[j].at) / width + basis / width;
-      basis *= (x - samples[j].at) / width;
-    }
-    slope += samples[i].*value * basis_slope;
-  }
-  return slope;
-}
-
-/// Zero of a function in [a, b], by secants that keep the bracket (rule of false position, Illinois); not a number
-/// where it does not change its sign.
-template <class Function>
-double root_of(const Function& function, double a, double b) {
-  double fa = function(a), fb = function(b);
-  if ((fa < 0.0) == (fb < 0.0)) return std::numeric_limits<double>::quiet_NaN();
-  for (int i = 0; i < kMostRootSteps && std::abs(b - a) > kRootRounding; ++i) {
-    const double next = b - fb * (b - a) / (fb - fa), f = function(next);
-    if (f == 0.0 || next == b) return next;
-    if ((f < 0.0) != (fb < 0.0)) {
-      a = b;
-      fa = fb;
-    } else {
-      fa *= 0.5;
-    }
-    b = next;
-    fb = f;
-  }
-  return b;
-}
-
-void sort_by_distance(Samples& samples, double at) {
-  std::stable_sort(samples.begin(), samples.end(), [&](const PassingSample& a, const PassingSample& b) {
-    return std::abs(a.at - at) < std::abs(b.at - at);
-  });
-}
-
-/// Where the polynomial through the first `count` samples passes zero; at a limit point where that of the load factor,
-/// which is known to more digits than its rate, is stationary.
-double root_of_samples(const Samples& samples, size_t count, bool is_limit, double low, double high) {
-  const bool by_load = is_limit && count >= 4;
-  return root_of(
-      [&](double x) {
-        return by_load ? slope_of(samples, count, x, &PassingSample::load_factor)
-                       : interpolate(samples, count, x, &PassingSample::passing);
-      },
-      low, high);
-}
-
 }  // namespace
 
 /// Through the nearest points known, where they are nearer than the ends of the step.
-PathDirection CriticalPointFinder::predicted(const PathPiece& piece, double at) const {
+PathDirection CriticalPointFinder::predicted(double at) const {
   std::vector<const Known*> nearest;
   for (const Known& known : known_) nearest.push_back(&known);
   std::stable_sort(nearest.begin(), nearest.end(),
@@ -142,8 +42,8 @@ PathDirection CriticalPointFinder::predicted(const PathPiece& piece, double at) 
   nearest.resize(std::min(nearest.size(), kSupports));
   double distances = 1.0;
   for (const Known* known : nearest) distances *= std::abs(known->at - at);
-  if (nearest.size() < kSupports || distances > at * at * (1.0 - at) * (1.0 - at)) return judge_.cubic(piece, at);
-  PathDirection result = scaled(piece.moved, 0.0);
+  if (nearest.size() < kSupports || distances > at * at * (1.0 - at) * (1.0 - at)) return judge_.cubic(piece_, at);
+  PathDirection result = scaled(piece_.moved, 0.0);
   for (const Known* known : nearest) {
     double weight = 1.0;
     for (const Known* other : nearest)
@@ -154,32 +54,31 @@ PathDirection CriticalPointFinder::predicted(const PathPiece& piece, double at) 
   return result;
 }
 
-CriticalPointFinder::Sample CriticalPointFinder::sample(const PathPiece& piece, double at, Asked asked) {
+CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) {
   if (++samples_ > kMostSamples) throw NotLocated("critical points could not be told apart");
-  const double chord = measure_.length(piece.moved);
-  const PathDirection guess = predicted(piece, at);
-  const ControlRow row = measure_.row(scaled(piece.moved, 1.0 / chord), piece.start.load_factor, at * chord);
-  const Correction found =
-      corrector_.on_row({piece.start.state, piece.start.load_factor + guess.load, &guess.x}, row, kMostIterations);
+  const PathDirection guess = predicted(at);
+  const ControlRow row = measure_.row(scaled(piece_.moved, 1.0 / chord_), piece_.start.load_factor, at * chord_);
+  const Correction found = judge_.corrector().on_row(
+      {piece_.start.state, piece_.start.load_factor + guess.load, &guess.x}, row, kMostIterations);
   if (!found.converged)
     throw NotLocated("a critical point could not be located: near load factor " +
-                     std::to_string(piece.start.load_factor + guess.load) + ", " + found.cause);
+                     std::to_string(piece_.start.load_factor + guess.load) + ", " + found.cause);
   Sample result{at, {found.state, found.load_factor, {scaled(guess, 0.0).x, std::nan("")}}};
   if (asked != Asked::state)
-    result.station = judge_.station(found.state, found.load_factor, &piece.moved, asked == Asked::count);
-  if (measure_.motion(piece.moved.x) > kNoMotion && result.station.has_tangent() &&
-      measure_.cosine(result.station.tangent.x, piece.moved.x) < kSmallestCosine)
+    result.station = judge_.station(found.state, found.load_factor, &piece_.moved, asked == Asked::count);
+  if (measure_.motion(piece_.moved.x) > kNoMotion && result.station.has_tangent() &&
+      measure_.cosine(result.station.tangent.x, piece_.moved.x) < kSmallestCosine)
     throw NotLocated("the path leaves the direction of the step: another one may have been met");
   if (asked == Asked::count && !result.station.stability) throw NotLocated("the eigenvalues could not be counted");
   if (std::none_of(known_.begin(), known_.end(), [&](const Known& known) { return known.at == at; }))
-    known_.push_back({at, {found.moved.clone(true), found.load_factor - piece.start.load_factor}});
+    known_.push_back({at, {found.moved.clone(true), found.load_factor - piece_.start.load_factor}});
   return result;
 }
 
 /// Whether the tangents of samples beside a critical point are those of one smooth path: an imperfect structure turns
 /// aside there, and the other side of its corner belongs to another path.
-void CriticalPointFinder::require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const {
-  if (measure_.motion(piece.moved.x) <= kNoMotion || !a.has_tangent() || !b.has_tangent()) return;
+void CriticalPointFinder::require_smoothness(const Station& a, const Station& b) const {
+  if (measure_.motion(piece_.moved.x) <= kNoMotion || !a.has_tangent() || !b.has_tangent()) return;
   if (measure_.cosine(a.tangent.x, b.tangent.x) < kSmoothCosine)
     throw NotLocated("the path turns aside close to a critical point: it is that of another path");
 }
@@ -238,7 +137,7 @@ bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
 
 /// Samples that divide the bracket; none where its eigenvalues vanish at one place: their secants say so, and once more
 /// close to that place.
-std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const PathPiece& piece, const Bracket& bracket) {
+std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Bracket& bracket) {
   using Modes = std::vector<EigenMode>;
   const auto secant_places = [&](const Modes& low, const Modes& high) {
     std::vector<double> places;  // as shares
@@ -253,12 +152,12 @@ std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Path
     for (size_t i = 2; i < places.size(); ++i)
       if (places[i] - places[i - 1] > places[gap] - places[gap - 1]) gap = i;
     const double share = std::clamp(0.5 * (places[gap - 1] + places[gap]), kLeastPart, 1.0 - kLeastPart);
-    return {sample(piece, bracket.low.at + share * bracket.width(), Asked::count)};
+    return {sample(bracket.low.at + share * bracket.width(), Asked::count)};
   }
   const double share = std::clamp(0.5 * (places.front() + places.back()), 2.0 * kCloser, 1.0 - 2.0 * kCloser);
   const double place = bracket.low.at + share * bracket.width();
-  std::vector<Sample> closer{sample(piece, place - kCloser * bracket.width(), Asked::count),
-                             sample(piece, place + kCloser * bracket.width(), Asked::count)};
+  std::vector<Sample> closer{sample(place - kCloser * bracket.width(), Asked::count),
+                             sample(place + kCloser * bracket.width(), Asked::count)};
   if (closer.front().negative() != bracket.low.negative() || closer.back().negative() != bracket.high.negative())
     return closer;
   const std::vector<double> again =
@@ -268,12 +167,12 @@ std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Path
 }
 
 /// Divides brackets until one critical point is left in each.
-void CriticalPointFinder::isolate(const PathPiece& piece, Bracket bracket, std::vector<Bracket>& found) {
+void CriticalPointFinder::isolate(Bracket bracket, std::vector<Bracket>& found) {
   const int changes = bracket.changes();
   const bool first_only = !found.empty() && !separates_, is_short = bracket.width() < kTogether;
   if (changes == 0 && !turns(bracket)) return;
   if (changes == 0 && is_short)  // else a limit point and another one are two
-    return require_smoothness(piece, bracket.low.station, bracket.high.station);
+    return require_smoothness(bracket.low.station, bracket.high.station);
   if (changes > 0 && (first_only || (turns(bracket) && (changes == 1 || is_short)))) {
     found.push_back(std::move(bracket));
     return;
@@ -281,237 +180,45 @@ void CriticalPointFinder::isolate(const PathPiece& piece, Bracket bracket, std::
   std::vector<Sample> middle;
   if (changes > 0 && changes <= kMostMultiple && !turns(bracket)) {
     choose_space(bracket);
-    if (bracket.space && changes > 1 && !is_short) middle = between(piece, bracket);
+    if (bracket.space && changes > 1 && !is_short) middle = between(bracket);
     if (middle.empty() && (bracket.space || needs_counting(bracket))) {
       found.push_back(std::move(bracket));
       return;
     }
     if (is_short) throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
   }
-  if (middle.empty()) middle.push_back(sample(piece, bracket.low.at + 0.5 * bracket.width(), Asked::count));
+  if (middle.empty()) middle.push_back(sample(bracket.low.at + 0.5 * bracket.width(), Asked::count));
   middle.push_back(bracket.high);
   Sample low = bracket.low;
   for (Sample& high : middle) {
-    isolate(piece, {low, high, bracket.space}, found);
+    isolate({low, high, bracket.space}, found);
     low = std::move(high);
   }
 }
 
-/// On one path the load factor turns only where the count changes: a sample in the bracket of a bifurcation with a rate
-/// of the other sign lies behind other critical points, or on another path.
-void CriticalPointFinder::require_order(const PathPiece& piece, const Bracket& bracket, const Sample& here) {
-  const double rate = here.station.tangent.load, low = bracket.low.station.tangent.load,
-               high = bracket.high.station.tangent.load;
-  if (turns(bracket) || (rate > 0.0) == (low > 0.0)) return;
-  if (std::abs(rate) < kSignificantRate * std::max(std::abs(low), std::abs(high))) return;
-  throw MorePoints{sample(piece, here.at, Asked::count)};
-}
-
-/// Theory (60): at a limit point the load's rate along the path passes zero, else the mean of the eigenvalues that
-/// vanish together, which is smooth even where they cross.
-PassingSample CriticalPointFinder::passing(const Bracket& bracket, Sample& sample) {
-  PassingSample result{sample.at, sample.station.tangent.load, sample.station.load_factor};
-  if (turns(bracket)) return result;
-  const std::vector<EigenMode>& modes = modes_of(sample, bracket.space);
-  result.passing = 0.0;
-  for (int i = 0; i < bracket.changes(); ++i)
-    result.passing += modes[bracket.first_crossing() + i].eigenvalue / bracket.changes();
-  return result;
-}
-
-/// Of the eigenvalues that vanish together.
-std::vector<MixedVector> CriticalPointFinder::critical_modes(const Bracket& bracket, Sample& sample) {
-  const std::vector<EigenMode>& seen = modes_of(sample, bracket.space);
-  std::vector<MixedVector> modes;
-  for (int i = 0; i < bracket.changes(); ++i) modes.push_back(seen[bracket.first_crossing() + i].mode.clone(true));
-  return modes;
-}
-
-/// Theory (61), the critical modes taken out of every increment of Newton's method at the root's load: regular where
-/// the path crosses other ones.
-State CriticalPointFinder::state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
-                                                const std::vector<MixedVector>& critical) {
-  const PathDirection guess = predicted(piece, at);
-  BeamGroup group(corrector_.global(), problem_, piece.start.state, load_factor, {});
-  group.setX(BeamVector(guess.x));
-  std::vector<MixedVector> orthogonal;
-  for (const MixedVector& mode : critical) {
-    MixedVector v = mode.clone(true);
-    for (const MixedVector& o : orthogonal) v.update(-measure_.motion(v, o), o, 1.0);
-    const double size = measure_.motion(v);
-    if (!(size > 0.0)) continue;
-    v.scale(1.0 / size);
-    orthogonal.push_back(std::move(v));
-  }
-  for (int i = 0; i < kDeflatedIterations; ++i) {
-    group.computeJacobian();
-    MixedVector increment = BeamVector::of(group.getNewton()).clone(true);
-    for (const MixedVector& o : orthogonal) increment.update(-measure_.motion(increment, o), o, 1.0);
-    if (!std::isfinite(increment.maximum_norm()) || measure_.motion(increment) < kNoMotion) break;
-    BeamVector x(BeamVector::of(group.getX()).clone(true));
-    x.values().update(1.0, increment, 1.0);
-    group.setX(x);
-  }
-  return group.state();
-}
-
-/// Where samples beside a critical point lie: multiples of this.
-double CriticalPointFinder::distance_at(const Bracket& bracket, double at) const {
-  const double to_end = std::min(at - bracket.low.at, bracket.high.at - at), width = bracket.width();
-  return std::clamp(0.25 * to_end, kLeastDistance * width, (turns(bracket) ? kDistanceOfLimit : kDistance) * width);
-}
-
-/// The place as well as the distance of samples asks for; adds what was sampled on the way, the ends first.
-double CriticalPointFinder::coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples) {
-  const Asked asked = turns(bracket) ? Asked::tangent : Asked::state;
-  samples = {passing(bracket, bracket.low), passing(bracket, bracket.high)};
-  PassingSample low = samples.front(), high = samples.back();
-  if ((low.passing < 0.0) == (high.passing < 0.0))
-    throw NotLocated("a critical point could not be located: no eigenvalue passes zero");
-  double at = low.at;
-  for (int i = 1; i < kMostRootSamples; ++i) {
-    const bool is_halfway = i % kHalfway == 0;
-    const double middle = 0.5 * (low.at + high.at);
-    sort_by_distance(samples, middle);
-    const size_t count = std::min(samples.size(), kPolynomialSamples);
-    const double next = is_halfway ? middle : root_of_samples(samples, count, false, low.at, high.at);
-    if (i > 1 && !is_halfway && std::abs(next - at) < distance_at(bracket, next)) return next;
-    at = next;
-    Sample here = sample(piece, at, asked);
-    samples.push_back(passing(bracket, here));
-    if (samples.back().passing == 0.0) return at;
-    ((samples.back().passing < 0.0) == (low.passing < 0.0) ? low : high) = samples.back();
-  }
-  return at;
-}
-
-CriticalPoint CriticalPointFinder::locate_by_count(const PathPiece& piece, const Bracket& bracket) {
-  Sample low = bracket.low, high = bracket.high;
-  while (high.at - low.at > kCountedPlace) {
-    Sample middle = sample(piece, 0.5 * (low.at + high.at), Asked::count);
-    if (middle.negative() != low.negative() && middle.negative() != high.negative())
-      throw NotLocated("a critical point could not be located: the count changes to and fro");
-    (middle.negative() == low.negative() ? low : high) = std::move(middle);
-  }
-  require_smoothness(piece, low.station, high.station);
-  CriticalPoint point{CriticalKind::bifurcation, high.station.load_factor, low.negative(),
-                      high.negative(),           high.station.state,       problem_->model.create_vector()};
-  point.mode.fill(0.0);
-  point.modes = std::abs(high.negative() - low.negative());
-  if (!high.station.stability->symmetric) find_modes(point);
-  point.error = std::abs(high.station.load_factor - low.station.load_factor);
-  return point;
-}
-
-/// Samples at multiples of the distance to both sides of `near`, which are those of one smooth path; the first of them
-/// in `beside`.
-std::vector<PassingSample> CriticalPointFinder::samples_beside(const PathPiece& piece, const Bracket& bracket,
-                                                               double near, double distance, Sample& beside) {
-  std::vector<Sample> nearest;
-  Samples samples;
-  for (int place = 1; place <= (turns(bracket) ? 3 : 2); ++place)
-    for (const int side : {0, 1}) {
-      Sample here = sample(piece, near + (side == 0 ? place : -place) * distance, Asked::tangent);
-      require_order(piece, bracket, here);
-      samples.push_back(passing(bracket, here));
-      if (place > 1)
-        require_smoothness(piece, nearest[side].station, here.station);
-      else
-        nearest.push_back(std::move(here));
-    }
-  const Sample after = sample(piece, near + kCloseLook * distance, Asked::tangent),
-               before = sample(piece, near - kCloseLook * distance, Asked::tangent);
-  require_smoothness(piece, nearest[0].station, after.station);
-  require_smoothness(piece, after.station, before.station);
-  require_smoothness(piece, before.station, nearest[1].station);
-  beside = std::move(nearest[0]);
-  return samples;
-}
-
-CriticalPoint CriticalPointFinder::locate(const PathPiece& piece, Bracket& bracket) {
-  const bool is_limit = turns(bracket);
-  if (!is_limit && !bracket.space) return locate_by_count(piece, bracket);
-  Samples on_the_way;
-  const double near = coarse_root(piece, bracket, on_the_way), distance = distance_at(bracket, near);
-  Sample beside = bracket.low;
-  Samples samples = samples_beside(piece, bracket, near, distance, beside);
-  const double low = near - 4.0 * distance, high = near + 4.0 * distance;
-  sort_by_distance(on_the_way, near);
-  const size_t most = samples.size() + kFarSamples;
-  for (const PassingSample& far : on_the_way)
-    if (samples.size() < most && (far.at < low || far.at > high)) samples.push_back(far);
-  const size_t all = samples.size();
-  const double root = root_of_samples(samples, all, is_limit, low, high);
-  const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
-  if (!(error < kWorstRoot * distance))
-    throw NotLocated("a critical point could not be located: its place is not certain");
-  CriticalPoint point{is_limit ? CriticalKind::limit_point : CriticalKind::bifurcation,
-                      interpolate(samples, all, root, &PassingSample::load_factor),
-                      bracket.low.negative(),
-                      bracket.high.negative(),
-                      beside.station.state,
-                      problem_->model.create_vector()};
-  point.modes = bracket.changes();
-  if (is_limit) {
-    const Sample there = sample(piece, root, Asked::tangent);
-    point.error = std::abs(point.load_factor - interpolate(samples, all - 2, root, &PassingSample::load_factor));
-    point.state = there.station.state;
-    point.load_factor = there.station.load_factor;
-    find_modes(point);
-    return point;
-  }
-  point.state = state_at_bifurcation(piece, root, point.load_factor, critical_modes(bracket, beside));
-  const double noise = find_modes(point);
-  point.error = (error + noise / std::abs(slope_of(samples, all, root, &PassingSample::passing))) *
-                std::abs(slope_of(samples, all, root, &PassingSample::load_factor));
-  return point;
-}
-
-/// Returns the error of the eigenvalue nearest to zero.
-double CriticalPointFinder::find_modes(CriticalPoint& point) {
-  std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
-  for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
-  if (modes.empty()) return 0.0;
-  point.mode = point.eigenspace.front().clone(true);
-  return modes.front().error;
-}
-
-std::vector<CriticalPoint> CriticalPointFinder::find(const PathPiece& piece) {
-  try {
-    return find_all(piece);
-  } catch (const LinearSolverError& error) {
-    throw NotLocated(error.what());
-  }
-}
-
 /// Whether all that passes zero in the step does so at one place.
-bool CriticalPointFinder::is_one_point(const PathPiece& piece) {
-  Bracket whole{{0.0, piece.start}, {1.0, piece.end}};
+bool CriticalPointFinder::is_one_point() {
+  Bracket whole{{0.0, piece_.start}, {1.0, piece_.end}};
   if (turns(whole) || whole.changes() > kMostMultiple) return false;
   choose_space(whole);
-  return whole.space && between(piece, whole).empty();
+  return whole.space && between(whole).empty();
 }
 
-std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece) {
-  samples_ = 0;
-  known_.clear();
-  known_.push_back({0.0, scaled(piece.moved, 0.0)});
-  known_.push_back({1.0, scaled(piece.moved, 1.0)});
-  separates_ = std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated;
-  if (!separates_ && measure_.length(piece.moved) > kShortStep && !is_one_point(piece))
+std::vector<CriticalPoint> CriticalPointFinder::find() {
+  if (!separates_ && chord_ > kShortStep && !is_one_point())
     throw NotLocated("more than " + std::to_string(kMostSeparated) + " critical points in one step");
   std::vector<Bracket> brackets;
-  isolate(piece, {{0.0, piece.start}, {1.0, piece.end}}, brackets);
+  isolate({{0.0, piece_.start}, {1.0, piece_.end}}, brackets);
   std::vector<CriticalPoint> points;
   for (size_t i = 0; i < brackets.size(); ++i) {
     Bracket& bracket = brackets[i];
     if (separates_ || points.empty()) {
       try {
-        points.push_back(locate(piece, bracket));
+        points.push_back(locate(bracket));
       } catch (const MorePoints& more) {
         std::vector<Bracket> parts;
-        isolate(piece, {bracket.low, more.sample, bracket.space}, parts);
-        isolate(piece, {more.sample, bracket.high, bracket.space}, parts);
+        isolate({bracket.low, more.sample, bracket.space}, parts);
+        isolate({more.sample, bracket.high, bracket.space}, parts);
         brackets.erase(brackets.begin() + i);
         brackets.insert(brackets.begin() + i, parts.begin(), parts.end());
         --i;
@@ -521,7 +228,7 @@ std::vector<CriticalPoint> CriticalPointFinder::find_all(const PathPiece& piece)
     CriticalPoint point{
         CriticalKind::bifurcation,  0.5 * (bracket.low.station.load_factor + bracket.high.station.load_factor),
         bracket.low.negative(),     bracket.high.negative(),
-        bracket.high.station.state, problem_->model.create_vector()};
+        bracket.high.station.state, model_.create_vector()};
     point.modes = bracket.changes();
     point.error = 0.5 * std::abs(bracket.high.station.load_factor - bracket.low.station.load_factor);
     point.located = false;

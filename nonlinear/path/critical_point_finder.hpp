@@ -21,15 +21,27 @@ struct PassingSample {
   double at, passing, load_factor;
 };
 
+/// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
+inline constexpr int kMostSeparated = 6;
+
+/// Of one step, whose counts at both ends are known and differ.
 class CriticalPointFinder {
  public:
-  CriticalPointFinder(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, Stability& stability,
-                      const PathMeasure& measure, const StepJudge& judge)
-      : problem_(problem), corrector_(corrector), stability_(stability), measure_(measure), judge_(judge) {}
+  CriticalPointFinder(StepJudge& judge, const PathPiece& piece)
+      : judge_(judge),
+        measure_(judge.measure()),
+        stability_(*judge.stability()),
+        model_(judge.problem()->model),
+        piece_(piece),
+        chord_(measure_.length(piece.moved)),
+        separates_(std::abs(piece.end.stability->negative - piece.start.stability->negative) <= kMostSeparated) {
+    known_.push_back({0.0, scaled(piece.moved, 0.0)});
+    known_.push_back({1.0, scaled(piece.moved, 1.0)});
+  }
 
   /// In the order of the path. Points of a step with more than a few are not located one by one but the first, see
-  /// CriticalPoint::located. Throws NotLocated. Collective.
-  std::vector<CriticalPoint> find(const PathPiece& piece);
+  /// CriticalPoint::located. Throws NotLocated, LinearSolverError. Collective.
+  std::vector<CriticalPoint> find();
 
  private:
   using Space = std::shared_ptr<const CriticalSpace>;
@@ -63,41 +75,38 @@ class CriticalPointFinder {
     Sample sample;
   };
 
-  std::vector<CriticalPoint> find_all(const PathPiece& piece);
-  bool is_one_point(const PathPiece& piece);
-  Sample sample(const PathPiece& piece, double at, Asked asked);
-  PathDirection predicted(const PathPiece& piece, double at) const;
-  void require_smoothness(const PathPiece& piece, const Station& a, const Station& b) const;
+  bool is_one_point();
+  Sample sample(double at, Asked asked);
+  PathDirection predicted(double at) const;
+  void require_smoothness(const Station& a, const Station& b) const;
   bool turns(const Bracket& bracket) const;
   const SpaceValues& values_of(Sample& sample, const Space& space);
   const std::vector<EigenMode>& modes_of(Sample& sample, const Space& space);
   bool sees_changes(Bracket& bracket, const Space& space);
   void choose_space(Bracket& bracket);
   bool needs_counting(const Bracket& bracket);
-  std::vector<Sample> between(const PathPiece& piece, const Bracket& bracket);
-  void isolate(const PathPiece& piece, Bracket bracket, std::vector<Bracket>& found);
-  void require_order(const PathPiece& piece, const Bracket& bracket, const Sample& here);
+  std::vector<Sample> between(const Bracket& bracket);
+  void isolate(Bracket bracket, std::vector<Bracket>& found);
+  void require_order(const Bracket& bracket, const Sample& here);
   PassingSample passing(const Bracket& bracket, Sample& sample);
   double distance_at(const Bracket& bracket, double at) const;
-  double coarse_root(const PathPiece& piece, Bracket& bracket, std::vector<PassingSample>& samples);
+  double coarse_root(Bracket& bracket, std::vector<PassingSample>& samples);
   double find_modes(CriticalPoint& point);
-  std::vector<PassingSample> samples_beside(const PathPiece& piece, const Bracket& bracket, double near,
-                                            double distance, Sample& beside);
-  CriticalPoint locate_by_count(const PathPiece& piece, const Bracket& bracket);
-  CriticalPoint locate(const PathPiece& piece, Bracket& bracket);
+  std::vector<PassingSample> samples_beside(const Bracket& bracket, double near, double distance, Sample& beside);
+  CriticalPoint locate_by_count(const Bracket& bracket);
+  CriticalPoint locate(Bracket& bracket);
   std::vector<MixedVector> critical_modes(const Bracket& bracket, Sample& sample);
-  State state_at_bifurcation(const PathPiece& piece, double at, double load_factor,
-                             const std::vector<MixedVector>& critical);
+  State state_at_bifurcation(double at, double load_factor, const std::vector<MixedVector>& critical);
 
-  Teuchos::RCP<BeamProblem> problem_;
-  Corrector& corrector_;
-  Stability& stability_;
+  StepJudge& judge_;
   const PathMeasure& measure_;
-  const StepJudge& judge_;
-  // Of the present step:
+  Stability& stability_;
+  const Model& model_;
+  const PathPiece& piece_;
+  double chord_;
+  bool separates_;  ///< its critical points are few enough to be located one by one
   std::vector<Known> known_;
-  int samples_ = 0;        ///< taken
-  bool separates_ = true;  ///< its critical points are few enough to be located one by one
+  int samples_ = 0;  ///< taken
 };
 
 }  // namespace mixbeam

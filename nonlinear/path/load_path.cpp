@@ -1,9 +1,8 @@
 #include "nonlinear/path/load_path.hpp"
 
 #include "discretization/text/message_text.hpp"
-#include "nonlinear/path/automatic_path.hpp"
 #include "nonlinear/path/corrector.hpp"
-#include "nonlinear/path/loca_stage.hpp"
+#include "nonlinear/path/path_recorder.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-/// Load continuation: from the present state along the load factor, by LOCA's stepper, stage after stage.
+/// Load continuation: from the present state along the load factor, stage after stage.
 #pragma once
 
 #include "discretization/state/resume_point.hpp"

@@ -1,21 +1,22 @@
-#include "nonlinear/path/loca_stage.hpp"
-
+// A stage of the load path by LOCA's stepper: steps of the load factor, fixed or adaptive, or whatever the user's list
+// "LOCA" asks for.
 #include "nonlinear/newton/beam_group.hpp"
-#include "nonlinear/path/step_examiner.hpp"
+#include "nonlinear/path/path_recorder.hpp"
+#include "nonlinear/path/step_judge.hpp"
 
+#include <LOCA_Abstract_Factory.H>
 #include <LOCA_GlobalData.H>
+#include <LOCA_MultiContinuation_ExtendedVector.H>
+#include <LOCA_Parameter_SublistParser.H>
+#include <LOCA_StepSize_AbstractStrategy.H>
 #include <LOCA_Stepper.H>
+#include <NOX_Solver_Generic.H>
 
 #include <algorithm>
-#include <limits>
 
 namespace mixbeam {
 
 namespace {
-
-/// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin
-/// leaves room for the rotation limit of Newton's method.
-constexpr double kLargestPrescribedTurn = 1.5707963267948966;  // pi / 2
 
 Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& parameters, double from, double to,
                                  int steps_left) {
@@ -35,6 +36,75 @@ Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& par
   return loca;
 }
 
+/// The rule as LOCA's stepper wants it, for continuation in the load factor itself.
+class StepSizeStrategy : public LOCA::StepSize::AbstractStrategy {
+ public:
+  /// `before`: the last step of a path that goes on; none: the path, or a stage of it, starts.
+  StepSizeStrategy(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
+
+  NOX::Abstract::Group::ReturnType computeStepSize(LOCA::MultiContinuation::AbstractStrategy&,
+                                                   const LOCA::MultiContinuation::ExtendedVector& predictor,
+                                                   const NOX::Solver::Generic& solver,
+                                                   const LOCA::Abstract::Iterator::StepStatus& status,
+                                                   const LOCA::Abstract::Iterator&, double& size) override {
+    if (attempts_ ==
+        0) {  // the predictor's share of the load factor is 1 in natural continuation, but LOCA allows others
+      const double share = predictor.getScalar(0);
+      if (share != 0.0)
+        for (double* number : {&rule_.initial, &rule_.minimum, &rule_.maximum}) *number /= share;
+      size = before_ ? rule_.after_success(before_->size, before_->iterations) : rule_.initial;
+    } else if (status == LOCA::Abstract::Iterator::Unsuccessful) {
+      size = rule_.after_failure(size);
+    } else {
+      previous_ = size;
+      size = rule_.after_success(size, solver.getNumIterations());
+    }
+    ++attempts_;
+    const bool too_small = size < rule_.minimum;
+    size_ = size = std::clamp(size, rule_.minimum, rule_.maximum);
+    return too_small ? NOX::Abstract::Group::Failed : NOX::Abstract::Group::Ok;
+  }
+  double getPrevStepSize() const override { return previous_; }
+  double getStartStepSize() const override { return rule_.initial; }
+
+  double size() const { return size_; }       ///< of the present attempt
+  int attempts() const { return attempts_; }  ///< sizes given so far
+
+ private:
+  StepSizeRule rule_;
+  std::optional<LastStep> before_;
+  double size_ = 0.0, previous_ = 0.0;
+  int attempts_ = 0;
+};
+
+/// Hands the strategy above to LOCA for natural continuation; arc length keeps LOCA's own.
+class StepSizeFactory : public LOCA::Abstract::Factory {
+ public:
+  StepSizeFactory(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
+  void init(const Teuchos::RCP<LOCA::GlobalData>&) override {}
+  bool createStepSizeStrategy(const std::string& name, const Teuchos::RCP<LOCA::Parameter::SublistParser>& lists,
+                              const Teuchos::RCP<Teuchos::ParameterList>& parameters,
+                              Teuchos::RCP<LOCA::StepSize::AbstractStrategy>& strategy) override {
+    if (name != "Constant" && name != "Adaptive") return false;
+    if (lists->getSublist("Stepper")->get<std::string>("Continuation Method") != "Natural") return false;
+    StepSizeRule rule = rule_;
+    rule.method = name == "Constant" ? LoadPathMethod::fixed : LoadPathMethod::adaptive;
+    rule.failed_factor = parameters->get("Failed Step Reduction Factor", rule.failed_factor);
+    rule.success_factor = parameters->get("Successful Step Increase Factor", rule.success_factor);
+    strategy_ = Teuchos::rcp(new StepSizeStrategy(rule, before_));
+    strategy = strategy_;
+    return true;
+  }
+
+  /// Null when LOCA uses one of its own.
+  const StepSizeStrategy* strategy() const { return strategy_.get(); }
+
+ private:
+  StepSizeRule rule_;
+  std::optional<LastStep> before_;
+  Teuchos::RCP<StepSizeStrategy> strategy_;
+};
+
 /// Cosines as of all steps of the load; critical points inside are looked for, since no other method follows.
 constexpr StepTest kExamined{0.5, -0.5, true, false, true};
 
@@ -45,10 +115,10 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
   /// LOCA solves once where it starts. Where a path is resumed that has been done: another iteration, which some status
   /// tests would ask for, would change the state.
   StepsAreExamined(const Teuchos::RCP<BeamProblem>& problem, const Teuchos::RCP<NOX::StatusTest::Generic>& newton,
-                   StepExaminer& examiner, bool begins_converged, bool load_grows)
+                   StepJudge& judge, bool begins_converged, bool load_grows)
       : problem_(problem),
         newton_(newton),
-        examiner_(examiner),
+        judge_(judge),
         begins_converged_(begins_converged),
         load_grows_(load_grows) {}
 
@@ -77,13 +147,13 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
     next_moved_ = Teuchos::rcp(new MixedVector(x.clone(true)));
     findings_ = {};
     if (!here_) {
-      next_ = examiner_.station(group.state(), group.load_factor(), nullptr);
+      next_ = judge_.station(group.state(), group.load_factor(), nullptr);
       return;
     }
     PathDirection moved{x.clone(true), group.load_factor() - here_->load_factor};
     moved.x.update(-1.0, *moved_to_, 1.0);
-    next_ = examiner_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
-    findings_ = examiner_.examine({*here_, moved, *next_}, kExamined);
+    next_ = judge_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
+    findings_ = judge_.examine({*here_, moved, *next_}, kExamined);
     problem_->last_failure.clear();
     problem_->objection = findings_.objection;
     if (!findings_.objection.empty()) status_ = NOX::StatusTest::Failed;
@@ -91,7 +161,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
 
   Teuchos::RCP<BeamProblem> problem_;
   Teuchos::RCP<NOX::StatusTest::Generic> newton_;
-  StepExaminer& examiner_;
+  StepJudge& judge_;
   bool begins_converged_;
   bool load_grows_;  ///< in each step; else LOCA follows the path by its length
   NOX::StatusTest::StatusType status_ = NOX::StatusTest::Unevaluated;
@@ -102,24 +172,6 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
 };
 
 }  // namespace
-
-StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters) {
-  const LoadPathParameters& path = parameters.load_path;
-  const bool fixed = path.method == LoadPathMethod::fixed;
-  const double rotation = largest_prescribed_rotation(scene);
-  const double allowed = rotation > 0.0 ? std::min(1.0, kLargestPrescribedTurn / rotation) : 1.0;
-  // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more
-  // than the rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
-  const double equal = 1.0 / path.steps + 2.0 * std::numeric_limits<double>::epsilon() * scene.stages;
-  StepSizeRule rule;
-  rule.method = path.method;
-  rule.aggressiveness = path.aggressiveness;
-  rule.most_iterations = parameters.newton.maximum_iterations;
-  rule.maximum = std::min(fixed ? equal : path.maximum_step, allowed);
-  rule.initial = std::min(fixed ? equal : path.initial_step, rule.maximum);
-  rule.minimum = std::min(path.minimum_step, rule.initial);
-  return rule;
-}
 
 bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                             const State& start, const StageRange& range, PathRecorder& recorder) {
@@ -132,11 +184,11 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
   const Teuchos::RCP<LOCA::GlobalData> global = LOCA::createGlobalData(top, sizes);
   bool arrived = false;
   try {
-    StepExaminer examiner(problem, parameters, recorder.counts(), range.to);
+    StepJudge judge(problem, parameters, recorder.counts(), range.to);
     const bool load_grows =
         top->sublist("LOCA").sublist("Stepper").get<std::string>("Continuation Method") == "Natural";
     const auto status = Teuchos::rcp(new StepsAreExamined(problem, guarded_status_tests(parameters, *global->locaUtils),
-                                                          examiner, range.before.has_value(), load_grows));
+                                                          judge, range.before.has_value(), load_grows));
     const auto observer = [&recorder, &sizes, status](const BeamGroup& group, double load_factor) {
       const StepSizeStrategy* strategy = sizes->strategy();
       if (strategy != nullptr) {

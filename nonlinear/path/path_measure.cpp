@@ -89,8 +89,4 @@ PathDirection scaled(const PathDirection& a, double factor) {
   return result;
 }
 
-double within_stage(double load_factor, double stage_end) {
-  return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
-}
-
 }  // namespace mixbeam

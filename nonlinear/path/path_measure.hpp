@@ -68,7 +68,4 @@ struct Station {
   bool has_tangent() const { return std::isfinite(tangent.load); }
 };
 
-/// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
-double within_stage(double load_factor, double stage_end);
-
 }  // namespace mixbeam

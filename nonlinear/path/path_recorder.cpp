@@ -1,10 +1,6 @@
 #include "nonlinear/path/path_recorder.hpp"
 
-#include <cmath>
-
 namespace mixbeam {
-
-bool is_end_of_stage(double load_factor, double end) { return std::abs(load_factor - end) <= 1e-12 * end; }
 
 PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
                            const PathObserver& observer, const PathControl& control, LoadPathResult& result)

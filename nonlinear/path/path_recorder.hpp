@@ -26,9 +26,6 @@ struct StageRange {
   }
 };
 
-/// Load factors are sums of rounded steps.
-bool is_end_of_stage(double load_factor, double end);
-
 /// Leaves a path from inside an observer; LOCA's stepper cannot be stopped otherwise.
 struct PathInterrupted {};
 
@@ -92,5 +89,12 @@ class PathRecorder {
   bool started_ = false, branched_ = false;
   bool is_controlled_ = false;  ///< by a displacement: then no load factor is the end of the path
 };
+
+/// Both return whether the path arrived at the end of the range; `start` is the state at its beginning. By
+/// automatic_path.cpp, without tuning; by LOCA's stepper.
+bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                const State& start, const StageRange& range, PathRecorder& recorder);
+bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                            const State& start, const StageRange& range, PathRecorder& recorder);
 
 }  // namespace mixbeam

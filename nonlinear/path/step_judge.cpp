@@ -1,6 +1,8 @@
 #include "nonlinear/path/step_judge.hpp"
 
+#include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/path/critical_point_finder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +29,6 @@ constexpr double kFastestGrowth = 6.0;
 /// What the cubic leaves out of the load factor half-way, e, is at least a multiple of the parabola of fourth degree
 /// 16 e s^2 (1 - s)^2, whose slope reaches this times e.
 constexpr double kErrorOfRate = 3.1;
-/// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
-constexpr double kLargestEndAngle = 2.8;
 /// A change of the load factor along a step, over the load factor: the cap alone shifts critical loads by 1e-7.
 constexpr double kFlat = 1e-5;
 /// A structure has stiffened when its rate at the end would move it by less than this share of the step's chord, and
@@ -36,8 +36,6 @@ constexpr double kFlat = 1e-5;
 constexpr double kStiffened = 0.1, kEndCosine = 0.5;
 /// Parts that move by a smaller share of what the part that moves farthest does stand still.
 constexpr double kLeastShare = 1e-8;
-/// Points of the middle rule for the change of loads.
-constexpr int kHistoryParts = 64;
 /// Newton's method half-way starts near the path.
 constexpr int kMostIterationsHalfway = 15;
 
@@ -130,61 +128,6 @@ std::vector<StepJudge::Part> StepJudge::parts_of(const PathPiece& piece) const {
   return parts;
 }
 
-std::optional<StabilityResult> StepJudge::count(const State& state, double load_factor) const {
-  if (problem_->leave_if_asked) problem_->leave_if_asked();
-  if (stability_ == nullptr) return std::nullopt;
-  try {
-    const StabilityResult result = stability_->count(state, load_factor);
-    // elements that turn nearly by pi against their vertices have no stiffness to count by
-    if (result.end_angle > kLargestEndAngle) return std::nullopt;
-    return result;
-  } catch (const LinearSolverError&) {
-    return std::nullopt;  // a singular tangent without symmetry has no count
-  }
-}
-
-/// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
-PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
-  group.computeJacobian();
-  BeamVector by_load(problem_->model.create_vector());
-  Teuchos::ParameterList none;
-  group.applyJacobianInverse(none, BeamVector(slope), by_load);
-  const PathDirection rate{by_load.values().clone(true), -1.0};
-  return scaled(rate, -1.0 / measure_.length(rate));
-}
-
-PathDirection StepJudge::tangent_at(const State& state, double load_factor) const {
-  BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
-  group.computeF();
-  MixedVector slope = problem_->model.create_vector();
-  load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
-  return tangent_of(group, slope);
-}
-
-Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
-  PathDirection tangent = tangent_at(state, load_factor);
-  if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
-  Station here{state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
-  here.cap_ratio = here.stability
-                       ? here.stability->cap_ratio
-                       : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;
-  return here;
-}
-
-/// For the mean of the derivatives between two load factors.
-PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
-  BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
-  group.computeF();
-  MixedVector mean = problem_->model.create_vector(), slope = mean.clone(false);
-  mean.fill(0.0);
-  for (int part = 0; part < kHistoryParts; ++part) {
-    load_derivative(problem_->model, at.state, from + (to - from) * (part + 0.5) / kHistoryParts, group.scales(),
-                    slope);
-    mean.update(1.0 / kHistoryParts, slope, 1.0);
-  }
-  return tangent_of(group, mean);
-}
-
 /// Where loads turn back, the structure follows the change of the loads from end to end, if it is nearly linear: then
 /// the tangents for that change point along the chord at both ends.
 std::string StepJudge::objection_where_loads_turn(const PathPiece& piece) const {
@@ -224,20 +167,6 @@ StepJudge::Part StepJudge::whole(const PathPiece& piece) const {
 /// Whether the structure hardly moves any more at the end, and in another direction: nothing to judge the way by.
 bool StepJudge::ends_stiff(const PathPiece& piece) const { return whole(piece).ends_stiff; }
 
-/// The tangent next to a critical point, maybe, at a state moved by a guess.
-StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
-  const Model& model = problem_->model;
-  const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
-  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, near_critical(!in_plane));
-  group.setX(BeamVector(guess.x));
-  group.computeJacobian();
-  BeamVector slope(model.create_vector()), by_load(model.create_vector());
-  load_derivative(model, group.state(), within_stage(load_factor, stage_end_), group.scales(), slope.values());
-  Teuchos::ParameterList none;
-  group.applyJacobianInverse(none, slope, by_load);
-  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values())};
-}
-
 StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) const {
   const double load_factor = piece.start.load_factor + guess.load;
   const Linear at = linear_at(piece.start.state, guess, load_factor);
@@ -265,7 +194,7 @@ StepJudge::Look StepJudge::look(const PathPiece& piece, PathDirection guess) con
   return seen;
 }
 
-std::string StepJudge::objection(const PathPiece& piece, const StepTest& test) const {
+std::string StepJudge::objection(const PathPiece& piece, const StepTest& test) {
   const std::optional<StabilityResult>&a = piece.start.stability, &b = piece.end.stability;
   if (a && b && !test.counts_may_change && a->negative != b->negative)
     return "stability changes within the step: the path is followed by its length";
@@ -282,7 +211,7 @@ std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) 
   return "stability changes to and fro within the step";
 }
 
-std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) const {
+std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) {
   if (measure_.motion(piece.moved.x) < kNoMotion || !piece.start.has_tangent() || !piece.end.has_tangent()) return "";
   if (!loads_.is_straight(piece.start.load_factor, piece.end.load_factor)) return objection_where_loads_turn(piece);
   bool looks = test.always_looks, dips = false, is_bent = false;
@@ -329,7 +258,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   return "";
 }
 
-std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const {
+std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) {
   if (depth == 0) return kBends;
   const double chord = measure_.length(piece.moved);
   const PathDirection guess = cubic(piece, 0.5);
@@ -348,6 +277,26 @@ std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTes
   }
   const std::string of_first = objection({piece.start, there, middle}, test, depth - 1);
   return of_first.empty() ? objection({middle, rest, piece.end}, test, depth - 1) : of_first;
+}
+
+StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
+  StepFindings findings;
+  findings.objection = objection(piece, test);
+  const std::optional<StabilityResult>&before = piece.start.stability, &after = piece.end.stability;
+  const bool changes = before && after && before->negative != after->negative;
+  if (findings.objection.empty() && changes) {
+    try {
+      findings.passed = CriticalPointFinder(*this, piece).find();
+    } catch (const NotLocated& error) {
+      findings.objection = error.what();
+    } catch (const LinearSolverError& error) {
+      findings.objection = error.what();
+    }
+  }
+  if (!findings.objection.empty())
+    findings.objection += " (load factor " + rounded(piece.start.load_factor, 6) + " to " +
+                          rounded(piece.end.load_factor, 6) + ")";
+  return findings;
 }
 
 }  // namespace mixbeam

@@ -6,12 +6,13 @@
 /// the cubic through both ends with their tangents is nearly an equilibrium half-way, with the same count and the same
 /// direction of the load factor. Where the cubic is too far from the path, the equilibrium half-way is computed, and
 /// each half judged by itself. Parts of a structure that touch no other one are judged one by one: a single one among
-/// many may have jumped.
+/// many may have jumped. Within a step that may be taken its critical points are looked for.
 #pragma once
 
+#include "discretization/scene/amplitude.hpp"
 #include "nonlinear/path/corrector.hpp"
-#include "nonlinear/path/load_history.hpp"
 #include "nonlinear/path/path_measure.hpp"
+#include "nonlinear/stability/critical_point.hpp"
 
 #include <string>
 #include <vector>
@@ -36,26 +37,51 @@ struct StepTest {
   bool may_stiffen = false;
 };
 
+/// How the loads of a scene run with the load factor: formulas may turn back, and with them the path.
+class LoadHistory {
+ public:
+  explicit LoadHistory(const Scene& scene);
+
+  /// Whether all loads, prescribed motions and eigenstrains change in proportion between two load factors, none turning
+  /// back: always where there are no formulas.
+  bool is_straight(double from, double to) const;
+
+ private:
+  std::vector<Amplitude> amplitudes_;  ///< different ones; empty: there are no formulas
+};
+
+struct StepFindings {
+  std::string objection{};              ///< empty: the step may be taken
+  std::vector<CriticalPoint> passed{};  ///< in the order of the path
+};
+
 class StepJudge {
  public:
-  /// `stability` may be null; then counts are not compared. All must outlive this object. `stage_end`: load factor.
-  StepJudge(const Teuchos::RCP<BeamProblem>& problem, Corrector& corrector, const PathMeasure& measure,
-            Stability* stability, double stage_end)
+  /// `stability` may be null: then counts are not compared. It must outlive this object. `stage_end`: load factor.
+  StepJudge(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, Stability* stability,
+            double stage_end)
       : problem_(problem),
-        corrector_(corrector),
-        measure_(measure),
         stability_(stability),
         stage_end_(stage_end),
+        corrector_(problem, parameters, checks_, NewtonPurpose::check),
+        measure_(problem->model),
         loads_(problem->model.scene()) {}
+  StepJudge(const StepJudge&) = delete;
+  StepJudge& operator=(const StepJudge&) = delete;
 
-  /// Empty when the end lies on the path of the start; else what disagrees. Collective.
-  std::string objection(const PathPiece& piece, const StepTest& test) const;
+  const Teuchos::RCP<BeamProblem>& problem() const { return problem_; }
+  const PathMeasure& measure() const { return measure_; }
+  const LoadHistory& loads() const { return loads_; }
+  /// Of looks at steps: counted apart, and no failed attempts of the path.
+  Corrector& corrector() { return corrector_; }
+  Stability* stability() const { return stability_; }
+
+  /// Collective.
+  StepFindings examine(const PathPiece& piece, const StepTest& test);
 
   /// The station at a converged state. The tangent runs in the direction of `along`, or of a growing load factor where
   /// that is null. Collective.
   Station station(const State& state, double load_factor, const PathDirection* along, bool counts = true) const;
-
-  const LoadHistory& loads() const { return loads_; }
 
   /// Point of the cubic of theory (56) at share `at` of the way, as increments from its start.
   PathDirection cubic(const PathPiece& piece, double at) const;
@@ -63,7 +89,9 @@ class StepJudge {
  private:
   struct Look;
   struct Part;
-  std::string objection(const PathPiece& piece, const StepTest& test, int depth) const;
+  /// Empty when the end lies on the path of the start; else what disagrees.
+  std::string objection(const PathPiece& piece, const StepTest& test);
+  std::string objection(const PathPiece& piece, const StepTest& test, int depth);
   std::string objection_where_loads_turn(const PathPiece& piece) const;
   /// What the tangent at a state tells: Newton's increment, and that for the load less du/dlambda.
   struct Linear {
@@ -74,7 +102,7 @@ class StepJudge {
   PathDirection tangent_at(const State& state, double load_factor) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
-  std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth) const;
+  std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth);
   std::string objection_to_count(const PathPiece& piece, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
@@ -83,10 +111,11 @@ class StepJudge {
   bool ends_stiff(const PathPiece& piece) const;
 
   Teuchos::RCP<BeamProblem> problem_;
-  Corrector& corrector_;
-  const PathMeasure& measure_;
   Stability* stability_;
   double stage_end_;
+  SolveRecord checks_;
+  Corrector corrector_;
+  PathMeasure measure_;
   LoadHistory loads_;
 };
 

@@ -4,11 +4,6 @@
 
 #include "nonlinear/parameters/solver_parameters.hpp"
 
-#include <LOCA_Abstract_Factory.H>
-#include <LOCA_StepSize_AbstractStrategy.H>
-
-#include <optional>
-
 namespace mixbeam {
 
 /// Sizes are changes of the load factor. The rules are those of LOCA's strategies "Constant" and "Adaptive".
@@ -30,46 +25,7 @@ struct LastStep {
   int iterations = 0;
 };
 
-/// The rule as LOCA's stepper wants it, for continuation in the load factor itself.
-class StepSizeStrategy : public LOCA::StepSize::AbstractStrategy {
- public:
-  /// `before`: the last step of a path that goes on; none: the path, or a stage of it, starts.
-  StepSizeStrategy(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
-
-  NOX::Abstract::Group::ReturnType computeStepSize(LOCA::MultiContinuation::AbstractStrategy& group,
-                                                   const LOCA::MultiContinuation::ExtendedVector& predictor,
-                                                   const NOX::Solver::Generic& solver,
-                                                   const LOCA::Abstract::Iterator::StepStatus& status,
-                                                   const LOCA::Abstract::Iterator& stepper, double& size) override;
-  double getPrevStepSize() const override { return previous_; }
-  double getStartStepSize() const override { return rule_.initial; }
-
-  double size() const { return size_; }       ///< of the present attempt
-  int attempts() const { return attempts_; }  ///< sizes given so far
-
- private:
-  StepSizeRule rule_;
-  std::optional<LastStep> before_;
-  double size_ = 0.0, previous_ = 0.0;
-  int attempts_ = 0;
-};
-
-/// Hands the strategy above to LOCA for natural continuation; arc length keeps LOCA's own.
-class StepSizeFactory : public LOCA::Abstract::Factory {
- public:
-  StepSizeFactory(const StepSizeRule& rule, const std::optional<LastStep>& before) : rule_(rule), before_(before) {}
-  void init(const Teuchos::RCP<LOCA::GlobalData>&) override {}
-  bool createStepSizeStrategy(const std::string& name, const Teuchos::RCP<LOCA::Parameter::SublistParser>& lists,
-                              const Teuchos::RCP<Teuchos::ParameterList>& parameters,
-                              Teuchos::RCP<LOCA::StepSize::AbstractStrategy>& strategy) override;
-
-  /// Null when LOCA uses one of its own.
-  const StepSizeStrategy* strategy() const { return strategy_.get(); }
-
- private:
-  StepSizeRule rule_;
-  std::optional<LastStep> before_;
-  Teuchos::RCP<StepSizeStrategy> strategy_;
-};
+/// Of a scene: fractions of a stage, small enough for prescribed rotations.
+StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters);
 
 }  // namespace mixbeam

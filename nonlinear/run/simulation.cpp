@@ -15,9 +15,6 @@ namespace {
 /// as from rounding.
 constexpr double kModeAmplitude = 1e-5;
 
-/// Load factors are sums of rounded steps.
-constexpr double kSameLoadFactor = 1e-9;
-
 RecordedStability recorded(const StepReport& report) {
   RecordedStability stability;
   if (report.stability) {
@@ -66,10 +63,7 @@ double Simulation::share_done() const {
 }
 
 bool Simulation::is_end_of_path(double load_factor) const {
-  if (!parameters_.analysis.control) return std::abs(scene().stages - load_factor) <= kSameLoadFactor;
-  const MonitoredComponent& control = *parameters_.analysis.control;
-  const double rest = control.target - displacement(control.point)[control.component];
-  return std::abs(rest) <= kSameLoadFactor * model().structure().length;
+  return PathGoal(model(), parameters_.analysis.control, scene().stages).is_reached(state_, load_factor);
 }
 
 void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known) {

@@ -7,8 +7,8 @@
 #include "discretization/state/structure_parts.hpp"
 #include "nonlinear/accuracy/error_estimate.hpp"
 #include "nonlinear/diagnosis/force_sharing.hpp"
-#include "nonlinear/path/automatic_path.hpp"
 #include "nonlinear/path/load_path.hpp"
+#include "nonlinear/path/path_goal.hpp"
 
 namespace mixbeam {
 
@@ -52,7 +52,7 @@ class Simulation {
   /// about two iterations; infinity where that system is singular. Collective.
   double condition_estimate();
 
-  /// See load_moves_control() in automatic_path.hpp. Collective.
+  /// See load_moves_control() in path_goal.hpp. Collective.
   bool load_moves_control() const { return mixbeam::load_moves_control(problem_, parameters_); }
 
   /// The force at state() that rounding errors make least certain, see force_sharing.hpp. Collective.

@@ -25,8 +25,8 @@ namespace {
 /// keep a thread waiting; a run below takes a fraction of a second anyway.
 constexpr long long kWorkForThreads = 10000;
 
-/// Load factors are sums of rounded steps.
-constexpr double kSameLoadFactor = 1e-9;
+/// Between a load factor that somebody has written down and that of a step.
+constexpr double kWrittenLoadFactor = 1e-9;
 
 /// A stream that swallows everything.
 std::ostream& nowhere() {
@@ -124,7 +124,7 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
     const auto belongs_here = [&](const ExpectedValue& value) {
       if (value.critical_point) return is_critical;
       if (!value.load_factor && solver.analysis.control) return is_last;
-      return std::abs(value.load_factor.value_or(simulation.scene().stages) - point.load_factor) <= kSameLoadFactor;
+      return std::abs(value.load_factor.value_or(simulation.scene().stages) - point.load_factor) <= kWrittenLoadFactor;
     };
     const bool is_expected = std::any_of(expected.begin(), expected.end(), belongs_here);
     if (!is_expected && !is_last) continue;
@@ -361,7 +361,7 @@ void Application::check_expected(const Simulation& simulation, double load_facto
   const bool is_end = simulation.is_end_of_path(load_factor);
   for (const ExpectedValue& value : expected) {
     if (value.load_case != load_case || value.critical_point) continue;
-    if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kSameLoadFactor : is_end)
+    if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kWrittenLoadFactor : is_end)
       compare(simulation, value, own_quantity);
   }
 }

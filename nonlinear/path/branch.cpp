@@ -1,4 +1,4 @@
-#include "nonlinear/path/branch_direction.hpp"
+#include "nonlinear/path/branch.hpp"
 
 #include "discretization/state/sampling.hpp"
 
@@ -12,6 +12,13 @@ namespace mixbeam {
 
 namespace {
 
+/// First amplitude of the mode with which a branch is entered (largest rotation [rad] or displacement / L), halved
+/// until the branch is met close to the critical point.
+constexpr double kBranchAmplitude = 0.1;
+constexpr int kBranchAttempts = 40, kMostIterationsOntoBranch = 20;
+/// On the way from a critical point to the first point of a branch the structure moves along the mode: its share of the
+/// motion is at least this cosine.
+constexpr double kBranchCosine = 0.9;
 /// A displacement over the length of the structure that a mode of motion one has at least where it counts; rounding
 /// leaves 1e-10, and what symmetry does not forbid is of the order of one.
 constexpr double kMoves = 1e-3;
@@ -112,6 +119,24 @@ std::optional<MixedVector> branch_direction(const BeamProblem& problem, const An
   const double sign = analysis.branch == Branch::negative ? -1.0 : 1.0;
   for (size_t m = 0; m < modes.size(); ++m) direction.update(sign * shares[m] / norm(shares), modes[m], 1.0);
   return direction;
+}
+
+std::optional<BranchPoint> first_point_of_branch(const BeamProblem& problem, Corrector& corrector,
+                                                 const PathMeasure& measure, const CriticalPoint& from,
+                                                 const MixedVector& direction,
+                                                 const std::function<bool(const Correction&)>& is_taken) {
+  const LargestParts parts = largest_parts(*problem.model.map()->getComm(), direction.vertex());
+  const double size = 1.0 / std::max(parts.moved / problem.model.structure().length, parts.turned);
+  const PathDirection unit{direction.clone(true), 0.0};
+  double amplitude = kBranchAmplitude * size;
+  for (int i = 0; i < kBranchAttempts; ++i, amplitude *= 0.5) {
+    const PathDirection guess = scaled(unit, amplitude);
+    Correction found = corrector.on_row({from.state, from.load_factor, &guess.x},
+                                        measure.row(unit, from.load_factor, amplitude), kMostIterationsOntoBranch);
+    if (is_taken(found) && measure.cosine(direction, found.moved) >= kBranchCosine)
+      return BranchPoint{std::move(found), amplitude};
+  }
+  return std::nullopt;
 }
 
 }  // namespace mixbeam

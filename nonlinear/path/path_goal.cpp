@@ -1,0 +1,61 @@
+#include "nonlinear/path/path_goal.hpp"
+
+#include "discretization/state/resume_point.hpp"
+#include "discretization/state/sampling.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/path/step_judge.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// A controlled displacement has arrived when it differs from the target by this share of the scene's length: rounding.
+constexpr double kControlPrecision = 1e-13;
+
+}  // namespace
+
+double PathGoal::at(const State& state, double load_factor) const {
+  if (!is_controlled()) return load_factor;
+  return vertex_motion(model_, state, vertex_of(model_.mesh(), control_->point))[control_->component] /
+         model_.structure().length;
+}
+
+double PathGoal::rate(const PathDirection& direction) const {
+  return is_controlled() ? row(0.0, 0.0).weights.inner_product(direction.x) : direction.load;
+}
+
+bool PathGoal::is_reached(const State& state, double load_factor) const {
+  return is_controlled() ? std::abs(at(state, load_factor) - value()) <= kControlPrecision
+                         : is_end_of_stage(load_factor, end_);
+}
+
+bool PathGoal::is_moved_by(const PathMeasure& measure, const PathDirection& direction) const {
+  return std::abs(rate(direction)) > kStill * std::max(measure.motion(direction.x), kNoMotion);
+}
+
+ControlRow PathGoal::row(double load_start, double change) const {
+  MixedVector weights = model_.create_vector();
+  weights.fill(0.0);
+  const VertexPartition& partition = model_.structure().partition;
+  const int vertex = vertex_of(model_.mesh(), control_->point);
+  if (partition.owns(vertex))
+    weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control_->component) =
+        1.0 / model_.structure().length;
+  return {weights, 0.0, load_start, change};
+}
+
+bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters) {
+  if (!parameters.analysis.control) return true;
+  StepJudge judge(problem, parameters, nullptr, 1.0);
+  const PathGoal goal(problem->model, parameters.analysis.control, 1.0);
+  try {
+    const PathDirection tangent = judge.station(problem->model.reference_state(), 0.0, nullptr).tangent;
+    return !std::isfinite(goal.rate(tangent)) || goal.is_moved_by(judge.measure(), tangent);
+  } catch (const LinearSolverError&) {
+    return true;
+  }
+}
+
+}  // namespace mixbeam

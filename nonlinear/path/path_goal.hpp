@@ -1,0 +1,38 @@
+/// What a path is followed to: a load factor, or a displacement that is controlled.
+#pragma once
+
+#include "nonlinear/path/path_measure.hpp"
+
+namespace mixbeam {
+
+/// A displacement over the length of the scene that has not moved.
+inline constexpr double kStill = 1e-9;
+
+/// Numbers are load factors, or the controlled displacement over the length of the scene.
+class PathGoal {
+ public:
+  /// `end`: load factor, of no importance where a displacement is controlled. The model must outlive this object.
+  PathGoal(const Model& model, const std::optional<MonitoredComponent>& control, double end)
+      : model_(model), control_(control), end_(end) {}
+
+  bool is_controlled() const { return control_.has_value(); }
+  double value() const { return is_controlled() ? control_->target / model_.structure().length : end_; }
+  double at(const State& state, double load_factor) const;
+  double rate(const PathDirection& direction) const;
+  bool is_reached(const State& state, double load_factor) const;
+  /// Whether a direction moves what is controlled, by more than rounding.
+  bool is_moved_by(const PathMeasure& measure, const PathDirection& direction) const;
+  /// The controlled displacement moves by `change`.
+  ControlRow row(double load_start, double change) const;
+
+ private:
+  const Model& model_;
+  std::optional<MonitoredComponent> control_;
+  double end_;
+};
+
+/// Whether the load moves the controlled displacement of the unloaded structure; true where none is controlled or the
+/// tangent there is singular. One solve. Collective.
+bool load_moves_control(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters);
+
+}  // namespace mixbeam

@@ -1,0 +1,137 @@
+// What a step is judged by at its points: the tangent of the path, the count of negative eigenvalues, the loads.
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/path/step_judge.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+/// Between an element and its vertices [rad]: at pi the relative rotation is not unique.
+constexpr double kLargestEndAngle = 2.8;
+/// Points of the middle rule for the change of loads.
+constexpr int kHistoryParts = 64;
+/// A history is looked at in so many parts of a step.
+constexpr int kParts = 8;
+/// What it leaves a straight line by, over its length, before a step along that line is another one.
+constexpr double kOffLine = 1e-2;
+
+std::vector<double> values_at(const std::vector<Amplitude>& amplitudes, double load_factor) {
+  std::vector<double> values;
+  for (const Amplitude& amplitude : amplitudes) values.push_back(amplitude(load_factor));
+  return values;
+}
+
+/// A last station of a stage belongs to that stage: its tangent must not be that of the loads to come.
+double within_stage(double load_factor, double stage_end) {
+  return std::min(load_factor, std::nextafter(stage_end, stage_end - 1.0));
+}
+
+}  // namespace
+
+LoadHistory::LoadHistory(const Scene& scene) {
+  std::set<std::pair<Stage, std::string>> different;
+  const auto add = [&](const auto& all) {
+    for (const auto& acting : all) different.insert({acting.stage, acting.amplitude});
+  };
+  add(scene.point_loads);
+  add(scene.distributed_loads);
+  add(scene.supports);
+  add(scene.eigenstrains);
+  if (std::all_of(different.begin(), different.end(), [](const auto& d) { return d.second.empty(); })) return;
+  for (const auto& [stage, formula] : different) amplitudes_.emplace_back(stage, scene.stages, formula);
+}
+
+bool LoadHistory::is_straight(double from, double to) const {
+  const std::vector<double> first = values_at(amplitudes_, from), last = values_at(amplitudes_, to);
+  double length = 0.0, done = 0.0;
+  for (size_t i = 0; i < first.size(); ++i) length += (last[i] - first[i]) * (last[i] - first[i]);
+  for (int part = 1; part < kParts; ++part) {
+    const std::vector<double> here = values_at(amplitudes_, from + (to - from) * part / kParts);
+    double along = 0.0, all = 0.0;
+    for (size_t i = 0; i < first.size(); ++i) {
+      along += (here[i] - first[i]) * (last[i] - first[i]);
+      all += (here[i] - first[i]) * (here[i] - first[i]);
+    }
+    const double aside = std::max(0.0, all - (length > 0.0 ? along * along / length : 0.0));
+    if (aside > kOffLine * kOffLine * length || along < done || along > length) return false;
+    done = along;
+  }
+  return true;
+}
+
+std::optional<StabilityResult> StepJudge::count(const State& state, double load_factor) const {
+  if (problem_->leave_if_asked) problem_->leave_if_asked();
+  if (stability_ == nullptr) return std::nullopt;
+  try {
+    const StabilityResult result = stability_->count(state, load_factor);
+    // elements that turn nearly by pi against their vertices have no stiffness to count by
+    if (result.end_angle > kLargestEndAngle) return std::nullopt;
+    return result;
+  } catch (const LinearSolverError&) {
+    return std::nullopt;  // a singular tangent without symmetry has no count
+  }
+}
+
+/// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
+PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
+  group.computeJacobian();
+  BeamVector by_load(problem_->model.create_vector());
+  Teuchos::ParameterList none;
+  group.applyJacobianInverse(none, BeamVector(slope), by_load);
+  const PathDirection rate{by_load.values().clone(true), -1.0};
+  return scaled(rate, -1.0 / measure_.length(rate));
+}
+
+PathDirection StepJudge::tangent_at(const State& state, double load_factor) const {
+  BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
+  group.computeF();
+  MixedVector slope = problem_->model.create_vector();
+  load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
+  return tangent_of(group, slope);
+}
+
+Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
+  PathDirection tangent = tangent_at(state, load_factor);
+  if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
+  Station here{state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
+  here.cap_ratio = here.stability
+                       ? here.stability->cap_ratio
+                       : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;
+  return here;
+}
+
+/// For the mean of the derivatives between two load factors.
+PathDirection StepJudge::secant_tangent(const Station& at, double from, double to) const {
+  BeamGroup group(corrector_.global(), problem_, at.state, at.load_factor, {});
+  group.computeF();
+  MixedVector mean = problem_->model.create_vector(), slope = mean.clone(false);
+  mean.fill(0.0);
+  for (int part = 0; part < kHistoryParts; ++part) {
+    load_derivative(problem_->model, at.state, from + (to - from) * (part + 0.5) / kHistoryParts, group.scales(),
+                    slope);
+    mean.update(1.0 / kHistoryParts, slope, 1.0);
+  }
+  return tangent_of(group, mean);
+}
+
+/// The tangent next to a critical point, maybe, at a state moved by a guess.
+StepJudge::Linear StepJudge::linear_at(const State& start, const PathDirection& guess, double load_factor) const {
+  const Model& model = problem_->model;
+  const bool in_plane = start.in_plane && model.is_in_plane(guess.x);
+  BeamGroup group(corrector_.global(), problem_, start, load_factor, {}, near_critical(!in_plane));
+  group.setX(BeamVector(guess.x));
+  group.computeJacobian();
+  BeamVector slope(model.create_vector()), by_load(model.create_vector());
+  load_derivative(model, group.state(), within_stage(load_factor, stage_end_), group.scales(), slope.values());
+  Teuchos::ParameterList none;
+  group.applyJacobianInverse(none, slope, by_load);
+  return {group.state(), BeamVector::of(group.getNewton()).clone(true), std::move(by_load.values())};
+}
+
+}  // namespace mixbeam
