@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
@@ -26,11 +27,51 @@ constexpr double kLargestStandstill = 1e-5;
 
 using Vector = std::vector<double>;
 
-double dot(const Vector& x, const Vector& y) { return std::inner_product(x.begin(), x.end(), y.begin(), 0.0); }
+/// Rotations of Jacobi's method: sweeps, of which five are enough.
+constexpr int kSweeps = 20;
 
-void add(double a, const Vector& x, Vector& y) {
+}  // namespace
+
+double dot_product(const Vector& x, const Vector& y) { return std::inner_product(x.begin(), x.end(), y.begin(), 0.0); }
+
+void add_multiple(double a, const Vector& x, Vector& y) {
   for (size_t i = 0; i < x.size(); ++i) y[i] += a * x[i];
 }
+
+std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
+  std::vector<double> vectors(a.size(), 0.0);
+  for (int i = 0; i < m; ++i) vectors[i * (m + 1)] = 1.0;
+  const auto at = [m](std::vector<double>& x, int i, int j) -> double& { return x[i + static_cast<size_t>(j) * m]; };
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < kSweeps; ++sweep) {
+    rotated = false;
+    for (int p = 0; p < m; ++p)
+      for (int q = p + 1; q < m; ++q) {
+        const double beside = at(a, p, q), size = std::sqrt(std::abs(at(a, p, p) * at(a, q, q)));
+        if (!(std::abs(beside) > std::numeric_limits<double>::epsilon() * size)) continue;
+        rotated = true;
+        const double half = 0.5 * (at(a, q, q) - at(a, p, p));
+        const double t = beside / (half + std::copysign(std::hypot(half, beside), half));
+        const double c = 1.0 / std::hypot(1.0, t), s = t * c;
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, k, p), y = at(a, k, q), v = at(vectors, k, p), w = at(vectors, k, q);
+          at(a, k, p) = c * x - s * y;
+          at(a, k, q) = s * x + c * y;
+          at(vectors, k, p) = c * v - s * w;
+          at(vectors, k, q) = s * v + c * w;
+        }
+        for (int k = 0; k < m; ++k) {
+          const double x = at(a, p, k), y = at(a, q, k);
+          at(a, p, k) = c * x - s * y;
+          at(a, q, k) = s * x + c * y;
+        }
+        at(a, p, q) = at(a, q, p) = 0.0;
+      }
+  }
+  return vectors;
+}
+
+namespace {
 
 class KrylovSpace {
  public:
@@ -74,20 +115,20 @@ class KrylovSpace {
     Vector larger(m * m);
     for (size_t i = 0; i < m; ++i)
       for (size_t j = 0; j < m; ++j)
-        larger[i + j * m] = i < first && j < first ? projected_[i + j * first] : dot(dual_[i], image_[j]);
+        larger[i + j * m] = i < first && j < first ? projected_[i + j * first] : dot_product(dual_[i], image_[j]);
     projected_ = std::move(larger);
   }
 
   /// Gram-Schmidt, twice: the second time removes the rounding of the first.
   void append(Vector v) {
     Vector dual = times_inner(v);
-    const double before = std::sqrt(dot(v, dual));
+    const double before = std::sqrt(dot_product(v, dual));
     if (!(before > 0.0)) return;
     for (double& x : v) x /= before;
     for (int pass = 0; pass < 2; ++pass)
-      for (size_t j = 0; j < basis_.size(); ++j) add(-dot(dual_[j], v), basis_[j], v);
+      for (size_t j = 0; j < basis_.size(); ++j) add_multiple(-dot_product(dual_[j], v), basis_[j], v);
     dual = times_inner(v);
-    const double after = std::sqrt(dot(v, dual));
+    const double after = std::sqrt(dot_product(v, dual));
     if (!(after > kNothingNew)) return;
     for (double& x : v) x /= after;
     for (double& x : dual) x /= after;
@@ -139,15 +180,15 @@ class KrylovSpace {
 
   Vector combine(const std::vector<Vector>& columns, const double* weights) const {
     Vector sum(problem_.unknowns, 0.0);
-    for (size_t j = 0; j < columns.size(); ++j) add(weights[j], columns[j], sum);
+    for (size_t j = 0; j < columns.size(); ++j) add_multiple(weights[j], columns[j], sum);
     return sum;
   }
-  double norm(const Vector& x) const { return std::sqrt(dot(x, times_inner(x))); }
+  double norm(const Vector& x) const { return std::sqrt(dot_product(x, times_inner(x))); }
 
   RitzPair pair_of(double value, double imaginary, const double* weights) const {
     RitzPair pair{value, imaginary, combine(basis_, weights), 0.0};
     Vector error = combine(image_, weights);
-    add(-value, pair.vector, error);
+    add_multiple(-value, pair.vector, error);
     pair.residual = norm(error) / std::abs(value);
     return pair;
   }
@@ -157,10 +198,10 @@ class KrylovSpace {
     const double* second = weights + size();
     const Vector x = combine(basis_, weights), y = combine(basis_, second);
     Vector real = combine(image_, weights), imaginary = combine(image_, second);
-    add(-a, x, real);
-    add(b, y, real);
-    add(-b, x, imaginary);
-    add(-a, y, imaginary);
+    add_multiple(-a, x, real);
+    add_multiple(b, y, real);
+    add_multiple(-b, x, imaginary);
+    add_multiple(-a, y, imaginary);
     return std::hypot(norm(real), norm(imaginary)) / std::hypot(a, b);
   }
 

@@ -39,4 +39,12 @@ struct RitzPair {
 constexpr int kMostBlocks = 30;
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count);
 
+/// Eigenvalues (the diagonal afterwards) and eigenvectors (columns of the result) of a symmetric matrix of m rows by
+/// Jacobi's rotations: small eigenvalues keep their digits beside large ones.
+std::vector<double> small_eigenproblem(std::vector<double>& a, int m);
+
+double dot_product(const std::vector<double>& x, const std::vector<double>& y);
+/// y += a x
+void add_multiple(double a, const std::vector<double>& x, std::vector<double>& y);
+
 }  // namespace mixbeam

@@ -65,4 +65,11 @@ void on_root(const RootCopy& root, const std::function<void()>& action) {
   if (failed != 0) throw LinearSolverError("stability: " + (problem.empty() ? "see rank 0" : problem));
 }
 
+double number_of_root(const RootCopy& root, const std::function<double()>& number) {
+  double found = 0.0;
+  on_root(root, [&] { found = number(); });
+  MPI_Bcast(&found, 1, MPI_DOUBLE, 0, root.communicator());
+  return found;
+}
+
 }  // namespace mixbeam

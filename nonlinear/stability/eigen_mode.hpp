@@ -30,5 +30,7 @@ void normalize_mode(const Model& model, MixedVector& mode);
 
 /// Work of rank 0 alone; what goes wrong there is a LinearSolverError on every rank.
 void on_root(const RootCopy& root, const std::function<void()>& action);
+/// A number that rank 0 finds, on every rank.
+double number_of_root(const RootCopy& root, const std::function<double()>& number);
 
 }  // namespace mixbeam

@@ -1,14 +1,12 @@
 #include "nonlinear/stability/linear_buckling.hpp"
 
-#include "nonlinear/newton/step.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
+#include "nonlinear/stability/stressed_structure.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <numeric>
 
 namespace mixbeam {
 
@@ -19,10 +17,6 @@ constexpr double kFirstStress = 0.02;
 /// Of the load factor nearest to zero, in the final differences: their error is its fourth power (times a small
 /// number), and rounding grows with its inverse.
 constexpr double kStep = 0.02;
-/// Each repetition gains as much as the cap is above the forces at work, five digits: three reach rounding.
-constexpr int kRefinements = 3;
-/// Of the cap of the tangent, as in Stability: the correction to the true stiffness is of second order in it.
-constexpr double kBucklingCap = 100.0;
 /// A factor is improved in rounds of a Rayleigh quotient and one inverse iteration until the residual of its mode is
 /// small, whose square is the error of the factor: the pencil of condensed tangents, where they begin, is right to the
 /// fourth power of the element length, and each round squares the error of the mode at least.
@@ -36,7 +30,7 @@ constexpr int kMostSecants = 6;
 /// is confirmed is at most as large.
 constexpr double kBeside = 1e-4;
 /// See Stability.
-constexpr double kNearlySymmetric = 1e-9, kNearlyReal = 1e-8;
+constexpr double kNearlyReal = 1e-8;
 
 /// Factors are listed by their size; of a pair of both signs the positive one comes first: rounding must not choose.
 double rank(double factor) {
@@ -44,25 +38,9 @@ double rank(double factor) {
   return std::abs(factor) * (factor < 0.0 ? 1.0 + kSameSize : 1.0);
 }
 
-class LinearBuckling {
+class LinearBuckling : private StressedStructure {
  public:
-  explicit LinearBuckling(BeamProblem& problem)
-      : problem_(problem),
-        model_(problem.model),
-        unknowns_(model_),
-        reference_(model_.reference_state()),
-        scales_(scales_of(model_, reference_, 0.0)),
-        cap_(cap_for(model_, scales_, kBucklingCap)),
-        response_(model_.create_vector()),
-        work_(model_.create_vector()) {
-    find_response();
-    keep_stresses();
-    stiffness_ = stiffness_at(reference_, 0.0);
-    factorize();
-  }
-  ~LinearBuckling() = default;
-  LinearBuckling(const LinearBuckling&) = delete;
-  LinearBuckling& operator=(const LinearBuckling&) = delete;
+  explicit LinearBuckling(BeamProblem& problem) : StressedStructure(problem) {}
 
   std::vector<EigenMode> modes(int count) {
     const double stress = largest_stress();
@@ -73,99 +51,6 @@ class LinearBuckling {
   }
 
  private:
-  /// All tangents have the cap of the reference state: else their differences would be those of their caps.
-  Tangent tangent_at(const State& state, double load_factor) {
-    return Tangent(model_, point_at(state, load_factor), cap_, {true, true});
-  }
-  EvaluationPoint point_at(const State& state, double load_factor) {
-    EvaluationPoint point = mixed_residual(model_, state, load_factor, work_);
-    point.scales = scales_;
-    return point;
-  }
-  std::vector<double> stiffness_at(const State& state, double load_factor) {
-    return unknowns_.reduce(tangent_at(state, load_factor)).value;
-  }
-  /// The undeformed structure with the stresses of a load factor.
-  State state_at(double load_factor) { return model_.apply(reference_, response_, load_factor); }
-
-  void factorize() {
-    on_root(unknowns_.root(), [&] {
-      symmetric_ = asymmetry(unknowns_.matrix()) <= kNearlySymmetric;
-      matrix_ = unknowns_.matrix();
-      const auto kind = symmetric_ ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
-      solver_ = std::make_unique<InertiaSolver>(kind, matrix_);
-      const InertiaSolver::Signs signs = solver_->factorize(matrix_);
-      if (signs.null > 0 || signs.negative > 0)
-        throw LinearSolverError("linear buckling needs a structure that is stable without loads");
-    });
-  }
-
-  /// Of the response its N and M alone: the linear theory of buckling lets stresses act on the undeformed structure.
-  /// With displacements as well the pencil would be that of a stiffness C turned by a linearised rotation, C + lambda
-  /// (theta C
-  /// - C theta), which is singular at lambda theta ~ sqrt(ratio of stiffnesses): factors without meaning, of both
-  /// signs, that change with the mesh.
-  void keep_stresses() {
-    const KernelView<double*> vertex = response_.vertex(), interior = response_.writable_interior(true);
-    for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = 0.0;
-    for (const ElementBlock& block : model_.structure().blocks)
-      for (int e = 0; e < block.count; ++e) {
-        const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-        for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i)
-          interior(first + i) = 0.0;
-      }
-  }
-
-  /// dx / d(load factor) at the reference state. Solved with the capped tangent and refined to the true one: where
-  /// forces are shared according to stiffness the cap would shift them.
-  void find_response() {
-    Linearization linearization(problem_, point_at(reference_, 0.0), cap_for(model_, scales_), {true, false});
-    MixedVector rhs = model_.create_vector();
-    load_derivative(model_, reference_, 0.0, scales_, rhs);
-    linearization.solve(rhs, response_);
-    MixedVector correction = response_.clone(true);
-    for (int i = 0; i < kRefinements; ++i) {
-      linearization.cap_compliance_rows(correction, rhs);
-      linearization.solve(rhs, correction);
-      response_.update(1.0, correction, 1.0);
-    }
-  }
-
-  /// Largest of N L^2/EI and M L/EI per load factor.
-  double largest_stress() const {
-    const Structure& structure = model_.structure();
-    const double L = structure.length, EI = structure.bending_reference;
-    double largest = 0.0;
-    for (const ElementBlock& block : structure.blocks)
-      for (int e = 0; e < block.count; ++e) {
-        const double* row =
-            response_.interior().data() + block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-        for (int i = 0; i < block.interior.relative_rotation(1); ++i)
-          largest = std::max(largest, std::abs(row[i]) * (i < block.interior.moment(0) ? L * L : L) / EI);
-      }
-    return maximum_over_ranks(*model_.map()->getComm(), largest);
-  }
-
-  /// K_g = (4 D(t) - D(2t))/3 with central differences D of the internal part; loads are evaluated at factor zero there
-  /// because a ramp has no negative side, and their own part, linear in the factor, comes from the reference state.
-  std::vector<double> geometric_stiffness(double t) {
-    std::vector<double> result(stiffness_.size(), 0.0);
-    const auto add = [&](double factor, const std::vector<double>& k) {
-      for (size_t i = 0; i < result.size(); ++i) result[i] += factor * k[i];
-    };
-    for (double sign : {1.0, -1.0}) {
-      add(sign * 4.0 / (6.0 * t), stiffness_at(state_at(sign * t), 0.0));
-      add(-sign / (12.0 * t), stiffness_at(state_at(sign * 2.0 * t), 0.0));
-    }
-    const double load_factor = std::min(t, 1.0);
-    by_loads_ = stiffness_at(reference_, load_factor);
-    for (size_t i = 0; i < by_loads_.size(); ++i) {
-      by_loads_[i] = (by_loads_[i] - stiffness_[i]) / load_factor;
-      result[i] += by_loads_[i];
-    }
-    return result;
-  }
-
   std::vector<EigenMode> modes(int count, double t, bool refined = false) {
     const std::vector<double> geometric = geometric_stiffness(t);
     std::vector<double> inverse_factor;
@@ -207,32 +92,14 @@ class LinearBuckling {
     return refined ? improved(inverse_factor, y) : corrected(inverse_factor, y, t);
   }
 
-  /// K at the stresses of a load factor, interiors condensed exactly; loads without a potential apart.
-  Tangent tangent_under_stress(double load_factor) {
-    Tangent tangent = tangent_at(state_at(load_factor), 0.0);
-    under_stress_.row_start = matrix_.row_start;
-    under_stress_.column = matrix_.column;
-    under_stress_.value = unknowns_.reduce(tangent).value;
-    for (size_t i = 0; i < by_loads_.size(); ++i) under_stress_.value[i] += load_factor * by_loads_[i];
-    return tangent;
-  }
-
-  InertiaSolver::Signs factorize_under_stress() {
-    if (moving_solver_ == nullptr)
-      moving_solver_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, under_stress_);
-    return moving_solver_->factorize(under_stress_);
-  }
-
   /// y . K y at the stresses of a load factor with the true compliance: zero where y is a mode.
   double energy_at(double load_factor, const std::vector<double>& y) {
     const Tangent tangent = tangent_under_stress(load_factor);
-    double energy = 0.0;
-    if (unknowns_.is_root()) {
+    const double energy = number_of_root(unknowns_.root(), [&] {
       std::vector<double> force(y.size());
       under_stress_.multiply(y.data(), force.data());
-      energy = std::inner_product(y.begin(), y.end(), force.begin(), 0.0);
-    }
-    MPI_Bcast(&energy, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
+      return dot_product(y, force);
+    });
     const MixedVector motion = complete_motion(tangent, unknowns_, y);
     return energy + cap_compliance_form(model_, cap_, motion, motion);
   }
@@ -255,16 +122,13 @@ class LinearBuckling {
   /// |K(lambda) y| in units of K_0^-1: the share of the factor by which it may be wrong.
   double residual_of(double load_factor, const std::vector<double>& y) {
     tangent_under_stress(load_factor);
-    double residual = 0.0;
-    on_root(unknowns_.root(), [&] {
+    return number_of_root(unknowns_.root(), [&] {
       std::vector<double> force(y.size());
       under_stress_.multiply(y.data(), force.data());
       std::vector<double> moved = force;
       solver_->solve(moved.data(), 1);
-      residual = std::sqrt(std::abs(std::inner_product(force.begin(), force.end(), moved.begin(), 0.0)));
+      return std::sqrt(std::abs(dot_product(force, moved)));
     });
-    MPI_Bcast(&residual, 1, MPI_DOUBLE, 0, unknowns_.root().communicator());
-    return residual;
   }
 
   /// One step of inverse iteration, y = K^-1 K_0 y, and y . K_0 y = 1; so far beside the factor that modes of a
@@ -277,7 +141,7 @@ class LinearBuckling {
       if (factorize_under_stress().null > 0) return;
       moving_solver_->solve(moved.data(), 1);
       matrix_.multiply(moved.data(), force.data());
-      const double square = std::inner_product(moved.begin(), moved.end(), force.begin(), 0.0);
+      const double square = dot_product(moved, force);
       if (!(square > 0.0) || !std::isfinite(square)) return;
       for (size_t i = 0; i < y.size(); ++i) y[i] = moved[i] / std::sqrt(square);
     });
@@ -286,10 +150,8 @@ class LinearBuckling {
   /// Eigenvalues of K below zero at the stresses of a load factor, interiors included.
   long negative_at(double load_factor) {
     const Tangent::InteriorCount interior = tangent_under_stress(load_factor).interior_count();
-    long negative = 0;
-    on_root(unknowns_.root(), [&] { negative = factorize_under_stress().negative; });
-    MPI_Bcast(&negative, 1, MPI_LONG, 0, unknowns_.root().communicator());
-    return interior.uncertain ? -1 : negative + interior.negative;
+    const double negative = number_of_root(unknowns_.root(), [&] { return factorize_under_stress().negative; });
+    return interior.uncertain ? -1 : static_cast<long>(negative) + interior.negative;
   }
 
   struct Factor {
@@ -426,18 +288,6 @@ class LinearBuckling {
                      [](const EigenMode& a, const EigenMode& b) { return rank(a.eigenvalue) < rank(b.eigenvalue); });
     return result;
   }
-
-  BeamProblem& problem_;
-  const Model& model_;
-  IndependentUnknowns unknowns_;
-  State reference_;
-  ResidualScales scales_;
-  Cap cap_;
-  MixedVector response_, work_;
-  bool symmetric_ = true;  ///< rank 0
-  std::vector<double> stiffness_, by_loads_;
-  SparseMatrix matrix_, under_stress_;
-  std::unique_ptr<InertiaSolver> solver_, moving_solver_;
 };
 
 }  // namespace

@@ -75,6 +75,14 @@ struct SpaceValues {
   int negative() const;  ///< of the space
 };
 
+// Shared by stability.cpp and spectrum.cpp:
+/// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
+inline constexpr double kShiftBesideZero = 1e-7;
+/// Of the determinant of a symmetric tangent.
+inline int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
+/// What the rounding of the entries of A may change in y . A y, for y of unit length.
+double rounding_level(const SparseMatrix& a, const std::vector<double>& y);
+
 /// All functions are collective, give the same on every rank and throw LinearSolverError.
 class Stability {
  public:
@@ -103,12 +111,13 @@ class Stability {
   SpaceValues in_space(const State& state, double load_factor, const CriticalSpace& space);
 
  private:
-  /// Eigenvectors of the reduced matrix on rank 0, the rest everywhere.
-  struct Reduced {
-    std::vector<double> eigenvalue, error;
-    std::vector<int> converged;
-    std::vector<std::vector<double>> vector, left;  ///< left: unsymmetric only
+  /// An eigenvalue of the reduced matrix; vectors on rank 0.
+  struct Pair {
+    double value = 0.0, error = 0.0;
+    bool converged = true;
+    std::vector<double> vector{}, left{};  ///< left: unsymmetric only
   };
+  using Pairs = std::vector<Pair>;
   /// Of rank 0; the structure of the matrix is analysed once.
   struct Solvers {
     std::unique_ptr<InertiaSolver> symmetric, general;
@@ -131,7 +140,7 @@ class Stability {
 
   Look evaluate_tangent(const State& state, double load_factor, double raise);
   Look assemble(const State& state, double load_factor);
-  double softness();
+  double least_stiffness();
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
   static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
@@ -140,16 +149,15 @@ class Stability {
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
   StabilityResult inertia(const Look& look);
   InertiaSolver& solver(const StabilityResult& result);
-  Reduced ritz_values(const StabilityResult& stability, const CriticalSpace& space);
-  Reduced nearest(const StabilityResult& stability, int count, double tolerance);
-  static void recount(const Reduced& reduced, double zero, Spectrum& spectrum);
-  static void recount_unsymmetric(Spectrum& spectrum);
+  void share(Pairs& pairs) const;
+  Pairs ritz_values(const StabilityResult& stability, const CriticalSpace& space);
+  Pairs nearest(const StabilityResult& stability, int count, double tolerance);
   std::vector<double> second_variations(const Tangent& tangent, const std::vector<MixedVector>& motions,
-                                        const Reduced& reduced) const;
-  std::vector<EigenMode> corrected_modes(const Look& look, const StabilityResult& stability, const Reduced& reduced);
+                                        const Pairs& pairs) const;
+  std::vector<EigenMode> corrected_modes(const Look& look, const StabilityResult& stability, const Pairs& pairs);
 
   BeamProblem& problem_;
-  std::optional<double> softness_;
+  std::optional<double> least_stiffness_;
   // When first needed:
   std::unique_ptr<IndependentUnknowns> unknowns_, unknowns_beside_chains_;
   Solvers all_, beside_chains_;
