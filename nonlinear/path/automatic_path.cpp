@@ -31,11 +31,6 @@ constexpr double kFirstSpin = 0.4;
 constexpr double kAimedAngle = 0.6, kAimedAngleClosely = 0.25;
 /// Growth and shrinking from step to step.
 constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
-/// Cosines of the angles between the tangents at both ends of a step and its chord, at least: of steps of the load
-/// factor or of a controlled displacement, which may be as long as they please; of steps along the path; and where it
-/// is traced.
-constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kPathStep{0.85, 0.85, true, false},
-    kTracedStep{0.95, 0.95, true, true};
 /// Loads that turn back are looked for so many steps ahead.
 constexpr double kReach = 2.0;
 /// The path is given up below this length (1: the structure moves by its own size).
@@ -64,8 +59,6 @@ class AutomaticPath {
         judge_(problem, parameters, recorder.counts(), range.to),
         measure_(judge_.measure()),
         here_{start, range.from, {problem->model.create_vector(), 0.0}, {}},
-        begin_(here_),
-        way_{problem->model.create_vector(), 0.0},
         attempts_left_(range.attempts) {}
 
   bool follow() {
@@ -95,21 +88,6 @@ class AutomaticPath {
   bool arrived() const { return goal_.is_reached(here_.state, here_.load_factor); }
   double goal_now() const { return goal_.at(here_.state, here_.load_factor); }
 
-  /// Newton's method at a value of the goal. `way`: what is known of the way there.
-  Correction correct_at_goal(double goal, const PathDirection* way, int most_iterations) {
-    if (!goal_.is_controlled()) {
-      const bool predicts = way != nullptr && here_.cap_ratio == 0.0;
-      return corrector_.at_load_along({here_.state, goal}, predicts ? &way->x : nullptr, most_iterations);
-    }
-    const ControlRow row = goal_.row(here_.load_factor, goal - goal_now());
-    Guess guess{here_.state, here_.load_factor};
-    if (way != nullptr) {
-      guess.load_factor += way->load;
-      guess.moved = &way->x;
-    }
-    return corrector_.on_row(guess, row, most_iterations);
-  }
-
   /// The state at the start of the stage, or what is needed to go on from a completed step.
   bool begin() {
     recorder_.enter_stage(range_.stage, range_.attempts);
@@ -138,9 +116,7 @@ class AutomaticPath {
 
   /// From here on is looked for motion and for the path's return.
   void begin_way() {
-    begin_ = here_;
-    travelled_ = 0.0;
-    way_.x.fill(0.0);
+    way_.emplace(here_);
     start_of_goal_ = goal_now();
   }
 
@@ -182,10 +158,9 @@ class AutomaticPath {
       if (take_branch(point, passed)) return true;
     if (!passed.empty())
       require_motion(next, "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
-    travelled_ += measure_.motion(moved.x);
-    way_.x.update(1.0, moved.x, 1.0);
+    way_->add(measure_, moved);
     accept(std::move(next), found.residual, std::move(passed));
-    if (returns(moved)) throw GaveUp{"the path returns to where it began"};
+    if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it began"};
     return true;
   }
 
@@ -203,16 +178,6 @@ class AutomaticPath {
     return !goal_.is_controlled() || !here_.has_tangent() || goal_.is_moved_by(measure_, here_.tangent);
   }
 
-  /// Whether the path has come back to its start, in the same direction.
-  bool returns(const PathDirection& last) const {
-    constexpr double kRound = 10.0, kSameDirection = 0.9;
-    const double chord = measure_.motion(last.x);
-    return along_path_ && begin_.has_tangent() && travelled_ > kRound * chord && measure_.motion(way_.x) <= chord &&
-           std::abs(here_.load_factor - begin_.load_factor) <= std::abs(last.load) &&
-           measure_.cosine(here_.tangent.x, begin_.tangent.x) >= kSameDirection &&
-           here_.tangent.load * begin_.tangent.load > 0.0;
-  }
-
   bool step_to_goal() {
     const double now = goal_now(), rest = goal_.value() - now;
     const double size = std::copysign(std::min(size_, std::abs(rest)), rest);
@@ -221,8 +186,8 @@ class AutomaticPath {
     const double rate = goal_.rate(here_.tangent);
     PathDirection way = scaled(here_.tangent, size / rate);
     const bool is_known = here_.has_tangent() && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
-    const Correction found = correct_at_goal(is_last ? goal_.value() : now + size,
-                                             is_known && !goal_.is_controlled() ? &way : nullptr, most);
+    const Correction found = goal_.correct(corrector_, here_, is_last ? goal_.value() : now + size,
+                                           is_known && !goal_.is_controlled() ? &way : nullptr, most);
     const bool turns = !goal_.is_controlled() && !judge_.loads().is_straight(now, now + size);
     if (!found.converged) {
       not_converged();
@@ -278,7 +243,7 @@ class AutomaticPath {
     if (to_goal > 0.0 && to_goal <= step * (1.0 + kRoundedSteps)) {
       length = to_goal;
       const PathDirection guess = scaled(here_.tangent, to_goal);
-      result = correct_at_goal(goal_.value(), &guess, kMostIterationsAlongPath);
+      result = goal_.correct(corrector_, here_, goal_.value(), &guess, kMostIterationsAlongPath);
       return result.converged;
     }
     const PathDirection guess = scaled(here_.tangent, step);
@@ -292,8 +257,8 @@ class AutomaticPath {
     if (std::abs(reached) <= allowed) return true;
     const PathDirection part = scaled(increments(result), allowed / std::abs(reached));
     const bool ends = passes && allowed == std::abs(rest);
-    result =
-        correct_at_goal(ends ? goal_.value() : now + std::copysign(allowed, reached), &part, kMostIterationsAlongPath);
+    result = goal_.correct(corrector_, here_, ends ? goal_.value() : now + std::copysign(allowed, reached), &part,
+                           kMostIterationsAlongPath);
     return result.converged;
   }
 
@@ -366,9 +331,7 @@ class AutomaticPath {
   const PathMeasure& measure_;
   Station here_;  ///< where the path stands
   // since the stage, a branch or a resumed path began:
-  Station begin_;
-  PathDirection way_;       ///< sum of the increments
-  double travelled_ = 0.0;  ///< sum of their lengths
+  std::optional<Way> way_{};
   double start_of_goal_ = 0.0;
   bool along_path_ = false;  ///< steps along the path; else to the goal
   double size_ = 0.0;        ///< of the next step to the goal

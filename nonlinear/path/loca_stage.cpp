@@ -105,9 +105,6 @@ class StepSizeFactory : public LOCA::Abstract::Factory {
   Teuchos::RCP<StepSizeStrategy> strategy_;
 };
 
-/// Cosines as of all steps of the load; critical points inside are looked for, since no other method follows.
-constexpr StepTest kExamined{0.5, -0.5, true, false, true};
-
 /// What Newton's method finds is a step only if it follows the path. LOCA takes any other for one that has failed and
 /// tries a smaller one.
 class StepsAreExamined : public NOX::StatusTest::Generic {
@@ -153,7 +150,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
     PathDirection moved{x.clone(true), group.load_factor() - here_->load_factor};
     moved.x.update(-1.0, *moved_to_, 1.0);
     next_ = judge_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
-    findings_ = judge_.examine({*here_, moved, *next_}, kExamined);
+    findings_ = judge_.examine({*here_, moved, *next_}, kExaminedStep);
     problem_->last_failure.clear();
     problem_->objection = findings_.objection;
     if (!findings_.objection.empty()) status_ = NOX::StatusTest::Failed;

@@ -35,6 +35,20 @@ bool PathGoal::is_moved_by(const PathMeasure& measure, const PathDirection& dire
   return std::abs(rate(direction)) > kStill * std::max(measure.motion(direction.x), kNoMotion);
 }
 
+Correction PathGoal::correct(Corrector& corrector, const Station& from, double value, const PathDirection* way,
+                             int most_iterations) const {
+  if (!is_controlled()) {
+    const bool predicts = way != nullptr && from.cap_ratio == 0.0;
+    return corrector.at_load_along({from.state, value}, predicts ? &way->x : nullptr, most_iterations);
+  }
+  Guess guess{from.state, from.load_factor};
+  if (way != nullptr) {
+    guess.load_factor += way->load;
+    guess.moved = &way->x;
+  }
+  return corrector.on_row(guess, row(from.load_factor, value - at(from.state, from.load_factor)), most_iterations);
+}
+
 ControlRow PathGoal::row(double load_start, double change) const {
   MixedVector weights = model_.create_vector();
   weights.fill(0.0);

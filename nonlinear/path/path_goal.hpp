@@ -1,7 +1,7 @@
 /// What a path is followed to: a load factor, or a displacement that is controlled.
 #pragma once
 
-#include "nonlinear/path/path_measure.hpp"
+#include "nonlinear/path/corrector.hpp"
 
 namespace mixbeam {
 
@@ -22,6 +22,9 @@ class PathGoal {
   bool is_reached(const State& state, double load_factor) const;
   /// Whether a direction moves what is controlled, by more than rounding.
   bool is_moved_by(const PathMeasure& measure, const PathDirection& direction) const;
+  /// Newton's method from a point of the path at another value. `way`: what is known of the way there; may be null.
+  Correction correct(Corrector& corrector, const Station& from, double value, const PathDirection* way,
+                     int most_iterations) const;
   /// The controlled displacement moves by `change`.
   ControlRow row(double load_start, double change) const;
 

@@ -89,4 +89,18 @@ PathDirection scaled(const PathDirection& a, double factor) {
   return result;
 }
 
+void Way::add(const PathMeasure& measure, const PathDirection& moved) {
+  travelled_ += measure.motion(moved.x);
+  sum_.update(1.0, moved.x, 1.0);
+}
+
+bool Way::returns(const PathMeasure& measure, const Station& here, const PathDirection& last) const {
+  constexpr double kRound = 10.0, kSameDirection = 0.9;
+  const double chord = measure.motion(last.x);
+  return begin_.has_tangent() && travelled_ > kRound * chord && measure.motion(sum_) <= chord &&
+         std::abs(here.load_factor - begin_.load_factor) <= std::abs(last.load) &&
+         measure.cosine(here.tangent.x, begin_.tangent.x) >= kSameDirection &&
+         here.tangent.load * begin_.tangent.load > 0.0;
+}
+
 }  // namespace mixbeam

@@ -68,4 +68,18 @@ struct Station {
   bool has_tangent() const { return std::isfinite(tangent.load); }
 };
 
+/// What lies between a point of a path and where it began.
+class Way {
+ public:
+  explicit Way(const Station& begin) : begin_(begin), sum_(begin.tangent.x.clone(false)) { sum_.fill(0.0); }
+  void add(const PathMeasure& measure, const PathDirection& moved);
+  /// Whether the path has come back to its start, in the same direction, with the last step.
+  bool returns(const PathMeasure& measure, const Station& here, const PathDirection& last) const;
+
+ private:
+  Station begin_;
+  MixedVector sum_;         ///< of the increments
+  double travelled_ = 0.0;  ///< sum of their lengths
+};
+
 }  // namespace mixbeam

@@ -37,6 +37,12 @@ struct StepTest {
   bool may_stiffen = false;
 };
 
+/// Steps of the load factor or of a controlled displacement may be as long as they please; by LOCA, where no other
+/// method follows, critical points inside are looked for.
+inline constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kExaminedStep{0.5, -0.5, true, false, true};
+/// Steps along the path, and where it is traced.
+inline constexpr StepTest kPathStep{0.85, 0.85, true, false}, kTracedStep{0.95, 0.95, true, true};
+
 /// How the loads of a scene run with the load factor: formulas may turn back, and with them the path.
 class LoadHistory {
  public:
