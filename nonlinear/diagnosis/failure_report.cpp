@@ -135,7 +135,6 @@ TangentReport tangent_report(BeamProblem& problem, const PathEnd& end) {
     report.null = present.stability.null;
     report.symmetric = present.stability.symmetric;
     const double lowest = undeformed.modes.empty() ? 0.0 : undeformed.modes.front().eigenvalue;
-    report.undeformed_lowest = lowest;
     report.mechanism = undeformed.stability.null > 0 || std::abs(lowest) < kNoStiffness;
     for (const EigenMode& mode : present.modes) report.modes.push_back(described(problem.model, mode, lowest));
     const bool is_small = !report.modes.empty() && std::abs(report.modes.front().relative) < kNearlySingular;

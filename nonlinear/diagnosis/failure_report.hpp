@@ -53,9 +53,8 @@ struct CriticalMode {
 struct TangentReport {
   bool known = false;
   std::string unknown_because{};
-  int negative = 0, null = 0;      ///< eigenvalues below zero, zero pivots
-  double undeformed_lowest = 0.0;  ///< eigenvalue nearest to zero of the undeformed structure without loads
-  bool mechanism = false;          ///< that structure moves without strain
+  int negative = 0, null = 0;  ///< eigenvalues below zero, zero pivots
+  bool mechanism = false;      ///< that structure moves without strain
   bool symmetric = true;
   bool nearly_singular = false;
   std::optional<double> condition{};  ///< estimate of the condition number of the linear system; none: unknown

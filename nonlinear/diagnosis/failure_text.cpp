@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 namespace mixbeam {
@@ -211,76 +212,54 @@ class Adviser {
   const SolverParameters& parameters_;
 };
 
-const char* words_of(FailureCause cause) {
-  switch (cause) {
-    case FailureCause::load_not_finite:
-      return "a load or prescribed motion has no value there";
-    case FailureCause::steps_used_up:
-      return "more steps are needed than are permitted";
-    case FailureCause::mechanism:
-      return "the structure is a mechanism: it can move without strain";
-    case FailureCause::end_angle:
-      return "elements are too long for the rotations in them";
-    case FailureCause::critical_point:
-      return "a critical point: the load cannot grow from here (limit point), or the structure buckles (bifurcation)";
-    case FailureCause::overflow:
-      return "numbers beyond the range of double precision";
-    case FailureCause::linear_solver:
-      return "the linear equations are too ill-conditioned to be solved";
-    case FailureCause::path_lost:
-      return "equilibria go on from here, but not to the end of the stage";
-    case FailureCause::incompatible:
-      return "strains or motions are imposed that members which cannot stretch or shear, or hardly, do not take on";
-    case FailureCause::slow:
-      return "Newton's method was on its way, but had too few iterations";
-    case FailureCause::wandering:
-      return "Newton's method found no way from the last equilibrium to the next";
-  }
-  return "";
-}
+using Advising = void (Adviser::*)();
+/// The most promising first.
+const std::map<FailureCause, std::vector<Advising>> kAdvice = {
+    {FailureCause::load_not_finite, {&Adviser::correct_load}},
+    {FailureCause::steps_used_up, {&Adviser::more_steps}},
+    {FailureCause::mechanism, {&Adviser::add_support}},
+    {FailureCause::end_angle, {&Adviser::more_elements, &Adviser::smaller_minimum_step}},
+    {FailureCause::critical_point,
+     {&Adviser::prescribe_displacement, &Adviser::add_imperfection, &Adviser::smaller_minimum_step,
+      &Adviser::stay_below}},
+    {FailureCause::overflow, {&Adviser::check_units, &Adviser::smaller_first_step, &Adviser::check_sections}},
+    {FailureCause::linear_solver, {&Adviser::check_sections, &Adviser::check_units, &Adviser::smaller_first_step}},
+    {FailureCause::path_lost,
+     {&Adviser::prescribe_displacement, &Adviser::smaller_minimum_step, &Adviser::smaller_first_step,
+      &Adviser::stay_below}},
+    {FailureCause::incompatible,
+     {&Adviser::finite_stiffness, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::stay_below}},
+    {FailureCause::slow,
+     {&Adviser::more_iterations, &Adviser::smaller_minimum_step, &Adviser::smaller_rotation, &Adviser::more_elements}},
+    {FailureCause::wandering,
+     {&Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::smaller_rotation, &Adviser::more_iterations,
+      &Adviser::smaller_first_step}}};
+
+const std::map<FailureCause, const char*> kWords = {
+    {FailureCause::load_not_finite, "a load or prescribed motion has no value there"},
+    {FailureCause::steps_used_up, "more steps are needed than are permitted"},
+    {FailureCause::mechanism, "the structure is a mechanism: it can move without strain"},
+    {FailureCause::end_angle, "elements are too long for the rotations in them"},
+    {FailureCause::critical_point,
+     "a critical point: the load cannot grow from here (limit point), or the structure buckles (bifurcation)"},
+    {FailureCause::overflow, "numbers beyond the range of double precision"},
+    {FailureCause::linear_solver, "the linear equations are too ill-conditioned to be solved"},
+    {FailureCause::path_lost, "equilibria go on from here, but not to the end of the stage"},
+    {FailureCause::incompatible,
+     "strains or motions are imposed that members which cannot stretch or shear, or hardly, do not take on"},
+    {FailureCause::slow, "Newton's method was on its way, but had too few iterations"},
+    {FailureCause::wandering, "Newton's method found no way from the last equilibrium to the next"}};
 
 }  // namespace
 
 std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& problem,
                                const SolverParameters& parameters) {
   Adviser to(report, problem, parameters);
-  switch (report.cause) {
-    case FailureCause::load_not_finite:
-      to.correct_load();
-      break;
-    case FailureCause::steps_used_up:
-      if (to.crawls()) to.check_units(), to.check_sections();
-      to.more_steps();
-      break;
-    case FailureCause::mechanism:
-      to.add_support();
-      break;
-    case FailureCause::end_angle:
-      to.more_elements(), to.smaller_minimum_step();
-      break;
-    case FailureCause::critical_point:
-      to.prescribe_displacement(), to.add_imperfection(), to.smaller_minimum_step(), to.stay_below();
-      break;
-    case FailureCause::overflow:
-      to.check_units(), to.smaller_first_step(), to.check_sections();
-      break;
-    case FailureCause::linear_solver:
-      to.check_sections(), to.check_units(), to.smaller_first_step();
-      break;
-    case FailureCause::path_lost:
-      to.prescribe_displacement(), to.smaller_minimum_step(), to.smaller_first_step(), to.stay_below();
-      break;
-    case FailureCause::incompatible:
-      to.finite_stiffness(), to.smaller_minimum_step(), to.more_elements(), to.stay_below();
-      break;
-    case FailureCause::slow:
-      to.more_iterations(), to.smaller_minimum_step(), to.smaller_rotation(), to.more_elements();
-      break;
-    case FailureCause::wandering:
-      to.smaller_minimum_step(), to.more_elements(), to.smaller_rotation(), to.more_iterations();
-      to.smaller_first_step();
-      break;
+  if (report.cause == FailureCause::steps_used_up && to.crawls()) {
+    to.check_units();
+    to.check_sections();
   }
+  for (const Advising advice : kAdvice.at(report.cause)) (to.*advice)();
   return to.advice;
 }
 
@@ -292,7 +271,7 @@ std::string text_of(const FailureReport& report) {
   write_peak(out, report);
   write_angles(out, report);
   write_tangent(out, report);
-  out << "Most likely: " << words_of(report.cause) << ".\n";
+  out << "Most likely: " << kWords.at(report.cause) << ".\n";
   out << "What to try, in this order:\n";
   for (std::size_t i = 0; i < report.next.size(); ++i) out << "  " << i + 1 << ". " << report.next[i].text << "\n";
   return out.str();

@@ -101,13 +101,69 @@ class Perturbation {
         load_factor_(load_factor),
         scales_(scales_of(model_, state, load_factor)) {}
 
-  std::optional<UncertainForce> most_uncertain();
+  std::optional<UncertainForce> most_uncertain() {
+    const Scene& scene = model_.scene();
+    for (const Member& member : scene.members) stiffness_.push_back(stiffness_of(scene, member));
+    if (!is_worth_a_look()) return std::nullopt;
+    MixedVector residual = model_.create_vector();
+    const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, residual);
+    const Cap cap = cap_for(model_, point.scales);
+    Linearization linearization(problem_, point, cap, {true, false});
+    MixedVector increment = model_.create_vector();
+    linearization.solve(rounding_errors(), increment);
+    if (const auto rigid = largest(increment, cap, true)) return rigid;
+    if (cap.least_ratio > 0.0) remove_cap_compliance(linearization, cap.least_ratio, increment);
+    return largest(increment, cap, false);
+  }
 
  private:
-  bool is_worth_a_look() const;
-  MixedVector rounding_errors() const;
-  std::optional<UncertainForce> largest(const MixedVector& increment, const Cap& cap, bool rigid) const;
   bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
+
+  bool is_worth_a_look() const {
+    if (is_statically_determinate(model_.scene(), model_.mesh())) return false;
+    for (const std::array<double, 3>& stiffness : stiffness_)
+      if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
+        return scales_.force > 0.0;
+    return false;
+  }
+
+  /// N rows: what rounding makes of strains.
+  MixedVector rounding_errors() const {
+    MixedVector rows = model_.create_vector();
+    rows.fill(0.0);
+    const KernelView<double*> interior = rows.writable_interior(true);
+    const Structure& structure = model_.structure();
+    for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
+      const double scale = scales_.element_strain(block.reference(e, 0));
+      interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
+    });
+    return rows;
+  }
+
+  /// Among components that are rigid, or among the others.
+  std::optional<UncertainForce> largest(const MixedVector& increment, const Cap& cap, bool rigid) const {
+    const Structure& structure = model_.structure();
+    const KernelView<const double*> interior = increment.interior();
+    std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
+    for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
+      const int member = block.member(e);
+      if (is_rigid(member, i % 3) != rigid) return;
+      const double change = std::abs(interior(index)),
+                   limit = cap.structure.member_section(member).force_stiffness_limit;
+      const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
+      if (share > best[0])
+        best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
+                change / scales_.force};
+    });
+    const Teuchos::Comm<int>& comm = *model_.map()->getComm();
+    std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));
+    Teuchos::gatherAll(comm, 3, best.data(), static_cast<int>(all.size()), all.data());
+    for (size_t r = 0; r < all.size(); r += 3)
+      if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
+    if (!(best[0] > 1.0)) return std::nullopt;
+    const MeshElement& element = model_.mesh().elements[static_cast<size_t>(best[1])];
+    return UncertainForce{model_.scene().members[element.member].name, element.index, rigid, best[2]};
+  }
 
   BeamProblem& problem_;
   const Model& model_;
@@ -116,66 +172,6 @@ class Perturbation {
   ResidualScales scales_;
   std::vector<std::array<double, 3>> stiffness_;  ///< (member of the scene)
 };
-
-bool Perturbation::is_worth_a_look() const {
-  if (is_statically_determinate(model_.scene(), model_.mesh())) return false;
-  for (const std::array<double, 3>& stiffness : stiffness_)
-    if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
-      return scales_.force > 0.0;
-  return false;
-}
-
-/// N rows: what rounding makes of strains.
-MixedVector Perturbation::rounding_errors() const {
-  MixedVector rows = model_.create_vector();
-  rows.fill(0.0);
-  const KernelView<double*> interior = rows.writable_interior(true);
-  const Structure& structure = model_.structure();
-  for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
-    const double scale = scales_.element_strain(block.reference(e, 0));
-    interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
-  });
-  return rows;
-}
-
-/// Among components that are rigid, or among the others.
-std::optional<UncertainForce> Perturbation::largest(const MixedVector& increment, const Cap& cap, bool rigid) const {
-  const Structure& structure = model_.structure();
-  const KernelView<const double*> interior = increment.interior();
-  std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
-  for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
-    const int member = block.member(e);
-    if (is_rigid(member, i % 3) != rigid) return;
-    const double change = std::abs(interior(index)), limit = cap.structure.member_section(member).force_stiffness_limit;
-    const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
-    if (share > best[0])
-      best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
-              change / scales_.force};
-  });
-  const Teuchos::Comm<int>& comm = *model_.map()->getComm();
-  std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));
-  Teuchos::gatherAll(comm, 3, best.data(), static_cast<int>(all.size()), all.data());
-  for (size_t r = 0; r < all.size(); r += 3)
-    if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
-  if (!(best[0] > 1.0)) return std::nullopt;
-  const MeshElement& element = model_.mesh().elements[static_cast<size_t>(best[1])];
-  return UncertainForce{model_.scene().members[element.member].name, element.index, rigid, best[2]};
-}
-
-std::optional<UncertainForce> Perturbation::most_uncertain() {
-  const Scene& scene = model_.scene();
-  for (const Member& member : scene.members) stiffness_.push_back(stiffness_of(scene, member));
-  if (!is_worth_a_look()) return std::nullopt;
-  MixedVector residual = model_.create_vector();
-  const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, residual);
-  const Cap cap = cap_for(model_, point.scales);
-  Linearization linearization(problem_, point, cap, {true, false});
-  MixedVector increment = model_.create_vector();
-  linearization.solve(rounding_errors(), increment);
-  if (const auto rigid = largest(increment, cap, true)) return rigid;
-  if (cap.least_ratio > 0.0) remove_cap_compliance(linearization, cap.least_ratio, increment);
-  return largest(increment, cap, false);
-}
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -50,23 +51,229 @@ class AccurateSolver {
                                [](const Member& member) { return member.keeps_order && member.keeps_elements; })),
         choice_(start_mesh(scene, accuracy_)) {}
 
-  AccurateRun run();
+  AccurateRun run() {
+    const auto done = [&](AccuracyEnd end) { return AccurateRun{*simulation_, estimate_, end, rounds_}; };
+    for (;;) {
+      if (solve()) {
+        estimate();
+        if (stopped_) return done(AccuracyEnd::interrupted);
+        std::optional<AccuracyEnd> end = judge();
+        if (!end && !choose_finer()) end = estimate_.exists() ? AccuracyEnd::kept_meshes : AccuracyEnd::not_estimated;
+        if (!end && stops()) end = AccuracyEnd::interrupted;
+        if (end) return done(*end);
+      } else if (turned_) {
+        finish_round("elements turn too far");
+        if (stops()) return done(AccuracyEnd::interrupted);
+      } else if (simulation_->result().interrupted) {
+        finish_round("stopped");
+        return done(AccuracyEnd::interrupted);
+      } else {
+        finish_round("no equilibrium");
+        if (++failures_ > kMostFailures || !try_finer()) return done(AccuracyEnd::no_equilibrium);
+      }
+    }
+  }
 
  private:
-  std::unique_ptr<Simulation> simulation_of_choice() const;
   bool stops() { return stopped_ = stopped_ || (observer_.stop && observer_.stop()); }
-  bool solve();
-  bool follow();
-  bool settle(const Simulation& last, const StepReport& last_report);
-  void estimate();
-  void compare_critical_points();
   bool is_reached(double error) const { return error <= kShareOfAccuracy * accuracy_; }
-  bool shows_rounding(double MeshRound::*error) const;
-  bool turns_too_far(const Simulation& simulation, double load_factor);
-  std::optional<AccuracyEnd> judge();
-  bool choose_finer();
-  bool try_finer();
-  void finish_round(const std::string& remark);
+  std::unique_ptr<Simulation> simulation_of_choice() const {
+    const Scene scene = on_mesh(scene_, choice_);
+    SolverParameters parameters = parameters_;
+    if (observer_.threads) parameters.threads = observer_.threads(scene);
+    return std::make_unique<Simulation>(scene, parameters, comm_);
+  }
+
+  void finish_round(const std::string& remark) {
+    MeshRound& round = rounds_.back();
+    const LoadPathResult& result = simulation_->result();
+    round.steps = result.steps;
+    round.failed_steps = result.failed_steps;
+    round.iterations = result.newton_iterations;
+    round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    round.remark = remark;
+  }
+
+  /// Whether the elements will have turned too far at the end of the path, if they go on as they did up to here; then
+  /// takes a mesh for that. Where the load has turned back, what is left of it tells nothing about that: no element is
+  /// expected to turn further.
+  bool turns_too_far(const Simulation& simulation, double load_factor) {
+    if (load_factor <= 0.0) return false;
+    const bool goes_on = load_factor >= largest_load_factor_;
+    largest_load_factor_ = std::max(largest_load_factor_, load_factor);
+    const StateSnapshot snapshot = snapshot_of(simulation.model(), simulation.state());
+    std::vector<double> turning(scene_.members.size());
+    if (comm_->getRank() == 0)
+      turning = element_turning(simulation.scene(), simulation.model().mesh(), snapshot.vertex_rotation);
+    Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
+    if (goes_on)
+      for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
+    std::vector<double> tolerated = turning;
+    for (double& angle : tolerated) angle /= kTurningMargin;
+    if (mesh_for_turning(scene_, choice_, tolerated, accuracy_) == choice_) return false;
+    choice_ = mesh_for_turning(scene_, choice_, turning, accuracy_);
+    return true;
+  }
+
+  /// The step at the end is kept for its estimate; where it is followed by one that is closer to the end, it is one of
+  /// the way after all.
+  bool follow() {
+    simulation_ = simulation_of_choice();
+    if (observer_.begin) observer_.begin(*simulation_);
+    const bool may_turn = estimated_ == 0 && turned_meshes_ < kMostTurned;
+    turned_ = false;
+    largest_load_factor_ = 0.0;
+    std::vector<double> critical;
+    std::optional<Simulation> at_end;
+    PathControl control;
+    control.stop = [&] { return turned_ || stops(); };
+    control.step_failed = observer_.step_failed;
+    Simulation& running = *simulation_;
+    const auto give = [&](const Simulation& step) {
+      if (observer_.step) observer_.step(step, report_);
+    };
+    running.run(
+        [&](const StepReport& report, const State& state) {
+          if (at_end) give(*at_end);
+          at_end.reset();
+          report_ = report;
+          keeps_path_ = keeps_path_ || !report.critical_points.empty();
+          for (const CriticalPoint& point : report.critical_points)
+            if (point.located) critical.insert(critical.end(), point.modes, point.load_factor);
+          if (running.is_end_of_path(report.load_factor)) {
+            at_end = running.at(state, report.load_factor);
+            return;
+          }
+          give(running);
+          if (may_turn) turned_ = turns_too_far(running, report.load_factor);
+        },
+        control);
+    if (turned_) ++turned_meshes_;
+    if (!running.result().finished) {
+      if (at_end) give(*at_end);
+      return false;
+    }
+    // a point at the very end may be met or not
+    const auto is_at_end = [&](double load_factor) {
+      return std::abs(load_factor - report_.load_factor) <= accuracy_ * std::abs(report_.load_factor);
+    };
+    critical.erase(std::remove_if(critical.begin(), critical.end(), is_at_end), critical.end());
+    critical_before_.reset();
+    if (!followed_.empty() && contains(choice_, followed_)) critical_before_ = critical_;
+    critical_ = std::move(critical);
+    followed_ = choice_;
+    return true;
+  }
+
+  /// Newton's method from the state of the mesh before; false where the path must tell which equilibrium is meant.
+  bool settle(const Simulation& last, const StepReport& last_report) {
+    simulation_ = simulation_of_choice();
+    if (observer_.begin) observer_.begin(*simulation_);
+    Simulation& running = *simulation_;
+    try {
+      const State carried = transfer(last.model(), last.state(), running.model());
+      running.settle(carried, [&](const StepReport& report, const State&) { report_ = report; });
+      if (!running.result().finished) return false;
+      const StateDifference moved = difference(running.model(), carried, running.state());
+      double largest = 0.0;
+      for (const Vector3& u : moved.vertex_displacement) largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
+      const double size = std::max(moved.largest_displacement, least_displacement_);
+      if (largest > kLargestFinishingCorrection * std::max(judged_error(estimate_), accuracy_) * size) return false;
+    } catch (const std::invalid_argument&) {  // the state turns too far inside the new elements
+      return false;
+    } catch (const LinearSolverError&) {  // its eigenvalues cannot be counted
+      return false;
+    }
+    const auto count = [](const StepReport& report) { return report.stability ? report.stability->negative : 0; };
+    return count(report_) == count(last_report);
+  }
+
+  bool solve() {
+    start_ = std::chrono::steady_clock::now();
+    rounds_.push_back({choice_});
+    rounds_.back().error = rounds_.back().critical_error = std::numeric_limits<double>::quiet_NaN();
+    const bool carries = !keeps_path_ && simulation_ != nullptr && simulation_->result().finished && estimate_.exists();
+    bool solved = false;
+    if (carries) {
+      const std::unique_ptr<Simulation> last = std::move(simulation_);
+      solved = settle(*last, StepReport(report_));
+    }
+    rounds_.back().followed = !solved;
+    if (!solved) solved = follow();
+    rounds_.back().elements = static_cast<int>(simulation_->model().mesh().elements.size());
+    return solved;
+  }
+
+  /// Takes the difference of two paths for the error of the coarser one.
+  void compare_critical_points() {
+    MeshRound& round = rounds_.back();
+    round.critical_points = static_cast<int>(critical_.size());
+    if (critical_.empty() && (!critical_before_ || critical_before_->empty())) round.critical_error = 0.0;
+    if (!critical_before_ || !compares_) return;
+    if (critical_before_->size() != critical_.size()) {
+      round.remark = "another number of critical points than on the mesh before";
+      return;
+    }
+    round.critical_error = 0.0;
+    for (size_t i = 0; i < critical_.size(); ++i)
+      round.critical_error = std::max(round.critical_error, std::abs(critical_[i] - (*critical_before_)[i]) /
+                                                                std::max(std::abs(critical_[i]), kLeastLoadFactor));
+  }
+
+  void estimate() {
+    ++estimated_;
+    least_displacement_ = least_displacement(simulation_->model().structure().length, accuracy_);
+    compare_critical_points();
+    ErrorEstimate estimate;
+    if (stops())
+      estimate.not_estimated = "the run was stopped";
+    else
+      estimate = simulation_->estimate_error();
+    estimate_ = with_least_displacement(estimate, least_displacement_);
+    if (estimate.exists()) rounds_.back().error = judged_error(estimate_);
+    finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
+    if (observer_.end) observer_.end(*simulation_, report_, estimate);
+  }
+
+  /// Whether a finer mesh did not make a small error smaller.
+  bool shows_rounding(double MeshRound::*error) const {
+    if (rounds_.size() < 2) return false;
+    const double now = rounds_.back().*error, before = rounds_[rounds_.size() - 2].*error;
+    return !is_reached(now) && now < kRoundingMayShow && now > kLeastEstimateGain * before;
+  }
+
+  /// Whether the estimates end the run.
+  std::optional<AccuracyEnd> judge() {
+    const MeshRound& round = rounds_.back();
+    const bool is_known = is_reached(round.critical_error) || !compares_;
+    if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
+    if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->model().mesh(), estimate_)))
+      return AccuracyEnd::kept_meshes;
+    if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
+    if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
+    return std::nullopt;
+  }
+
+  /// Takes a mesh that is finer whatever the error is; false where members keep theirs.
+  bool try_finer() {
+    const MeshChoice before = choice_;
+    choice_ = doubled(scene_, choice_);
+    return !(choice_ == before);
+  }
+
+  /// Takes the next mesh after an estimate, or for want of one; false where members prevent it.
+  bool choose_finer() {
+    if (!estimate_.exists()) return try_finer();
+    const MeshChoice before = choice_;
+    if (is_reached(rounds_.back().error)) {  // but not that of critical load factors
+      choice_ = richer(scene_, choice_);
+      return !(choice_ == before);
+    }
+    choice_ = next_mesh(scene_, simulation_->model().mesh(), choice_, estimate_, aim_ * accuracy_);
+    aim_ *= kNextAim;
+    return !(choice_ == before);
+  }
+
   const Scene& scene_;
   const SolverParameters& parameters_;
   const Communicator& comm_;
@@ -94,246 +301,18 @@ class AccurateSolver {
   std::chrono::steady_clock::time_point start_{};
 };
 
-std::unique_ptr<Simulation> AccurateSolver::simulation_of_choice() const {
-  const Scene scene = on_mesh(scene_, choice_);
-  SolverParameters parameters = parameters_;
-  if (observer_.threads) parameters.threads = observer_.threads(scene);
-  return std::make_unique<Simulation>(scene, parameters, comm_);
-}
-
-void AccurateSolver::finish_round(const std::string& remark) {
-  MeshRound& round = rounds_.back();
-  const LoadPathResult& result = simulation_->result();
-  round.steps = result.steps;
-  round.failed_steps = result.failed_steps;
-  round.iterations = result.newton_iterations;
-  round.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  round.remark = remark;
-}
-
-/// Whether the elements will have turned too far at the end of the path, if they go on as they did up to here; then
-/// takes a mesh for that. Where the load has turned back, what is left of it tells nothing about that: no element is
-/// expected to turn further.
-bool AccurateSolver::turns_too_far(const Simulation& simulation, double load_factor) {
-  if (load_factor <= 0.0) return false;
-  const bool goes_on = load_factor >= largest_load_factor_;
-  largest_load_factor_ = std::max(largest_load_factor_, load_factor);
-  const StateSnapshot snapshot = snapshot_of(simulation.model(), simulation.state());
-  std::vector<double> turning(scene_.members.size());
-  if (comm_->getRank() == 0)
-    turning = element_turning(simulation.scene(), simulation.model().mesh(), snapshot.vertex_rotation);
-  Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
-  if (goes_on)
-    for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
-  std::vector<double> tolerated = turning;
-  for (double& angle : tolerated) angle /= kTurningMargin;
-  if (mesh_for_turning(scene_, choice_, tolerated, accuracy_) == choice_) return false;
-  choice_ = mesh_for_turning(scene_, choice_, turning, accuracy_);
-  return true;
-}
-
-/// The step at the end is kept for its estimate; where it is followed by one that is closer to the end, it is one of
-/// the way after all.
-bool AccurateSolver::follow() {
-  simulation_ = simulation_of_choice();
-  if (observer_.begin) observer_.begin(*simulation_);
-  const bool may_turn = estimated_ == 0 && turned_meshes_ < kMostTurned;
-  turned_ = false;
-  largest_load_factor_ = 0.0;
-  std::vector<double> critical;
-  std::optional<Simulation> at_end;
-  PathControl control;
-  control.stop = [&] { return turned_ || stops(); };
-  control.step_failed = observer_.step_failed;
-  Simulation& running = *simulation_;
-  const auto give = [&](const Simulation& step) {
-    if (observer_.step) observer_.step(step, report_);
-  };
-  running.run(
-      [&](const StepReport& report, const State& state) {
-        if (at_end) give(*at_end);
-        at_end.reset();
-        report_ = report;
-        keeps_path_ = keeps_path_ || !report.critical_points.empty();
-        for (const CriticalPoint& point : report.critical_points)
-          if (point.located) critical.insert(critical.end(), point.modes, point.load_factor);
-        if (running.is_end_of_path(report.load_factor)) {
-          at_end = running.at(state, report.load_factor);
-          return;
-        }
-        give(running);
-        if (may_turn) turned_ = turns_too_far(running, report.load_factor);
-      },
-      control);
-  if (turned_) ++turned_meshes_;
-  if (!running.result().finished) {
-    if (at_end) give(*at_end);
-    return false;
-  }
-  // a point at the very end may be met or not
-  const auto is_at_end = [&](double load_factor) {
-    return std::abs(load_factor - report_.load_factor) <= accuracy_ * std::abs(report_.load_factor);
-  };
-  critical.erase(std::remove_if(critical.begin(), critical.end(), is_at_end), critical.end());
-  critical_before_.reset();
-  if (!followed_.empty() && contains(choice_, followed_)) critical_before_ = critical_;
-  critical_ = std::move(critical);
-  followed_ = choice_;
-  return true;
-}
-
-/// Newton's method from the state of the mesh before; false where the path must tell which equilibrium is meant.
-bool AccurateSolver::settle(const Simulation& last, const StepReport& last_report) {
-  simulation_ = simulation_of_choice();
-  if (observer_.begin) observer_.begin(*simulation_);
-  Simulation& running = *simulation_;
-  try {
-    const State carried = transfer(last.model(), last.state(), running.model());
-    running.settle(carried, [&](const StepReport& report, const State&) { report_ = report; });
-    if (!running.result().finished) return false;
-    const StateDifference moved = difference(running.model(), carried, running.state());
-    double largest = 0.0;
-    for (const Vector3& u : moved.vertex_displacement) largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
-    const double size = std::max(moved.largest_displacement, least_displacement_);
-    if (largest > kLargestFinishingCorrection * std::max(judged_error(estimate_), accuracy_) * size) return false;
-  } catch (const std::invalid_argument&) {  // the state turns too far inside the new elements
-    return false;
-  } catch (const LinearSolverError&) {  // its eigenvalues cannot be counted
-    return false;
-  }
-  const auto count = [](const StepReport& report) { return report.stability ? report.stability->negative : 0; };
-  return count(report_) == count(last_report);
-}
-
-bool AccurateSolver::solve() {
-  start_ = std::chrono::steady_clock::now();
-  rounds_.push_back({choice_});
-  rounds_.back().error = rounds_.back().critical_error = std::numeric_limits<double>::quiet_NaN();
-  const bool carries = !keeps_path_ && simulation_ != nullptr && simulation_->result().finished && estimate_.exists();
-  bool solved = false;
-  if (carries) {
-    const std::unique_ptr<Simulation> last = std::move(simulation_);
-    solved = settle(*last, StepReport(report_));
-  }
-  rounds_.back().followed = !solved;
-  if (!solved) solved = follow();
-  rounds_.back().elements = static_cast<int>(simulation_->model().mesh().elements.size());
-  return solved;
-}
-
-/// Takes the difference of two paths for the error of the coarser one.
-void AccurateSolver::compare_critical_points() {
-  MeshRound& round = rounds_.back();
-  round.critical_points = static_cast<int>(critical_.size());
-  if (critical_.empty() && (!critical_before_ || critical_before_->empty())) round.critical_error = 0.0;
-  if (!critical_before_ || !compares_) return;
-  if (critical_before_->size() != critical_.size()) {
-    round.remark = "another number of critical points than on the mesh before";
-    return;
-  }
-  round.critical_error = 0.0;
-  for (size_t i = 0; i < critical_.size(); ++i)
-    round.critical_error = std::max(round.critical_error, std::abs(critical_[i] - (*critical_before_)[i]) /
-                                                              std::max(std::abs(critical_[i]), kLeastLoadFactor));
-}
-
-void AccurateSolver::estimate() {
-  ++estimated_;
-  least_displacement_ = least_displacement(simulation_->model().structure().length, accuracy_);
-  compare_critical_points();
-  ErrorEstimate estimate;
-  if (stops())
-    estimate.not_estimated = "the run was stopped";
-  else
-    estimate = simulation_->estimate_error();
-  estimate_ = with_least_displacement(estimate, least_displacement_);
-  if (estimate.exists()) rounds_.back().error = judged_error(estimate_);
-  finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
-  if (observer_.end) observer_.end(*simulation_, report_, estimate);
-}
-
-/// Whether a finer mesh did not make a small error smaller.
-bool AccurateSolver::shows_rounding(double MeshRound::*error) const {
-  if (rounds_.size() < 2) return false;
-  const double now = rounds_.back().*error, before = rounds_[rounds_.size() - 2].*error;
-  return !is_reached(now) && now < kRoundingMayShow && now > kLeastEstimateGain * before;
-}
-
-/// Whether the estimates end the run.
-std::optional<AccuracyEnd> AccurateSolver::judge() {
-  const MeshRound& round = rounds_.back();
-  const bool is_known = is_reached(round.critical_error) || !compares_;
-  if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
-  if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->model().mesh(), estimate_)))
-    return AccuracyEnd::kept_meshes;
-  if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
-  if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
-  return std::nullopt;
-}
-
-/// Takes a mesh that is finer whatever the error is; false where members keep theirs.
-bool AccurateSolver::try_finer() {
-  const MeshChoice before = choice_;
-  choice_ = doubled(scene_, choice_);
-  return !(choice_ == before);
-}
-
-/// Takes the next mesh after an estimate, or for want of one; false where members prevent it.
-bool AccurateSolver::choose_finer() {
-  if (!estimate_.exists()) return try_finer();
-  const MeshChoice before = choice_;
-  if (is_reached(rounds_.back().error)) {  // but not that of critical load factors
-    choice_ = richer(scene_, choice_);
-    return !(choice_ == before);
-  }
-  choice_ = next_mesh(scene_, simulation_->model().mesh(), choice_, estimate_, aim_ * accuracy_);
-  aim_ *= kNextAim;
-  return !(choice_ == before);
-}
-
-AccurateRun AccurateSolver::run() {
-  const auto done = [&](AccuracyEnd end) { return AccurateRun{*simulation_, estimate_, end, rounds_}; };
-  for (;;) {
-    if (solve()) {
-      estimate();
-      if (stopped_) return done(AccuracyEnd::interrupted);
-      std::optional<AccuracyEnd> end = judge();
-      if (!end && !choose_finer()) end = estimate_.exists() ? AccuracyEnd::kept_meshes : AccuracyEnd::not_estimated;
-      if (!end && stops()) end = AccuracyEnd::interrupted;
-      if (end) return done(*end);
-    } else if (turned_) {
-      finish_round("elements turn too far");
-      if (stops()) return done(AccuracyEnd::interrupted);
-    } else if (simulation_->result().interrupted) {
-      finish_round("stopped");
-      return done(AccuracyEnd::interrupted);
-    } else {
-      finish_round("no equilibrium");
-      if (++failures_ > kMostFailures || !try_finer()) return done(AccuracyEnd::no_equilibrium);
-    }
-  }
-}
-
 }  // namespace
 
 std::string text_of(AccuracyEnd end) {
-  switch (end) {
-    case AccuracyEnd::reached:
-      return "reached";
-    case AccuracyEnd::kept_meshes:
-      return "orders or elements that members keep prevent it";
-    case AccuracyEnd::rounding:
-      return "rounding errors prevent it: a finer mesh is not more accurate";
-    case AccuracyEnd::too_many:
-      return "not reached on as many meshes as are tried";
-    case AccuracyEnd::not_estimated:
-      return "not known: the error cannot be estimated";
-    case AccuracyEnd::interrupted:
-      return "not reached: the run was stopped";
-    case AccuracyEnd::no_equilibrium:
-      return "not reached: no equilibrium was found";
-  }
-  return "";
+  static const std::map<AccuracyEnd, const char*> words = {
+      {AccuracyEnd::reached, "reached"},
+      {AccuracyEnd::kept_meshes, "orders or elements that members keep prevent it"},
+      {AccuracyEnd::rounding, "rounding errors prevent it: a finer mesh is not more accurate"},
+      {AccuracyEnd::too_many, "not reached on as many meshes as are tried"},
+      {AccuracyEnd::not_estimated, "not known: the error cannot be estimated"},
+      {AccuracyEnd::interrupted, "not reached: the run was stopped"},
+      {AccuracyEnd::no_equilibrium, "not reached: no equilibrium was found"}};
+  return words.at(end);
 }
 
 AccurateRun run_accurately(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
