@@ -45,6 +45,6 @@ int run_tests(int rank) {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  const mixbeam::MpiSession session(argc, argv);
+  const mixbeam::MpiSession session;
   return run_tests(session.communicator()->getRank());
 }

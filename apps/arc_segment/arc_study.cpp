@@ -1,25 +1,84 @@
 // The paper's third example: a circular arc under a force out of its plane.
-#include "apps/arc_segment/arc_scene.hpp"
-#include "apps/arc_segment/displacement_field.hpp"
-#include "apps/arc_segment/reference_values.hpp"
+#include "apps/arc_segment/arc.hpp"
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <ostream>
-#include <sstream>
+#include <string>
 #include <tuple>
+#include <vector>
 
 namespace mixbeam {
 
 namespace {
+
+/// A row of the paper's table of tip displacements.
+struct PaperRow {
+  double slenderness;
+  int order;
+  int elements;
+  std::array<std::string, 3> tip;  ///< u1, u2, u3 with 6 significant digits, as printed
+};
+
+/// A tip displacement computed without finite elements.
+struct IndependentValue {
+  std::string name;
+  double slenderness;
+  double force_factor;  ///< times the force of the paper
+  bool shear_rigid, inextensible;
+  std::array<std::string, 3> tip;
+};
+
+constexpr int kPrintedFigures = 6;  // the paper rounds its table to these
+
+const std::vector<PaperRow> kRowsBeforeRounding = {
+    {10, 1, 4, {"-23.75125", "-13.59944", "54.49189"}},    {10, 2, 4, {"-23.65101", "-13.63756", "54.08983"}},
+    {10, 3, 4, {"-23.64497", "-13.63205", "54.095"}},      {10, 4, 4, {"-23.64501", "-13.63207", "54.09503"}},
+    {10, 1, 32, {"-23.64685", "-13.63184", "54.10082"}},   {10, 2, 32, {"-23.64503", "-13.63208", "54.09503"}},
+    {10, 3, 32, {"-23.64501", "-13.63207", "54.09503"}},   {10, 4, 32, {"-23.64501", "-13.63207", "54.09503"}},
+    {100, 1, 4, {"-23.66304", "-13.57181", "53.87134"}},   {100, 2, 4, {"-23.56625", "-13.61001", "53.46957"}},
+    {100, 3, 4, {"-23.5602", "-13.6045", "53.47483"}},     {100, 4, 4, {"-23.56024", "-13.60452", "53.47486"}},
+    {100, 1, 32, {"-23.56202", "-13.60429", "53.48064"}},  {100, 2, 32, {"-23.56026", "-13.60453", "53.47486"}},
+    {100, 3, 32, {"-23.56024", "-13.60452", "53.47486"}},  {100, 4, 32, {"-23.56024", "-13.60452", "53.47486"}},
+    {1000, 1, 4, {"-23.66215", "-13.57153", "53.86514"}},  {1000, 2, 4, {"-23.56541", "-13.60974", "53.46337"}},
+    {1000, 3, 4, {"-23.55935", "-13.60423", "53.46863"}},  {1000, 4, 4, {"-23.55939", "-13.60425", "53.46866"}},
+    {1000, 1, 32, {"-23.56118", "-13.60401", "53.47444"}}, {1000, 2, 32, {"-23.55941", "-13.60426", "53.46866"}},
+    {1000, 3, 32, {"-23.55939", "-13.60425", "53.46866"}}, {1000, 4, 32, {"-23.55939", "-13.60425", "53.46866"}},
+};
+
+const std::string kPaperTable = "Humer, Steinbrecher, Pechstein, table of tip displacements of the arc-segment";
+
+// The source has its centre at -e2: there u2 has the other sign.
+const std::string kIndependentSource =
+    "shooting on the rod ODE, Runge-Kutta 7(8), step doubling below 1e-10 (u2 mirrored: centre at +e2)";
+
+/// All 24 rows, by slenderness.
+const std::vector<PaperRow>& paper_table() {
+  static const std::vector<PaperRow> rows = [] {
+    std::vector<PaperRow> rounded = kRowsBeforeRounding;
+    for (PaperRow& row : rounded)
+      for (std::string& number : row.tip) number = rounded_to_figures(number, kPrintedFigures);
+    return rounded;
+  }();
+  return rows;
+}
+
+const std::vector<IndependentValue> kIndependentValues = {
+    {"rho=10", 10, 1, false, false, {"-23.645012476468", "-13.632073912208", "54.095027011161"}},
+    {"rho=100", 100, 1, false, false, {"-23.560239545026", "-13.604521347307", "53.474858791825"}},
+    {"rho=100, 5 F", 100, 5, false, false, {"-47.686369893902", "-25.056445964830", "68.539089493083"}},
+    {"rho=100, shear-rigid", 100, 1, true, false, {"-23.558527901019", "-13.603966104681", "53.471762953030"}},
+    {"rho=100, rigid", 100, 1, true, true, {"-23.559383718350", "-13.604243719187", "53.468598442323"}},
+    {"rho=10000", 1e4, 1, false, false, {"-23.559383803932", "-13.604243746950", "53.468599068354"}}};
 
 const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Arc-segment under out-of-plane force\"";
 const std::string kGoal = "goal of mixbeam: one load step and at most 11 iterations, up to the rigid limit";
@@ -37,21 +96,7 @@ constexpr double kRoundOff = 1e-12;
 
 const std::vector<const char*> kComponentNames = {"u1", "u2", "u3"};
 
-std::string short_text(double number) {
-  std::ostringstream text;
-  text << number;
-  return text.str();
-}
-
-std::string decimals(double number, int count) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", count, number);
-  return text;
-}
-
-std::string padded(const std::string& text, std::size_t width) {
-  return std::string(text.size() < width ? width - text.size() : 0, ' ') + text;
-}
+std::string short_text(double number) { return formatted("%g", number); }
 
 Vector3 tip_displacement(const Simulation& simulation) {
   return simulation.displacement(simulation.scene().members.front().end_point);
@@ -86,9 +131,11 @@ std::vector<TipResult> compute_paper_table(Application& app, const ArcScene& arc
 }
 
 void write_table(const Application& app, const std::vector<TipResult>& results) {
+  app.out() << "\nDisplacement of the tip against the exact arc";
   StudyTable csv(app, "table.csv",
                  {"slenderness", "order", "elements", "u1", "u2", "u3", "u1_paper_measure", "u2_paper_measure",
-                  "u3_paper_measure", "paper_u1", "paper_u2", "paper_u3", "iterations"});
+                  "u3_paper_measure", "paper_u1", "paper_u2", "paper_u3", "iterations"},
+                 6);
   for (const TipResult& result : results) {
     const PaperRow& row = result.paper;
     const auto& [u, measured] = std::tie(result.u, result.in_paper_measure);
@@ -108,35 +155,13 @@ void compare_with_paper(Application& app, const std::vector<TipResult>& results)
     const PaperRow& row = result.paper;
     if (row.slenderness != slenderness) table.add_group("slenderness " + short_text(slenderness = row.slenderness));
     std::vector<ComparedValue> values;
-    for (int i = 0; i < 3; ++i) {
-      values.push_back(compare_printed(row.tip[i], result.in_paper_measure[i]));
-      std::ostringstream name;
-      name << "rho=" << row.slenderness << " k=" << row.order << ", " << row.elements
-           << " elements: " << kComponentNames[i] << " in the paper's measure";
-      app.summary.check_printed_digits(name.str(), result.in_paper_measure[i], row.tip[i], kPaperTable);
-    }
+    const std::string name = formatted("rho=%g k=%d, %d elements: ", row.slenderness, row.order, row.elements);
+    for (int i = 0; i < 3; ++i)
+      values.push_back(compared(app, name + kComponentNames[i] + " in the paper's measure", result.in_paper_measure[i],
+                                row.tip[i], kPaperTable));
     table.add_row({std::to_string(row.order), std::to_string(row.elements)}, values);
   }
   table.print(app.out());
-}
-
-/// Against the exact arc: one line for each mesh, all slendernesses beside each other. u3 is the same in both measures.
-void print_true_displacement(std::ostream& out, const std::vector<TipResult>& results) {
-  std::vector<double> slendernesses;
-  for (const TipResult& result : results)
-    if (slendernesses.empty() || result.paper.slenderness != slendernesses.back())
-      slendernesses.push_back(result.paper.slenderness);
-  out << "\nThe same against the exact arc (true displacement u1, u2; u3 is the same in both measures)\n  k  elements";
-  for (double slenderness : slendernesses) out << padded("rho=" + short_text(slenderness), 25);
-  const std::size_t meshes = results.size() / slendernesses.size();
-  for (std::size_t mesh = 0; mesh < meshes; ++mesh) {
-    out << "\n  " << results[mesh].paper.order << padded(std::to_string(results[mesh].paper.elements), 10);
-    for (std::size_t i = 0; i < slendernesses.size(); ++i) {
-      const TipResult& result = results[i * meshes + mesh];
-      out << padded(decimals(result.u[0], 4), 14) << padded(decimals(result.u[1], 4), 11);
-    }
-  }
-  out << "\n";
 }
 
 void compare_with_independent_values(Application& app, const ArcScene& arc) {
@@ -144,7 +169,7 @@ void compare_with_independent_values(Application& app, const ArcScene& arc) {
                          std::to_string(kIndependentElements) + " elements of order " +
                          std::to_string(kIndependentOrder) + ")",
                      {"arc", ""}, {"tip displacement"}, "shooting");
-  for (const IndependentValue& value : independent_values()) {
+  for (const IndependentValue& value : kIndependentValues) {
     const Simulation simulation = app.solve(arc.variant({value.slenderness, kIndependentOrder, kIndependentElements,
                                                          value.force_factor, value.shear_rigid, value.inextensible}));
     const Vector3 u = tip_displacement(simulation);
@@ -165,23 +190,21 @@ void report_iterations(Application& app, const ArcScene& arc) {
   const int elements = app.study().get<int>("Iteration Elements");
   auto slendernesses = study_list<double>(app, "Iteration Slenderness");
   slendernesses.push_back(rigid);
-  app.out() << "\nNewton iterations in one load step, " << elements << " elements\n  slenderness";
-  for (int order : study_list<int>(app, "Orders")) app.out() << padded("k=" + std::to_string(order), 6);
+  app.out() << "\nNewton iterations in one load step, " << elements << " elements";
+  StudyTable table(app, "", {"slenderness", "k", "iterations"}, 3);
   for (double slenderness : slendernesses) {
     const bool is_rigid = slenderness == rigid;
     const std::string name = is_rigid ? "rigid" : short_text(slenderness);
-    app.out() << "\n" << padded(name, 13);
     for (int order : study_list<int>(app, "Orders")) {
       const ArcVariant variant{is_rigid ? arc.slenderness() : slenderness, order, elements, 1.0, is_rigid, is_rigid};
       const Simulation simulation = app.solve(arc.variant(variant), with_fixed_steps(app.solver, 1), "");
       const int iterations = simulation.result().newton_iterations;
-      app.out() << padded(std::to_string(iterations), 6);
+      table.add_row({name, order, iterations});
       app.summary.check_upper_bound(
           (is_rigid ? name : "rho=" + name) + " k=" + std::to_string(order) + ": Newton iterations in one load step",
           iterations, kGoalIterations, kGoal);
     }
   }
-  app.out() << "\n";
 }
 
 std::vector<int> meshes_that_divide(Application& app, int reference_elements) {
@@ -227,32 +250,19 @@ void report_convergence(Application& app, const ArcScene& arc) {
 }
 
 ListSpec arc_spec() {
-  const auto whole = [](const char* name) { return array(name, ParameterType::integer_array).at_least(1); };
-  const auto slendernesses = [](const char* name) {
-    return array(name, ParameterType::real_array).above(0.0).at_most(1e12);
-  };
+  constexpr double kMost = 1e12;
   ListSpec spec("Slendernesses R/a (square section of side a), orders and meshes; loads follow a^4.");
-  spec.add(slendernesses("Slenderness")
-               .by_default(Teuchos::tuple(10.0, 100.0, 1000.0))
-               .means("For the convergence study and the recorded shapes."));
-  spec.add(whole("Orders")
-               .at_most(8)
-               .by_default(Teuchos::tuple(1, 2, 3, 4))
-               .means("Element orders k of the convergence study and of the count of iterations."));
-  spec.add(whole("Elements")
-               .at_most(100000)
-               .by_default(Teuchos::tuple(2, 4, 8, 16, 32, 64, 128))
-               .means("Numbers of elements of the convergence study, ascending."));
-  spec.add(integer("Reference Order").at_least(1).at_most(8).by_default(4).means("Order of the reference mesh."));
-  spec.add(integer("Reference Elements")
-               .at_least(1)
-               .at_most(1000000)
-               .by_default(512)
-               .means("Number of elements of the reference mesh, a multiple of all the others."));
-  spec.add(slendernesses("Iteration Slenderness")
-               .by_default(Teuchos::tuple(10.0, 1e3, 1e6, 1e10))
-               .means("For the count of Newton's iterations, besides the rigid limit."));
-  spec.add(integer("Iteration Elements").at_least(1).at_most(100000).by_default(8).means("Number of elements for it."));
+  spec.add(sizes("Slenderness", {10.0, 100.0, 1000.0}, kMost, "For the convergence study and the recorded shapes."));
+  spec.add(
+      counts("Orders", {1, 2, 3, 4}, 8, "Element orders k of the convergence study and of the count of iterations."));
+  spec.add(counts("Elements", {2, 4, 8, 16, 32, 64, 128}, 100000,
+                  "Numbers of elements of the convergence study, ascending."));
+  spec.add(count("Reference Order", 4, 8, "Order of the reference mesh."));
+  spec.add(count("Reference Elements", 512, 1000000,
+                 "Number of elements of the reference mesh, a multiple of all the others."));
+  spec.add(sizes("Iteration Slenderness", {10.0, 1e3, 1e6, 1e10}, kMost,
+                 "For the count of Newton's iterations, besides the rigid limit."));
+  spec.add(count("Iteration Elements", 8, 100000, "Number of elements for it."));
   return spec;
 }
 
@@ -263,9 +273,8 @@ void run_arc_study(Application& app) {
   const ArcScene arc(app.scene);
   record_shapes(app, arc);
   const auto results = compute_paper_table(app, arc);
-  write_table(app, results);
   compare_with_paper(app, results);
-  print_true_displacement(app.out(), results);
+  write_table(app, results);
   compare_with_independent_values(app, arc);
   report_iterations(app, arc);
   report_convergence(app, arc);
@@ -276,11 +285,8 @@ void run_arc_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "arc_segment";
-  definition.purpose =
-      "45 degree arc clamped at one end under a force out of its plane; the paper's table, convergence.";
-  definition.study = mixbeam::arc_spec();
-  definition.run_study = mixbeam::run_arc_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "arc_segment",
+      "45 degree arc clamped at one end under a force out of its plane; the paper's table, convergence.",
+      mixbeam::arc_spec(), mixbeam::run_arc_study);
 }

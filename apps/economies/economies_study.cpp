@@ -37,11 +37,7 @@ struct Economy {
 
 PointLoad& tip_load(Scene& scene) { return scene.point_loads.at(0); }
 Member& rod_of(Scene& scene) { return scene.members.at(0); }
-Vector3 tip_of(Scene& scene) {
-  for (const Point& point : scene.points)
-    if (point.name == tip_load(scene).point) return point.position;
-  return {};
-}
+Vector3 tip_of(Scene& scene) { return position_of(scene, tip_load(scene).point); }
 
 /// Loads at the tip that keep the rod in the plane of x and y.
 Scene in_plane(Scene scene) {
@@ -142,8 +138,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"the same line as a parametric curve, triads and curvature by formula", by_formula(rod), solver}},
       {"line_loads",
        {"no line load", rod, solver},
-       {"dead line load of 1e-200: with loops over loads",
-        with_line_load_of_nothing(rod, LoadFrame::dead), solver}},
+       {"dead line load of 1e-200: with loops over loads", with_line_load_of_nothing(rod, LoadFrame::dead), solver}},
       {"potential",
        {"all forces have a potential: symmetric tangents, chains condensed", rod, solver},
        {"follower line load of 1e-200: unsymmetric tangents, sparse solver",
@@ -227,8 +222,8 @@ void measure(Application& app, const Economy& economy, StudyTable& table) {
 
 ListSpec economies_spec() {
   ListSpec spec("How both ways are timed.");
-  spec.add(integer("Rounds").at_least(1).at_most(1000).by_default(5).means("Timed runs of each way, in turn."));
-  spec.add(integer("Threads").at_least(1).at_most(1024).by_default(1).means("OpenMP threads."));
+  spec.add(count("Rounds", 5, 1000, "Timed runs of each way, in turn."));
+  spec.add(count("Threads", 1, 1024, "OpenMP threads."));
   return spec;
 }
 
@@ -254,10 +249,8 @@ void run_economies_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "economies";
-  definition.purpose = "one long rod solved as it is, and with the features that it does not use: times and results.";
-  definition.study = mixbeam::economies_spec();
-  definition.run_study = mixbeam::run_economies_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "economies",
+      "one long rod solved as it is, and with the features that it does not use: times and results.",
+      mixbeam::economies_spec(), mixbeam::run_economies_study);
 }

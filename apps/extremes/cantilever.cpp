@@ -1,7 +1,7 @@
-#include "apps/extremes/cantilever.hpp"
+#include "apps/extremes/sweeps.hpp"
 
 #include "apps/common/studies/variants.hpp"
-#include "apps/extremes/elastica.hpp"
+#include "apps/common/studies/vertex_places.hpp"
 #include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"
 
@@ -20,32 +20,10 @@ const Vec3<double> kTangent{{1.0, 0.0, 0.0}};
 /// Zero motion has no size: it is measured against the structure.
 double or_one(double size) { return size > 0.0 ? size : 1.0; }
 
-double norm(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
-
-const Vector3& position_of(const Scene& scene, const std::string& name) {
-  const auto found =
-      std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& p) { return p.name == name; });
-  return found->position;
-}
-
-bool is_clamp(const Support& support, const std::string& point) {
-  const std::array<bool, 3> all = {true, true, true};
-  return support.point == point && support.displacement_fixed == all && support.rotation_fixed == all &&
-         support.prescribed_displacement == Vector3{} && support.prescribed_rotation == Vector3{};
-}
-
 bool is_plain_cantilever(const Scene& scene) {
-  if (scene.members.size() != 1 || scene.supports.size() != 1 || scene.point_loads.size() != 1) return false;
-  if (scene.sections.size() != 1 || scene.sections.front().matrix || scene.stages != 1) return false;
-  if (!scene.distributed_loads.empty() || !scene.eigenstrains.empty() || !scene.joints.empty()) return false;
-  const Member& rod = scene.members.front();
-  const PointLoad& load = scene.point_loads.front();
+  if (!is_straight_cantilever(scene) || scene.sections.size() != 1 || scene.sections.front().matrix) return false;
   const std::array<double, 2>& bending = scene.sections.front().bending_stiffness;
-  if (rod.curve.shape != CurveShape::line || position_of(scene, rod.start_point) != Vector3{}) return false;
-  const Vector3& end = position_of(scene, rod.end_point);
-  return end[0] > 0.0 && end[1] == 0.0 && end[2] == 0.0 && bending[0] == bending[1] && std::isfinite(bending[0]) &&
-         is_clamp(scene.supports.front(), rod.start_point) && load.point == rod.end_point &&
-         load.frame == LoadFrame::dead;
+  return bending[0] == bending[1] && std::isfinite(bending[0]);
 }
 
 /// 1 - sin(x) / x
@@ -78,7 +56,7 @@ std::vector<double> graded_stations(int elements, double ratio) {
 void set_exact(Cantilever& rod, const ElasticaTip& tip, double shift) {
   rod.exact_displacement = {{-rod.length * tip.back, rod.length * tip.across + shift, 0.0}};
   rod.exact_rotation = rotation_about({{0.0, 0.0, 1.0}}, tip.angle);
-  rod.displacement_scale = norm(rod.exact_displacement);
+  rod.displacement_scale = length_of(rod.exact_displacement);
   rod.rotation_scale = std::min(1.0, tip.angle);
 }
 
@@ -119,13 +97,13 @@ void Cantilever::turn(const Vec3<double>& bending_turn, double twist) {
   const double along = torsion * twist / length;                                            // M1
   const Vec3<double> turned{{length * along / bending, bending_turn[1], bending_turn[2]}};  // m L / EI
   for (int i = 0; i < 3; ++i) moment[i] = turned[i] * bending / length;
-  const double angle = norm(turned), half_sine = std::sin(0.5 * angle);
+  const double angle = length_of(turned), half_sine = std::sin(0.5 * angle);
   const Vec3<double> axis = (1.0 / or_one(angle)) * turned, binormal = cross(axis, kTangent);
   // integral of exp(s m / EI) e1: Rodrigues' formula, term by term
   exact_displacement = length * ((2.0 * half_sine * half_sine / or_one(angle)) * binormal +
                                  one_minus_sinc(angle) * cross(axis, binormal));
   exact_rotation = rotation_about(axis, angle) * rotation_about(kTangent, twist - turned[0]);
-  displacement_scale = or_one(norm(exact_displacement) / length) * length;
+  displacement_scale = or_one(length_of(exact_displacement) / length) * length;
   rotation_scale = std::min(1.0, or_one(std::max(angle, std::abs(twist))));
 }
 
@@ -140,7 +118,7 @@ void Cantilever::turn_by_gauss_rule(double angle) {
       // cos - 1, sin; no cancellation
       exact_displacement += length / elements * weights[q] * Vec3<double>{{-sine * sine, sine * std::cos(half), 0.0}};
     }
-  displacement_scale = or_one(norm(exact_displacement) / length) * length;
+  displacement_scale = or_one(length_of(exact_displacement) / length) * length;
 }
 
 Scene Cantilever::in(Scene scene) const {
@@ -160,11 +138,10 @@ Scene Cantilever::in(Scene scene) const {
 
 double Cantilever::error(const Simulation& simulation) const {
   const std::string& tip = simulation.scene().members.front().end_point;
-  const Vector3 u = simulation.displacement(tip), angle = simulation.rotation(tip);
-  const Vec3<double> distance = Vec3<double>{{u[0], u[1], u[2]}} - exact_displacement;
-  const Quaternion<double> rotation = exp_quaternion(Vec3<double>{{angle[0], angle[1], angle[2]}});
-  const double position_error = norm(distance) / displacement_scale;
-  const double rotation_error = norm(log_quaternion(rotation * conjugate(exact_rotation))) / rotation_scale;
+  const Vec3<double> distance = to_vec(simulation.displacement(tip)) - exact_displacement;
+  const Quaternion<double> rotation = exp_quaternion(to_vec(simulation.rotation(tip)));
+  const double position_error = length_of(distance) / displacement_scale;
+  const double rotation_error = angle_of(rotation * conjugate(exact_rotation)) / rotation_scale;
   return std::isfinite(rotation_error) ? std::max(position_error, rotation_error) : rotation_error;
 }
 

@@ -1,4 +1,4 @@
-#include "apps/extremes/elastica.hpp"
+#include "apps/extremes/sweeps.hpp"
 
 #include "kernels/math/gauss.hpp"
 

@@ -3,7 +3,7 @@
 #include "apps/common/studies/imperfect_structures.hpp"
 #include "apps/common/studies/judged_path.hpp"
 #include "apps/common/studies/study.hpp"
-#include "apps/extremes/elastica.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/extremes/sweeps.hpp"
 
 #include <algorithm>
@@ -23,11 +23,10 @@ constexpr double kMostRefused = 0.02;
 
 /// "1e-09", "0.5", "1000", "inf"; two numbers next to each other with the digits that differ.
 std::string value_text(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6g", value);
+  const std::string text = formatted("%.6g", value);
   // 6.28 (1 - 1e-12) and pi (1 - 1e-6) are not what six digits say
   if (std::isfinite(value) && std::abs(std::stod(text) - value) > 1e-15 * std::abs(value))
-    std::snprintf(text, sizeof text, "%.13g", value);
+    return formatted("%.13g", value);
   return text;
 }
 
@@ -137,29 +136,12 @@ void run_sweeps(Application& app) {
 void run_random_paths(Application& app) {
   const int count = app.study().get<int>("Random Structures");
   if (count == 0) return;
-  StudyTable table(app, "random_paths.csv",
-                   {"family",
-                    "number",
-                    "load",
-                    "imperfection",
-                    "estimate",
-                    "outcome",
-                    "difference",
-                    "reference_difference",
-                    "steps",
-                    "failed_steps",
-                    "iterations",
-                    "processor_seconds",
-                    "negative",
-                    "critical_points",
-                    "plain_is_right",
-                    "plain_iterations",
-                    "plain_processor_seconds",
-                    "reference_iterations",
-                    "reference_processor_seconds",
-                    "reference_step",
-                    "failure"},
-                   12);
+  StudyTable table(
+      app, "random_paths.csv",
+      words("family,number,load,imperfection,estimate,outcome,difference,reference_difference,steps,failed_steps,"
+            "iterations,processor_seconds,negative,critical_points,plain_is_right,plain_iterations,"
+            "plain_processor_seconds,reference_iterations,reference_processor_seconds,reference_step,failure"),
+      12);
   const double step = app.study().get<double>("Reference Step");
   std::map<PathOutcome, int> ends;
   for (int number = 0; number < count; ++number) {
@@ -171,27 +153,14 @@ void run_random_paths(Application& app) {
     const bool plain_is_right =
         judged.reference_known && plain.finished && is_same_end(structure.scene, plain, judged.reference);
     ++ends[judged.outcome];
-    table.add_row({structure.family,
-                   number,
-                   structure.load,
-                   structure.imperfection,
-                   structure.estimate,
-                   name_of(judged.outcome),
-                   judged.difference,
-                   judged.reference_difference,
-                   followed.steps,
-                   followed.failed_steps,
-                   followed.iterations,
-                   followed.processor_seconds,
-                   followed.negative,
-                   followed.critical_points,
-                   plain_is_right ? 1 : 0,
-                   plain.iterations,
-                   plain.processor_seconds,
-                   judged.reference.iterations,
-                   judged.reference.processor_seconds,
-                   step,
-                   followed.failure.substr(0, followed.failure.find('\n'))});
+    std::vector<CsvCell> row = {structure.family, number, structure.load, structure.imperfection, structure.estimate};
+    const auto add = [&row](std::initializer_list<CsvCell> cells) { row.insert(row.end(), cells); };
+    add({kOutcomeNames[static_cast<std::size_t>(judged.outcome)], judged.difference, judged.reference_difference});
+    add({followed.steps, followed.failed_steps, followed.iterations, followed.processor_seconds, followed.negative});
+    add({followed.critical_points, plain_is_right ? 1 : 0, plain.iterations, plain.processor_seconds});
+    add({judged.reference.iterations, judged.reference.processor_seconds, step});
+    add({followed.failure.substr(0, followed.failure.find('\n'))});
+    table.add_row(row);
   }
   const std::string source = "the same path in small steps, which do not change its end";
   const int known = count - ends[PathOutcome::unknown];
@@ -207,29 +176,15 @@ ListSpec extremes_spec() {
   spec.add(subset("Sweeps", names)
                .by_default(Teuchos::Array<std::string>(names))
                .means("Those that are computed, in the order of the page."));
-  spec.add(integer("Most Elements")
-               .at_least(1)
-               .at_most(1000000)
-               .by_default(100000)
-               .means("End of the sweep over the number of elements; a million takes minutes and gigabytes."));
-  spec.add(integer("Most Values")
-               .at_least(1)
-               .at_most(1000)
-               .by_default(1000)
-               .means("Values of each sweep, evenly chosen from first to last."));
-  spec.add(boolean("Critical Loads")
-               .by_default(true)
-               .means("Also sweep structures whose critical loads have a closed form: a truss, a heated rail."));
-  spec.add(integer("Random Structures")
-               .at_least(0)
-               .at_most(100000)
-               .by_default(500)
-               .means("Imperfect structures whose paths are compared with those of small steps; 3 s each."));
-  spec.add(real("Reference Step")
-               .above(0.0)
-               .at_most(0.1)
-               .by_default(0.002)
-               .means("Largest load step of a reference; a second one takes half of it."));
+  spec.add(count("Most Elements", 100000, 1000000,
+                 "End of the sweep over the number of elements; a million takes minutes and gigabytes."));
+  spec.add(count("Most Values", 1000, 1000, "Values of each sweep, evenly chosen from first to last."));
+  spec.add(boolean("Critical Loads").by_default(true),
+           "Also sweep structures whose critical loads have a closed form: a truss, a heated rail.");
+  spec.add(count("Random Structures", 500, 100000,
+                 "Imperfect structures whose paths are compared with those of small steps; 3 s each.", 0));
+  spec.add(real("Reference Step").above(0.0).at_most(0.1).by_default(0.002),
+           "Largest load step of a reference; a second one takes half of it.");
   return spec;
 }
 
@@ -246,11 +201,8 @@ void run_extremes_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "extremes";
-  definition.purpose =
-      "a straight cantilever, one of its quantities at a time swept to its limits and held against a closed form.";
-  definition.study = mixbeam::extremes_spec();
-  definition.run_study = mixbeam::run_extremes_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "extremes",
+      "a straight cantilever, one of its quantities at a time swept to its limits and held against a closed form.",
+      mixbeam::extremes_spec(), mixbeam::run_extremes_study);
 }

@@ -28,7 +28,8 @@ std::vector<double> decades(int from, int to, int step = 1) {
   return values;
 }
 
-std::vector<double> joined(std::vector<double> first, const std::vector<double>& second) {
+template <class Value>
+std::vector<Value> joined(std::vector<Value> first, const std::vector<Value>& second) {
   first.insert(first.end(), second.begin(), second.end());
   return first;
 }
@@ -79,25 +80,6 @@ Sweep load_steps() {
   return sweep;
 }
 
-Member straight_bar(const std::string& start, const std::string& end, int order, int elements) {
-  Member bar;
-  bar.name = start + " to " + end;
-  bar.start_point = start;
-  bar.end_point = end;
-  bar.section = "bar";
-  bar.order = order;
-  bar.elements = elements;
-  return bar;
-}
-
-Support held(const std::string& point, const std::array<bool, 3>& displacement, const std::array<bool, 3>& rotation) {
-  Support support;
-  support.point = point;
-  support.displacement_fixed = displacement;
-  support.rotation_fixed = rotation;
-  return support;
-}
-
 /// Bars on hinges, half span 1, EA = 1, too stiff to bend: P = 2 EA (l / l0 - 1) sin(slope), elementary. Loaded by
 /// twice the load at which they snap through.
 Trial snapping_truss(const Scene&, const SolverParameters& solver, double rise) {
@@ -108,11 +90,11 @@ Trial snapping_truss(const Scene&, const SolverParameters& solver, double rise) 
   scene.name = "truss";
   scene.sections = {{"bar", 1.0, {kInfinity, kInfinity}, kBending, {kBending, kBending}}};
   scene.points = {{"left", {-1, 0, 0}}, {"apex", {0, rise, 0}}, {"right", {1, 0, 0}}};
-  scene.members = {straight_bar("left", "apex", 2, 1), straight_bar("apex", "right", 2, 1)};
+  scene.members = {straight_member("left", "apex", "bar", 2, 1), straight_member("apex", "right", "bar", 2, 1)};
   scene.joints = {{"hinge", "apex", {"apex to right"}, JointKind::hinge, {0, 0, 1}}};
-  scene.supports = {held("left", {true, true, true}, {true, true, false}),
-                    held("right", {true, true, true}, {true, true, false}),
-                    held("apex", {true, false, true}, {false, false, false})};
+  scene.supports = {support_of("left", {true, true, true}, {true, true, false}),
+                    support_of("right", {true, true, true}, {true, true, false}),
+                    support_of("apex", {true, false, true}, {false, false, false})};
   scene.point_loads.resize(1);
   scene.point_loads[0].point = "apex";
   scene.point_loads[0].force = {0, -2.0 * limit, 0};
@@ -127,22 +109,18 @@ Trial heated_rail(const Scene&, SolverParameters solver, double axial) {
   scene.name = "rail";
   scene.sections = {{"bar", axial, {kInfinity, kInfinity}, 1.0, {1.0, 1.0}}};
   scene.points = {{"left", {0, 0, 0}}, {"right", {1, 0, 0}}};
-  scene.members = {straight_bar("left", "right", 5, 16)};
+  scene.members = {straight_member("left", "right", "bar", 5, 16)};
   scene.members[0].inner_points = {{"middle", 0.5}};
-  scene.supports = {held("left", {true, true, true}, {true, true, true}),
-                    held("right", {true, true, true}, {true, true, true}),
-                    held("middle", {false, false, true}, {true, true, false})};
+  scene.supports = {support_of("left", {true, true, true}, {true, true, true}),
+                    support_of("right", {true, true, true}, {true, true, true}),
+                    support_of("middle", {false, false, true}, {true, true, false})};
   scene.eigenstrains.resize(1);
   scene.eigenstrains[0].member = "left to right";
   scene.eigenstrains[0].strain = {kOverheated * 4.0 * M_PI * M_PI / axial, 0, 0};
   return {scene, solver, {}, {1.0 / kOverheated}};
 }
 
-}  // namespace
-
-std::vector<Sweep> all_sweeps(int most_elements) {
-  const double series = 2.0 * std::sqrt(kStumpffSeriesLimit);            // half of the turn is the largest argument
-  const double logarithm = 4.0 * std::atan(std::sqrt(kLogSeriesLimit));  // twice the angle to each vertex
+std::vector<Sweep> sweeps_of_structure(int most_elements) {
   return {
       of_rod("slenderness", joined(decades(0, 10), {kInfinity}), 1e-9, 1.0, kInfinity, kElastica,
              [](Cantilever& rod, double value) {
@@ -178,6 +156,13 @@ std::vector<Sweep> all_sweeps(int most_elements) {
                rod.ratio = value;
                rod.pull(kLoad);
              }),
+  };
+}
+
+std::vector<Sweep> sweeps_of_motion() {
+  const double series = 2.0 * std::sqrt(kStumpffSeriesLimit);            // half of the turn is the largest argument
+  const double logarithm = 4.0 * std::atan(std::sqrt(kLogSeriesLimit));  // twice the angle to each vertex
+  return {
       of_rod("turns", {0.01, 0.1, 0.5, 1, 2, 5, 10, 20, 50, 100}, 1e-9, 0.01, 100.0, kCircle,
              [](Cantilever& rod, double value) {
                rod.elements = 8 * std::max(1, static_cast<int>(value));
@@ -221,6 +206,12 @@ std::vector<Sweep> all_sweeps(int most_elements) {
       of_rod("thrust", {0.5, 0.9, 0.99, 1.0, 1.01, 1.05, 1.2, 1.5, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0}, 1e-7, 0.5, 20.0,
              kPendulum, [](Cantilever& rod, double value) { rod.push(value, 1e-4); }),
   };
+}
+
+}  // namespace
+
+std::vector<Sweep> all_sweeps(int most_elements) {
+  return joined(sweeps_of_structure(most_elements), sweeps_of_motion());
 }
 
 std::vector<Sweep> critical_sweeps() {

@@ -1,9 +1,17 @@
-/// The paper's study of the fork structure, in four parts.
+/// The paper's study of the fork structure: what its parts share.
 #pragma once
 
 #include "apps/common/studies/study.hpp"
 
 namespace mixbeam {
+
+inline constexpr const char* kForkTableSource = "Humer, Steinbrecher, Pechstein, table \"Fork structure\"";
+
+/// u1, u2, u3 of P1 as printed; empty texts where there is no such value.
+using PrintedDisplacement = std::array<std::string, 3>;
+
+/// The paper's values for configurations (1) and (2), as the manuscript gives them; its table shows 6 figures of them.
+std::array<PrintedDisplacement, 2> paper_p1_displacement(int order, int elements_per_member);
 
 /// Displacement of P1 under the first force and under both, and what they cost.
 struct ForkSolution {
@@ -14,13 +22,7 @@ struct ForkSolution {
 /// The scene with the program's own choice of load steps.
 ForkSolution solve_fork(Application& app, const Scene& scene);
 
-/// Orders and meshes beside the paper's table; table.csv.
-void compare_with_table(Application& app);
-
 /// Convergence with the exact semicircle and with a polygon in its place; convergence.csv.
 void compare_representations(Application& app);
-
-/// Both orders of loading are mirror images on the way and agree at the end; load_displacement.csv.
-void compare_load_orders(Application& app);
 
 }  // namespace mixbeam

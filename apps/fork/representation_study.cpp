@@ -3,7 +3,6 @@
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/fork_study.hpp"
-#include "apps/fork/paper_table.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -45,13 +44,17 @@ struct Errors {
   std::vector<Vector3> displacement;  ///< of P1
 };
 
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+constexpr const char* kPrototypeSource =
+    "stand-alone prototype of the element with all derivatives by automatic differentiation";
 
-Vector3 position_of(const Scene& scene, const std::string& point) {
-  const auto found = std::find_if(scene.points.begin(), scene.points.end(),
-                                  [&point](const Point& candidate) { return candidate.name == point; });
-  return found->position;  // a scene that was read names no other points
+/// The prototype's values by representation, in configurations (1) and (2), for k = 1 with 3 elements per member.
+std::array<PrintedDisplacement, 2> prototype_p1_displacement(const std::string& representation) {
+  if (representation == "polygon")
+    return {{{"-1.083302", "-0.753566", "1.981053"}, {"-0.590690", "-0.728401", "1.463117"}}};
+  return {{{"-1.095829", "-0.764450", "1.998650"}, {"-0.603967", "-0.740340", "1.483168"}}};
 }
+
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 /// Corner `i` of the polygon in place of a member; the ends are points of the scene.
 std::string corner_name(const Member& member, int i) {

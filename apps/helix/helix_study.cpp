@@ -1,22 +1,77 @@
 // Helix experiment: a straight rod bent and twisted into an exact helix by a moment at its tip.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "apps/common/studies/vertex_places.hpp"
 #include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/table_printer.hpp"
-#include "apps/helix/exact_helix.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <optional>
 #include <ostream>
-#include <sstream>
 
 namespace mixbeam {
 
 namespace {
+
+/// r(s) = R0 sin(a) e1 - R0 cos(a) e2 + h0 s / L e3,  a = 2 pi n s / L  (paper, section "Helix experiment").
+struct ExactHelix {
+  double radius = 0.0;  ///< R0
+  double height = 0.0;  ///< h0
+  double coils = 0.0;   ///< n
+
+  /// L
+  double length() const { return std::hypot(2.0 * M_PI * coils * radius, height); }
+  /// c = h0 / (2 pi n R0), the tangent of the angle of inclination
+  double slope() const { return height / (2.0 * M_PI * coils * radius); }
+  /// a(s)
+  double angle(double s) const { return 2.0 * M_PI * coils * s / length(); }
+  Vec3<double> position(double s) const {
+    return {{radius * std::sin(angle(s)), -radius * std::cos(angle(s)), height * s / length()}};
+  }
+
+  /// Triad of the section: exp(a e3) exp(-arctan(c) e2). The paper prints the second angle with the other sign, which
+  /// does not give the tangent of r(s).
+  Quaternion<double> triad(double s) const {
+    return exp_quaternion(Vec3<double>{{0.0, 0.0, angle(s)}}) *
+           exp_quaternion(Vec3<double>{{0.0, -std::atan(slope()), 0.0}});
+  }
+};
+
+/// Errors of one computed rod. Positions are divided by L, rotations in radians.
+struct HelixErrors {
+  double tip_position = 0.0, tip_rotation = 0.0;
+  double vertex_position = 0.0, vertex_rotation = 0.0;  ///< largest of all vertices
+  double centerline = 0.0;                              ///< sqrt(1/L int |r - r_exact|^2 ds) / L, vertices and between
+};
+
+/// A third of two coils, the longest element of the study, has sines and cosines of 4 pi / 3: 16 points integrate the
+/// square of the error to round-off.
+constexpr int kGaussPoints = 16;
+
+/// Of a scene with one member, which runs from s = 0 to s = L. Collective.
+HelixErrors compare(const Simulation& simulation, const ExactHelix& exact) {
+  const Mesh& mesh = simulation.model().mesh();
+  const double length = exact.length();
+  HelixErrors errors;
+  for (const MeshElement& element : mesh.elements) {
+    const int vertex = element.vertex[1];
+    const double s = length * (element.index + 1) / static_cast<double>(mesh.elements.size());
+    const VertexPlace place = place_of(simulation, vertex);
+    const Quaternion<double> triad = place.rotation * mesh.members[element.member].curve.triad(s);
+    errors.tip_position = length_of(place.position - exact.position(s)) / length;
+    errors.tip_rotation = angle_of(conjugate(exact.triad(s)) * triad);
+    errors.vertex_position = std::max(errors.vertex_position, errors.tip_position);
+    errors.vertex_rotation = std::max(errors.vertex_rotation, errors.tip_rotation);
+  }
+  errors.centerline = simulation.l2_norm(kGaussPoints, [&exact](const PointSample& sample, int) {
+    return sample.position - exact.position(sample.arc_length);
+  }) / length;
+  return errors;
+}
 
 const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Helix experiment\"";
 const std::string kGoal =
@@ -58,29 +113,16 @@ double slenderness_of(const Scene& scene, const ExactHelix& exact) {
 }
 
 /// The same rod of another slenderness: its radius changes, E and G stay, and the moment that winds it grows with EI.
-Scene with_slenderness(Scene scene, double slenderness, const ExactHelix& exact) {
-  const double radius = slenderness_of(scene, exact) / slenderness;  // new over old
-  const double area = std::pow(radius, 2), inertia = std::pow(radius, 4);
-  for (Section& section : scene.sections) {
-    section.axial_stiffness *= area;
-    section.torsional_stiffness *= inertia;
-    for (double& stiffness : section.shear_stiffness) stiffness *= area;
-    for (double& stiffness : section.bending_stiffness) stiffness *= inertia;
-  }
-  for (PointLoad& load : scene.point_loads)
-    for (double& component : load.moment) component *= inertia;
-  return scene;
+Scene with_slenderness(const Scene& scene, double slenderness, const ExactHelix& exact) {
+  return with_side(scene, slenderness_of(scene, exact) / slenderness);
 }
 
 /// As the paper has it: the rod lies along e1 and its clamp turns by -arctan(c) about e2 while the moment grows.
 Scene with_turned_clamp(Scene scene, const ExactHelix& exact) {
   const Member& rod = scene.members.front();
-  const auto point = [&scene](const std::string& name) -> Vector3& {
-    return std::find_if(scene.points.begin(), scene.points.end(), [&](const Point& p) { return p.name == name; })
-        ->position;
-  };
-  point(rod.end_point) = point(rod.start_point);
-  point(rod.end_point)[0] += exact.length();
+  const Vector3 start = position_of(scene, rod.start_point);
+  for (Point& point : scene.points)
+    if (point.name == rod.end_point) point.position = {start[0] + exact.length(), start[1], start[2]};
   scene.supports.front().prescribed_rotation = {0.0, -std::atan(exact.slope()), 0.0};
   return scene;
 }
@@ -112,15 +154,12 @@ HelixRun measure(const Simulation& simulation, double slenderness, const ExactHe
 
 /// "rho=10 k=1, 3 elements"
 std::string name_of(const HelixRun& run) {
-  std::ostringstream text;
-  text << "rho=" << run.slenderness << " k=" << run.order << ", " << run.elements << " elements";
-  return text.str();
+  return formatted("rho=%g k=%d, %d elements", run.slenderness, run.order, run.elements);
 }
 
 ComparedValue exact_coordinate(double own, double exact, double length) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.6f",
-                std::abs(exact) < kExact * length ? 0.0 : exact);  // sin(4 pi) is not quite zero
+  const std::string text =
+      formatted("%.6f", std::abs(exact) < kExact * length ? 0.0 : exact);  // sin(4 pi) is not quite zero
   return {text, own, std::abs(own - exact) <= kExact * length ? Agreement::agrees : Agreement::differs};
 }
 
@@ -149,9 +188,7 @@ void compare_with_paper(Application& app, const ExactHelix& exact, const std::ve
       "Helix experiment: tip of the rod (paper: exact for 5 elements of order 1, and for 3 of order 2 and higher)",
       {"k", "elements", "iterations"}, {"r1(L)", "r2(L)", "r3(L)"}, "exact");
   for (double slenderness : slendernesses) {
-    std::ostringstream heading;
-    heading << "slenderness " << slenderness;
-    table.add_group(heading.str());
+    table.add_group(formatted("slenderness %g", slenderness));
     for (const RodMesh& mesh : meshes) {
       const Scene scene = with_mesh(with_slenderness(app.scene, slenderness, exact), mesh.order, mesh.elements);
       const HelixRun run = compare_tip(app, scene, slenderness, exact, table, "");
@@ -210,24 +247,22 @@ HelixRun worst_of(const std::vector<HelixRun>& runs, double slenderness, int ord
 /// What is exact on every mesh: the tip, and the rotations of all vertices.
 void report_exact_values(Application& app, const std::vector<HelixRun>& runs,
                          const std::vector<double>& slendernesses) {
-  char line[200];
   app.out() << "\nLargest deviation from the exact helix over all meshes, and what the worst mesh took (position / L, "
-               "angles in radians)\n"
-            << "   slenderness  k   tip position   tip rotation   rotation of any vertex   load steps   iterations\n";
+               "angles in radians)\n";
+  StudyTable table(
+      app, "",
+      {"slenderness", "k", "tip position", "tip rotation", "rotation of any vertex", "load steps", "iterations"}, 7);
   for (double slenderness : slendernesses)
     for (int order : study_list<int>(app, "Orders")) {
       const HelixRun worst = worst_of(runs, slenderness, order);
-      std::snprintf(line, sizeof line, "%14g %2d %14.1e %14.1e %24.1e %12d %12d\n", slenderness, order,
-                    worst.errors.tip_position, worst.errors.tip_rotation, worst.errors.vertex_rotation,
-                    worst.load_steps, worst.iterations);
-      app.out() << line;
-      std::ostringstream name;
-      name << "rho=" << slenderness << " k=" << order << ", all meshes: ";
-      app.summary.check_upper_bound(name.str() + "tip, distance to the exact helix / L", worst.errors.tip_position,
-                                    kExact, kPaper);
-      app.summary.check_upper_bound(name.str() + "any vertex, angle to the exact rotation",
-                                    worst.errors.vertex_rotation, kExactRotation, kPaper);
-      app.summary.check_upper_bound(name.str() + "Newton iterations", worst.iterations, kStudyIterations, kGoal);
+      table.add_row({slenderness, order, worst.errors.tip_position, worst.errors.tip_rotation,
+                     worst.errors.vertex_rotation, worst.load_steps, worst.iterations});
+      const std::string name = formatted("rho=%g k=%d, all meshes: ", slenderness, order);
+      app.summary.check_upper_bound(name + "tip, distance to the exact helix / L", worst.errors.tip_position, kExact,
+                                    kPaper);
+      app.summary.check_upper_bound(name + "any vertex, angle to the exact rotation", worst.errors.vertex_rotation,
+                                    kExactRotation, kPaper);
+      app.summary.check_upper_bound(name + "Newton iterations", worst.iterations, kStudyIterations, kGoal);
     }
 }
 
@@ -244,9 +279,7 @@ struct ErrorKind {
 void report_convergence(Application& app, const std::vector<HelixRun>& runs, double slenderness,
                         const ErrorKind& kind) {
   ConvergenceTable table("\n" + kind.name, study_list<int>(app, "Elements"), kAboveRoundOff);
-  std::ostringstream heading;
-  heading << "slenderness " << slenderness;
-  table.add_group(heading.str());
+  table.add_group(formatted("slenderness %g", slenderness));
   for (int order : study_list<int>(app, "Orders")) {
     std::vector<double> errors;
     for (const HelixRun& run : runs)
@@ -276,20 +309,10 @@ ListSpec helix_study_spec() {
   spec.add(real("Radius").above(0.0).by_default(10.0).means("R0 of the helix that the scene's moment winds [length]."));
   spec.add(real("Height").above(0.0).by_default(50.0).means("h0, gained over all coils [length]."));
   spec.add(real("Coils").above(0.0).by_default(2.0).means("n, the number of full turns."));
-  spec.add(array("Slenderness", ParameterType::real_array)
-               .above(0.0)
-               .by_default(Teuchos::tuple(10.0, 1e3, 1e6))
-               .means("L over the diameter of the circular section."));
-  spec.add(array("Orders", ParameterType::integer_array)
-               .at_least(1)
-               .at_most(8)
-               .by_default(Teuchos::tuple(1, 2, 3, 4, 5, 6))
-               .means("Element orders k."));
-  spec.add(array("Elements", ParameterType::integer_array)
-               .at_least(3)
-               .at_most(100000)
-               .by_default(Teuchos::tuple(3, 4, 5, 8, 16, 32, 64))
-               .means("Numbers of elements, ascending; two coils need at least three."));
+  spec.add(sizes("Slenderness", {10.0, 1e3, 1e6}, kNoLimit, "L over the diameter of the circular section."));
+  spec.add(counts("Orders", {1, 2, 3, 4, 5, 6}, 8, "Element orders k."));
+  spec.add(counts("Elements", {3, 4, 5, 8, 16, 32, 64}, 100000,
+                  "Numbers of elements, ascending; two coils need at least three.", 3));
   return spec;
 }
 
@@ -320,10 +343,7 @@ void run_helix_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "helix";
-  definition.purpose = "straight rod that a moment at its tip winds to an exact helix (helix experiment).";
-  definition.study = mixbeam::helix_study_spec();
-  definition.run_study = mixbeam::run_helix_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(argc, argv, "helix",
+                            "straight rod that a moment at its tip winds to an exact helix (helix experiment).",
+                            mixbeam::helix_study_spec(), mixbeam::run_helix_study);
 }

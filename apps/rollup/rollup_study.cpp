@@ -2,13 +2,12 @@
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/rollup/bent_rod.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <ostream>
-#include <sstream>
 
 namespace mixbeam {
 
@@ -62,9 +61,7 @@ struct RollupRun {
 using Runs = std::vector<RollupRun>;
 
 std::string name_of(const char* integration, double slenderness, int order) {
-  std::ostringstream text;
-  text << integration << ", rho=" << slenderness << " k=" << order;
-  return text.str();
+  return formatted("%s, rho=%g k=%d", integration, slenderness, order);
 }
 
 RollupRun compute(Application& app, const PureBending& bending, const BentRod& rod, const SolverParameters& solver) {
@@ -76,21 +73,20 @@ RollupRun compute(Application& app, const PureBending& bending, const BentRod& r
 /// Whatever the mesh, the tip closes the circle, rotations are exact, and vertices are where exact tangents put them.
 void check_exact_values(Application& app, const PureBending& bending) {
   const int elements = app.study().get<int>("Exact Elements");
-  char line[200];
   app.out() << "\nWhat is exact on every mesh, and what is not: " << elements
-            << " elements, one load step (positions / L, angles in radians)\n"
-               "   slenderness  k   iterations   tip position   rotation of    vertex from        vertex from\n"
-               "                                                any vertex     k-point Gauss rule the circle\n";
+            << " elements, one load step (positions / L, angles in radians)\n";
+  StudyTable table(app, "",
+                   {"slenderness", "k", "iterations", "tip position", "rotation of any vertex",
+                    "vertex from k-point Gauss rule", "vertex from the circle"},
+                   7);
   for (double slenderness : study_list<double>(app, "Exact Slenderness"))
     for (int order : study_list<int>(app, "Exact Orders")) {
       const BentRod rod{kBothReduced.integration, slenderness, order, elements};
       SolverParameters solver = with_fixed_steps(app.solver, 1);
       solver.newton.residual_tolerance = slenderness < kStiff ? kResidualTolerance : kResidualToleranceOfStiff;
       const RollupRun run = compute(app, bending, rod, solver);
-      std::snprintf(line, sizeof line, "%14g %2d %12d %14.1e %13.1e %17.1e %15.1e\n", slenderness, order,
-                    run.iterations, run.vertices.tip, run.vertices.rotation, run.vertices.quadrature,
-                    run.vertices.circle);
-      app.out() << line;
+      table.add_row({slenderness, order, run.iterations, run.vertices.tip, run.vertices.rotation,
+                     run.vertices.quadrature, run.vertices.circle});
       const std::string name = name_of("exact values", slenderness, order) + ": ";
       app.summary.check_upper_bound(name + "tip, distance from the circle / L", run.vertices.tip, kExact, kClosedForm);
       app.summary.check_upper_bound(name + "vertices, distance from Gauss rule of the exact tangent / L",
@@ -148,10 +144,10 @@ void report_errors(Application& app, const Runs& runs) {
   for (std::size_t first = 0; first + elements.size() <= runs.size(); first += elements.size()) {
     const BentRod& rod = runs[first].rod;
     const char* integration = integration_name(rod.integration);
-    std::ostringstream heading;
-    heading << integration << (rod.integration == ForceIntegration::full ? " integration" : "") << ", slenderness "
-            << rod.slenderness;
-    if (heading.str() != group) table.add_group(group = heading.str());
+    const bool full = rod.integration == ForceIntegration::full;
+    const std::string heading =
+        formatted("%s%s, slenderness %g", integration, full ? " integration" : "", rod.slenderness);
+    if (heading != group) table.add_group(group = heading);
     std::vector<double> errors;
     for (std::size_t i = 0; i < elements.size(); ++i) errors.push_back(runs[first + i].l2_error);
     const auto rate = table.add_row(rod.order, errors);
@@ -173,23 +169,16 @@ const RollupRun* find(const Runs& runs, const BentRod& wanted) {
 
 /// Error over that of both reduced integrations: printed, and checked against what the paper's figures show.
 void report_locking(Application& app, const Runs& runs) {
-  char cell[40];
-  std::ostream& out = app.out();
-  out << "\nLocking at slenderness " << kLockingSlenderness << " with " << kLockingElements
-      << " elements: error / error with both parts reduced (* locks: more than " << kLocked << ")\n  k ";
-  for (const NamedIntegration& how : kSelective) {
-    std::snprintf(cell, sizeof cell, "%16s", how.name);
-    out << cell;
-  }
+  app.out() << "\nLocking at slenderness " << kLockingSlenderness << " with " << kLockingElements
+            << " elements: more than " << kLocked << " times the error with both parts reduced";
+  StudyTable table(app, "", {"integration", "k", "ratio", "locks"}, 4);
   for (int order : study_list<int>(app, "Orders")) {
-    out << "\n  " << order << " ";
     for (const NamedIntegration& how : kSelective) {
       const RollupRun* run = find(runs, {how.integration, kLockingSlenderness, order, kLockingElements});
       const RollupRun* best = find(runs, {kBothReduced.integration, kLockingSlenderness, order, kLockingElements});
       if (run == nullptr || best == nullptr) continue;  // the user's lists do not hold this mesh
       const double ratio = run->l2_error / best->l2_error;
-      std::snprintf(cell, sizeof cell, "%14.4g %c", ratio, ratio > kLocked ? '*' : ' ');
-      out << cell;
+      table.add_row({how.name, order, ratio, ratio > kLocked ? "yes" : "no"});
       const std::string name = name_of(how.name, kLockingSlenderness, order);
       const bool locks = std::count(how.locking_orders.begin(), how.locking_orders.end(), order) > 0;
       if (locks)
@@ -200,7 +189,6 @@ void report_locking(Application& app, const Runs& runs) {
                                       kPaper);
     }
   }
-  out << "\n";
 }
 
 void compare_with_prototype(Application& app, const Runs& runs) {
@@ -219,27 +207,17 @@ void compare_with_prototype(Application& app, const Runs& runs) {
 }
 
 ListSpec rollup_spec() {
-  const auto slendernesses = [](const char* name, const std::vector<double>& by_default, const char* meaning) {
-    const ParameterSpec list = array(name, ParameterType::real_array).above(0.0).at_most(1e10);
-    return list.by_default(Teuchos::Array<double>(by_default)).means(meaning);
-  };
-  const auto orders = [](const char* name, const std::vector<int>& by_default, const char* meaning) {
-    const ParameterSpec list = array(name, ParameterType::integer_array).at_least(1).at_most(8);
-    return list.by_default(Teuchos::Array<int>(by_default)).means(meaning);
-  };
+  constexpr double kMost = 1e10;
   ListSpec spec("Meshes, orders and slendernesses L/a (square section of side a); GA = EA/2, EI as in the scene.");
-  spec.add(slendernesses("Slenderness", {10, 100, 1000}, "For full integration and for both parts reduced."));
-  spec.add(slendernesses("Slenderness of Selective Reduction", {1000}, "For one of the two parts reduced."));
-  spec.add(orders("Orders", {1, 2, 3, 4}, "Element orders k where elements may lock."));
-  spec.add(orders("Orders Both Reduced", {1, 2, 3, 4, 5, 6}, "Element orders k where they do not."));
-  spec.add(array("Elements", ParameterType::integer_array)
-               .at_least(5)
-               .at_most(100000)
-               .by_default(Teuchos::Array<int>({8, 16, 32, 64, 128, 256, 512}))
-               .means("Numbers of elements, ascending; fewer than 5 would turn by more than pi."));
-  spec.add(slendernesses("Exact Slenderness", {10, 1000, 1e6}, "For the values that are exact on every mesh."));
-  spec.add(orders("Exact Orders", {1, 2, 3, 4, 5, 6, 7, 8}, "Element orders k for these values."));
-  spec.add(integer("Exact Elements").at_least(5).at_most(100000).by_default(8).means("Number of elements for them."));
+  spec.add(sizes("Slenderness", {10, 100, 1000}, kMost, "For full integration and for both parts reduced."));
+  spec.add(sizes("Slenderness of Selective Reduction", {1000}, kMost, "For one of the two parts reduced."));
+  spec.add(counts("Orders", {1, 2, 3, 4}, 8, "Element orders k where elements may lock."));
+  spec.add(counts("Orders Both Reduced", {1, 2, 3, 4, 5, 6}, 8, "Element orders k where they do not."));
+  spec.add(counts("Elements", {8, 16, 32, 64, 128, 256, 512}, 100000,
+                  "Numbers of elements, ascending; fewer than 5 would turn by more than pi.", 5));
+  spec.add(sizes("Exact Slenderness", {10, 1000, 1e6}, kMost, "For the values that are exact on every mesh."));
+  spec.add(counts("Exact Orders", {1, 2, 3, 4, 5, 6, 7, 8}, 8, "Element orders k for these values."));
+  spec.add(count("Exact Elements", 8, 100000, "Number of elements for them.", 5));
   return spec;
 }
 
@@ -261,10 +239,8 @@ void run_rollup_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "rollup";
-  definition.purpose = "a straight cantilever bent to a double circle by a moment at its tip; convergence and locking.";
-  definition.study = mixbeam::rollup_spec();
-  definition.run_study = mixbeam::run_rollup_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "rollup",
+      "a straight cantilever bent to a double circle by a moment at its tip; convergence and locking.",
+      mixbeam::rollup_spec(), mixbeam::run_rollup_study);
 }

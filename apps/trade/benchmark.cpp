@@ -155,12 +155,8 @@ bool BenchmarkProblem::keeps_path() const {
 
 BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchmark) {
   const Application file = benchmark.file.empty() ? app : read_scene_of(app, benchmark.file);
-  BenchmarkProblem problem{benchmark, scene_of_case(file.scene, benchmark.load_case), file.solver};
-  for (PointLoad& load : problem.scene.point_loads)
-    for (int i = 0; i < 3; ++i) {
-      load.force[i] *= benchmark.load_share;
-      load.moment[i] *= benchmark.load_share;
-    }
+  BenchmarkProblem problem{benchmark, with_loads(scene_of_case(file.scene, benchmark.load_case), benchmark.load_share),
+                           file.solver};
   sort_expected(file.expected, problem);
   if (benchmark.in_gallery) return problem;
   if (benchmark.point.empty()) problem.about.point = loaded_point(problem.scene);

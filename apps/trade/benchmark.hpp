@@ -12,7 +12,7 @@ struct Benchmark {
   std::string kind;         ///< a few words: plane or space, smooth or kinked, slender or thick
   std::string point;        ///< whose displacement is judged; empty: the first loaded point
   std::string load_case{};  ///< of the file
-  double load_share = 1.0;  ///< of the point loads of the file: a fixed load short of where the path turns
+  double load_share = 1.0;  ///< of the loads of the file: a fixed load short of where the path turns
   Branch branch = Branch::primary;     ///< where the load is beyond a bifurcation; else what the file says
   std::vector<ExpectedValue> limit{};  ///< in place of the file's values, where these are those of a coarse mesh
   bool integrations = false;           ///< measured with force strains fully integrated too

@@ -56,26 +56,24 @@ struct TimedRun {
   RunTimes times;
 };
 
-TimedRun run_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan,
-                  const Communicator& communicator) {
+TimedRun run_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan) {
   const Scene scene = problem.with(cell.order, cell.elements, cell.integration);
   SolverParameters parameters = problem.solver;
   parameters.threads = threads;
   RunTimes times;
   PathControl control;
   const RunWatch watch;
-  Simulation simulation(scene, parameters, communicator);
+  Simulation simulation(scene, parameters, plan.communicator);
   times.setup_seconds = watch.seconds();
-  control.stop = [&] { return communicator->getSize() == 1 && watch.processor_seconds() > plan.most_seconds; };
+  control.stop = [&] { return plan.communicator->getSize() == 1 && watch.processor_seconds() > plan.most_seconds; };
   simulation.run({}, control);
-  times.seconds = watch.seconds();
-  times.processor_seconds = watch.processor_seconds();
+  times.stop(watch);
   return {std::move(simulation), times};
 }
 
 /// Numbers of threads in turn, so that a machine that slows down for a while does so for all of them.
 TimesByThreads time_cell(const BenchmarkProblem& problem, const Cell& cell, const RunTimes& first,
-                         const TimingPlan& plan, const Communicator& communicator) {
+                         const TimingPlan& plan) {
   std::map<int, std::vector<RunTimes>> runs;
   const double round_seconds = first.seconds * plan.threads.size();
   const int affordable = static_cast<int>(std::min<double>(plan.repetitions, plan.budget / round_seconds));
@@ -83,7 +81,7 @@ TimesByThreads time_cell(const BenchmarkProblem& problem, const Cell& cell, cons
   for (int round = 0; round <= (only_once ? 0 : affordable); ++round)
     for (const int threads : plan.threads) {
       const bool is_first = round == 0 && threads == plan.threads.front();
-      const RunTimes times = is_first ? first : run_once(problem, cell, threads, plan, communicator).times;
+      const RunTimes times = is_first ? first : run_once(problem, cell, threads, plan).times;
       if (round > 0 || only_once) runs[threads].push_back(times);
     }
   TimesByThreads times;
@@ -99,7 +97,7 @@ double element_flops(int order) {
   return of_order[order];
 }
 
-void count(const Simulation& simulation, CellResult& result) {
+void count_costs(const Simulation& simulation, CellResult& result) {
   const InteriorLayout layout{result.cell.order, force_point_count(result.cell.order, result.cell.integration)};
   const int elements = static_cast<int>(simulation.model().mesh().elements.size());
   const LoadPathResult& path = simulation.result();
@@ -122,8 +120,8 @@ Scene scene_with_accuracy(const BenchmarkProblem& problem, double wanted) {
   return scene;
 }
 
-AccurateRun run_for_accuracy(const BenchmarkProblem& problem, double wanted, int threads,
-                             const Communicator& communicator, RunTimes& times, PathTrace* trace = nullptr) {
+AccurateRun run_for_accuracy(const BenchmarkProblem& problem, double wanted, int threads, const TimingPlan& plan,
+                             RunTimes& times, PathTrace* trace = nullptr) {
   const Scene scene = scene_with_accuracy(problem, wanted);
   SolverParameters parameters = problem.solver;
   parameters.threads = threads;
@@ -136,24 +134,22 @@ AccurateRun run_for_accuracy(const BenchmarkProblem& problem, double wanted, int
     };
   }
   const RunWatch watch;
-  AccurateRun run = run_accurately(scene, parameters, communicator, problem.keeps_path(), observer);
-  times.seconds = watch.seconds();
-  times.processor_seconds = watch.processor_seconds();
+  AccurateRun run = run_accurately(scene, parameters, plan.communicator, problem.keeps_path(), observer);
+  times.stop(watch);
   return run;
 }
 
 /// The program's way and the cheapest cells in turn, so that a machine that slows down for a while does so for all.
-AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads, const TimingPlan& plan,
-                       const Communicator& communicator) {
+AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads, const TimingPlan& plan) {
   std::vector<const CellResult*> cells = result.cheapest(wanted, threads);
   cells.resize(std::min(cells.size(), kCandidates));
   std::vector<std::vector<RunTimes>> runs(1 + cells.size());
   const RunWatch watch;
   const int least = std::min(plan.repetitions, kLeastRounds);
   for (int round = 0; round < least || (round < plan.repetitions && watch.seconds() < kPriceBudget); ++round) {
-    run_for_accuracy(result.problem, wanted, threads, communicator, runs[0].emplace_back());
+    run_for_accuracy(result.problem, wanted, threads, plan, runs[0].emplace_back());
     for (std::size_t i = 0; i < cells.size(); ++i)
-      runs[1 + i].push_back(run_once(result.problem, cells[i]->cell, threads, plan, communicator).times);
+      runs[1 + i].push_back(run_once(result.problem, cells[i]->cell, threads, plan).times);
   }
   AccuracyPrice price;
   price.seconds = cost_of(medians(runs[0]), threads);
@@ -168,7 +164,7 @@ AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads
 
 /// Cells that are not computed are among them, with the reason.
 void measure_row(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                 ForceIntegration integration, int order, const Communicator& communicator) {
+                 ForceIntegration integration, int order) {
   const double rounded = std::max(kRoundOff, largest_error(reference.difference()));
   int rounded_meshes = 0;
   double last_seconds = 0.0;
@@ -179,7 +175,7 @@ void measure_row(BenchmarkResult& result, const Reference& reference, const Matr
     } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
       cell.status = CellStatus::too_long;
     } else {
-      cell = measure_cell(result.problem, reference, cell.cell, plan.timing, communicator);
+      cell = measure_cell(result.problem, reference, cell.cell, plan.timing);
       const double error = largest_error(cell.errors);
       last_seconds = error < kNoSolution ? cell.times.at(plan.timing.threads.front()).processor_seconds : 0.0;
       rounded_meshes = error <= rounded ? rounded_meshes + 1 : 0;
@@ -200,27 +196,13 @@ std::vector<int> meshes_of(const BenchmarkProblem& problem) {
 
 }  // namespace
 
-const char* name_of(CellStatus status) {
-  switch (status) {
-    case CellStatus::converged:
-      return "converged";
-    case CellStatus::failed:
-      return "failed";
-    case CellStatus::past_round_off:
-      return "past round-off";
-    case CellStatus::too_long:
-      return "too long";
-  }
-  return "";
-}
-
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
-                        const TimingPlan& plan, const Communicator& communicator) {
+                        const TimingPlan& plan) {
   CellResult result;
   result.cell = cell;
   try {
-    const TimedRun first = run_once(problem, cell, plan.threads.front(), plan, communicator);
-    count(first.simulation, result);
+    const TimedRun first = run_once(problem, cell, plan.threads.front(), plan);
+    count_costs(first.simulation, result);
     result.times[plan.threads.front()] = first.times;
     if (first.simulation.result().interrupted) result.status = CellStatus::too_long;
     if (!first.simulation.result().finished) return result;
@@ -231,7 +213,7 @@ CellResult measure_cell(const BenchmarkProblem& problem, const Reference& refere
       result.estimated = estimated_errors(first.simulation, problem.about.point);
       result.estimate_seconds = watch.processor_seconds();
     }
-    result.times = time_cell(problem, cell, first.times, plan, communicator);
+    result.times = time_cell(problem, cell, first.times, plan);
   } catch (const InputError&) {  // a mesh that is too coarse for its curve
     result.status = CellStatus::failed;
   }
@@ -256,30 +238,28 @@ std::vector<const CellResult*> BenchmarkResult::cheapest(double accuracy, int th
 }
 
 AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
-                                   const TimingPlan& plan, const Communicator& communicator) {
+                                   const TimingPlan& plan) {
   PathTrace trace(result.problem);
   RunTimes times;
-  const AccurateRun run = run_for_accuracy(result.problem, wanted, plan.threads.front(), communicator, times, &trace);
+  const AccurateRun run = run_for_accuracy(result.problem, wanted, plan.threads.front(), plan, times, &trace);
   AccurateCell cell;
   cell.wanted = wanted;
   cell.end = run.end;
   cell.rounds = run.rounds;
   if (run.simulation.result().finished) cell.errors = reference.errors_of(run.simulation);
   if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace(), reference.displacement());
-  for (const int threads : plan.threads) cell.prices[threads] = price_of(result, wanted, threads, plan, communicator);
+  for (const int threads : plan.threads) cell.prices[threads] = price_of(result, wanted, threads, plan);
   return cell;
 }
 
-void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                    const Communicator& communicator) {
+void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan) {
   for (const ForceIntegration integration : {ForceIntegration::both_reduced, ForceIntegration::full})
     for (const int order : plan.orders)
       if (integration == ForceIntegration::both_reduced || result.problem.about.integrations)
-        measure_row(result, reference, plan, integration, order, communicator);
+        measure_row(result, reference, plan, integration, order);
 }
 
-void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                   const Communicator& communicator) {
+void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan) {
   const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
   TimingPlan timing = plan.timing;
   timing.threads.resize(1);  // more of them are left to the accuracies
@@ -287,7 +267,7 @@ void measure_front(BenchmarkResult& result, const Reference& reference, const Ma
   for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
     for (const int elements : meshes_of(result.problem)) {
       const Cell cell{ForceIntegration::both_reduced, *order, elements};
-      result.cells.push_back(measure_cell(result.problem, reference, cell, timing, communicator));
+      result.cells.push_back(measure_cell(result.problem, reference, cell, timing));
       const CellResult& last = result.cells.back();
       const double error = motion_error(last.errors);
       if (last.status == CellStatus::too_long || error <= smallest) break;

@@ -2,6 +2,7 @@
 /// accuracy, judged and timed beside the cheapest cell.
 #pragma once
 
+#include "apps/common/studies/study.hpp"
 #include "apps/trade/reference.hpp"
 
 #include <map>
@@ -14,7 +15,7 @@ enum class CellStatus {
   past_round_off,  ///< not computed: coarser meshes are as exact as rounding allows
   too_long         ///< took longer than a cell may, or would
 };
-const char* name_of(CellStatus status);
+inline constexpr std::array<const char*, 4> kStatusNames = {"converged", "failed", "past round-off", "too long"};
 
 struct Cell {
   ForceIntegration integration = ForceIntegration::both_reduced;  ///< or full
@@ -26,6 +27,10 @@ struct RunTimes {
   double seconds = std::nan("");            ///< wall time from the scene to equilibrium, reading left out
   double setup_seconds = std::nan("");      ///< of it, until the first residual: mesh, numbering, memory
   double processor_seconds = std::nan("");  ///< of all threads together
+  void stop(const RunWatch& watch) {
+    seconds = watch.seconds();
+    processor_seconds = watch.processor_seconds();
+  }
 };
 using TimesByThreads = std::map<int, RunTimes>;  ///< medians
 
@@ -44,6 +49,7 @@ struct CellResult {
 
 /// How a cell is timed.
 struct TimingPlan {
+  Communicator communicator;
   std::vector<int> threads;
   int repetitions = 0;        ///< at most, for each number of threads; at least three where they fit into the budget
   double budget = 0.0;        ///< seconds for repetitions
@@ -60,7 +66,7 @@ struct MatrixPlan {
 
 /// The first run with each number of threads warms up; it counts only where it is the only one that the budget allows.
 CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
-                        const TimingPlan& plan, const Communicator& communicator);
+                        const TimingPlan& plan);
 
 /// A wanted accuracy against the single solve that reaches it cheapest.
 struct AccuracyPrice {
@@ -97,14 +103,12 @@ struct BenchmarkResult {
 
 /// Scenes that ask for a path have it followed on the last mesh too. `result`: with its cells.
 AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
-                                   const TimingPlan& plan, const Communicator& communicator);
+                                   const TimingPlan& plan);
 
 /// Fills in the cells of a benchmark: all orders on all meshes.
-void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                    const Communicator& communicator);
+void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan);
 /// Those of a scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest
 /// order down. Elements are those of the file, halved and doubled.
-void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
-                   const Communicator& communicator);
+void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan);
 
 }  // namespace mixbeam

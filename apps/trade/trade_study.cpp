@@ -4,6 +4,7 @@
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/studies/study.hpp"
 #include "apps/common/tables/convergence_table.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/trade/cell.hpp"
 #include "kernels/element/layout.hpp"
 
@@ -40,7 +41,7 @@ MatrixPlan plan_of(Application& app) {
                   integers("Elements"),
                   mesh("Reference"),
                   mesh("Confirmation"),
-                  {integers("Threads"), study.get<int>("Repetitions"), study.get<double>("Seconds"),
+                  {app.communicator, integers("Threads"), study.get<int>("Repetitions"), study.get<double>("Seconds"),
                    study.get<double>("Most Seconds")},
                   study_list<double>(app, "Accuracies")};
   std::sort(plan.orders.begin(), plan.orders.end());
@@ -126,16 +127,15 @@ BenchmarkResult compute(Application& app, const Benchmark& benchmark, const Matr
   const Reference reference(problem, app.communicator, result.reference, result.confirmation);
   result.difference = reference.difference();
   check_reference(app, problem, reference);
-  (benchmark.in_gallery ? measure_front : measure_matrix)(result, reference, plan, app.communicator);
+  (benchmark.in_gallery ? measure_front : measure_matrix)(result, reference, plan);
   for (const double wanted : plan.accuracies)
-    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing, app.communicator));
+    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing));
   if (benchmark.rates) check_rates(app, result, plan);
   for (const AccurateCell& cell : result.accurate) {
-    char accuracy[20];
-    std::snprintf(accuracy, sizeof accuracy, "%.0e", cell.wanted);
     if (cell.wanted >= result.floor())
-      app.summary.check_upper_bound(benchmark.name + ": error for a wanted accuracy of " + accuracy,
-                                    motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
+      app.summary.check_upper_bound(
+          benchmark.name + ": error for a wanted accuracy of " + formatted("%.0e", cell.wanted),
+          motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
   }
   for (const CellResult& cell : result.cells) {
     app.summary.load_steps += cell.load_steps;
@@ -168,14 +168,12 @@ class TradeTables {
   TradeTables(const Application& app, const MatrixPlan& plan)
       : plan_(plan),
         benchmarks_(app, "benchmarks.csv",
-                    {"benchmark", "set", "kind", "members", "point", "floor", "displacement_difference",
-                     "centerline_difference", "moment_difference", "energy_difference", "values_checked", "reference",
-                     "confirmation"}),
+                    words("benchmark,set,kind,members,point,floor,displacement_difference,centerline_difference,"
+                          "moment_difference,energy_difference,values_checked,reference,confirmation")),
         cells_(app, "trade.csv", columns_of_cells(plan.timing.threads)),
         accuracies_(app, "accuracy.csv",
-                    {"benchmark", "wanted", "outcome", "meshes", "estimated_error", "displacement_error",
-                     "centerline_error", "path_error", "threads", "seconds", "best_order", "best_elements",
-                     "best_seconds", "ratio", "set", "rounds"},
+                    words("benchmark,wanted,outcome,meshes,estimated_error,displacement_error,centerline_error,"
+                          "path_error,threads,seconds,best_order,best_elements,best_seconds,ratio,set,rounds"),
                     14) {}
 
   void add(const BenchmarkResult& result) {
@@ -197,11 +195,9 @@ class TradeTables {
 
  private:
   static std::vector<std::string> columns_of_cells(const std::vector<int>& threads) {
-    std::vector<std::string> columns = {"benchmark",    "integration",     "order",
-                                        "elements",     "status",          "set",
-                                        "flops",        "global_unknowns", "interior_unknowns",
-                                        "load_steps",   "failed_steps",    "newton_iterations",
-                                        "largest_error"};
+    std::vector<std::string> columns = words(
+        "benchmark,integration,order,elements,status,set,flops,global_unknowns,interior_unknowns,load_steps,"
+        "failed_steps,newton_iterations,largest_error");
     for (const char* what : {"_error", "_estimate"})
       for (const char* quantity : kErrorNames) columns.push_back(quantity + std::string(what));
     columns.emplace_back("estimate_seconds");
@@ -213,19 +209,13 @@ class TradeTables {
 
   std::vector<CsvCell> row_of(const std::string& name, const char* set, const CellResult& cell) const {
     const bool full = cell.cell.integration == ForceIntegration::full;
-    std::vector<CsvCell> row = {name,
-                                full ? "full" : "both reduced",
-                                cell.cell.order,
-                                cell.cell.elements,
-                                name_of(cell.status),
-                                set,
-                                cell.flops,
-                                cell.global_unknowns,
-                                cell.interior_unknowns,
-                                cell.load_steps,
-                                cell.failed_steps,
-                                cell.iterations,
-                                largest_error(cell.errors)};
+    const char* integration = full ? "full" : "both reduced";
+    const char* status = kStatusNames[static_cast<std::size_t>(cell.status)];
+    std::vector<CsvCell> row = {name, integration, cell.cell.order, cell.cell.elements, status, set, cell.flops};
+    for (const int count :
+         {cell.global_unknowns, cell.interior_unknowns, cell.load_steps, cell.failed_steps, cell.iterations})
+      row.emplace_back(count);
+    row.emplace_back(largest_error(cell.errors));
     for (const Errors& errors : {cell.errors, cell.estimated}) row.insert(row.end(), errors.begin(), errors.end());
     row.emplace_back(cell.estimate_seconds);
     for (const int n : plan_.timing.threads) {
@@ -247,10 +237,10 @@ std::vector<std::string> names_of(const std::vector<Benchmark>& list) {
 }
 
 ListSpec trade_spec() {
-  const auto counts = [](const char* name, const std::vector<int>& by_default, double most, const char* meaning,
-                         int length = 0) {
-    const ParameterSpec list = array(name, ParameterType::integer_array, length).at_least(1).at_most(most);
-    return list.by_default(Teuchos::Array<int>(by_default)).means(meaning);
+  const auto pair = [](const char* name, const std::vector<int>& by_default, const char* meaning) {
+    ParameterSpec spec = counts(name, by_default, kMostElements, meaning);
+    spec.length = 2;
+    return spec;
   };
   ListSpec spec("Which benchmarks and which cells; a single cell can be measured again by naming it alone.");
   spec.add(subset("Benchmarks", names_of(all_benchmarks()))
@@ -262,26 +252,17 @@ ListSpec trade_spec() {
   spec.add(counts("Orders", {1, 2, 3, 4, 5, 6, 7, 8}, kMaximumOrder, "Element orders k."));
   spec.add(counts("Elements", {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, kMostElements,
                   "Numbers of elements of each member."));
-  spec.add(counts("Reference", {8, 64}, kMostElements, "Order and elements of each member of the reference.", 2));
-  spec.add(counts("Confirmation", {6, 96}, kMostElements, "The same of the solution that confirms it.", 2));
-  spec.add(array("Accuracies", ParameterType::real_array)
-               .above(0.0)
-               .below(1.0)
-               .by_default(Teuchos::Array<double>(std::vector<double>{1e-3, 1e-6, 1e-9}))
-               .means("Errors of displacements that the program is asked for, to choose meshes itself."));
-  spec.add(counts("Threads", {1, 2}, kMostElements, "Numbers of threads; recommendations are those of the first."));
-  spec.add(integer("Repetitions")
-               .at_least(1)
-               .at_most(1000)
-               .by_default(7)
-               .means("Timed runs of a cell with each number of threads, at most; at least three if Seconds allow."));
-  spec.add(real("Seconds").at_least(0.0).by_default(0.06).means("For the repetitions of a cell; else one run counts."));
+  spec.add(pair("Reference", {8, 64}, "Order and elements of each member of the reference."));
+  spec.add(pair("Confirmation", {6, 96}, "The same of the solution that confirms it."));
   spec.add(
-      real("Most Seconds")
-          .above(0.0)
-          .by_default(0.5)
-          .means(
-              "Processor time: a cell that takes longer is stopped after its load step, finer meshes are left out."));
+      array("Accuracies", ParameterType::real_array).above(0.0).below(1.0).by_default(Teuchos::tuple(1e-3, 1e-6, 1e-9)),
+      "Errors of displacements that the program is asked for, to choose meshes itself.");
+  spec.add(counts("Threads", {1, 2}, kMostElements, "Numbers of threads; recommendations are those of the first."));
+  spec.add(count("Repetitions", 7, 1000,
+                 "Timed runs of a cell with each number of threads, at most; at least three if Seconds allow."));
+  spec.add(real("Seconds").at_least(0.0).by_default(0.06), "For the repetitions of a cell; else one run counts.");
+  spec.add(real("Most Seconds").above(0.0).by_default(0.5),
+           "Processor time: a cell that takes longer is stopped after its load step, finer meshes are left out.");
   return spec;
 }
 
@@ -308,10 +289,8 @@ void run_trade_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "trade";
-  definition.purpose = "what each digit costs: error against time for every element order and mesh, on many scenes.";
-  definition.study = mixbeam::trade_spec();
-  definition.run_study = mixbeam::run_trade_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "trade",
+      "what each digit costs: error against time for every element order and mesh, on many scenes.",
+      mixbeam::trade_spec(), mixbeam::run_trade_study);
 }

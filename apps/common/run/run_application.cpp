@@ -94,7 +94,7 @@ int run_application(int argc, char** argv, const ApplicationDefinition& definiti
   if (line.help) print_help(std::cout, definition.name, definition.purpose);
   if (line.print_parameters) print_parameters(std::cout, root_spec(definition), definition.name);
   if (line.help || line.print_parameters) return 0;
-  const MpiSession session(argc, argv);
+  const MpiSession session;
   return guarded_run(session.communicator(), definition.name, [&] {
     Application app;
     app.communicator = session.communicator();

@@ -50,24 +50,17 @@ void share_cores_between_ranks() {
 
 }  // namespace
 
-MpiSession::MpiSession(int& argc, char**& argv) { start(argc, argv); }
-
 MpiSession::MpiSession() {
-  int argc = 1;
-  char name[] = "mixbeam";
-  char* names[] = {name, nullptr};
-  char** argv = names;
-  start(argc, argv);
-}
-
-void MpiSession::start(int& argc, char**& argv) {
   keep_freed_memory();
   tell_open_mpi_that_it_is_alone();
   int provided = MPI_THREAD_SINGLE;
   // Tpetra would call plain MPI_Init; kernels run on threads, MPI is called by the main thread only.
-  MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
-  // Kokkos would take "--threads 2" for one of its own options and abort: it sees the program's name only.
-  int names = std::min(argc, 1);
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  // Kokkos would take "--threads 2" for one of its own options and abort: it sees a program's name only.
+  int names = 1;
+  char name[] = "mixbeam";
+  char* arguments[] = {name, nullptr};
+  char** argv = arguments;
   guard_ = std::make_unique<Tpetra::ScopeGuard>(&names, &argv);
   communicator_ = Tpetra::getDefaultComm();
   share_cores_between_ranks();

@@ -14,8 +14,6 @@ namespace mixbeam {
 class MpiSession {
  public:
   /// Starts MPI for use by the main thread beside OpenMP threads, then Kokkos and Tpetra.
-  MpiSession(int& argc, char**& argv);
-  /// For a program that has read its whole command line itself.
   MpiSession();
   ~MpiSession();
   MpiSession(const MpiSession&) = delete;
@@ -24,8 +22,6 @@ class MpiSession {
   const Communicator& communicator() const { return communicator_; }
 
  private:
-  void start(int& argc, char**& argv);
-
   std::unique_ptr<Tpetra::ScopeGuard> guard_;
   Communicator communicator_;
 };

@@ -1,9 +1,9 @@
 #include "apps/common/session/progress.hpp"
 
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 
 namespace mixbeam {
@@ -21,9 +21,7 @@ std::string load_factor_text(double load_factor) {
   if (!std::isfinite(load_factor)) return " unknown";
   const double size = std::abs(load_factor);
   const bool written = size == 0.0 || (size >= kSmallestWritten && size < kLargestWritten);
-  char text[32];
-  std::snprintf(text, sizeof text, written ? "%8.5f" : "%8.2e", load_factor);
-  return text;
+  return formatted(written ? "%8.5f" : "%8.2e", load_factor);
 }
 
 Progress::Progress(std::ostream& out, std::string label, int stages, double from)
@@ -32,37 +30,30 @@ Progress::Progress(std::ostream& out, std::string label, int stages, double from
 std::string Progress::time_to_go(double elapsed, double share_done) const {
   const double covered = share_done - from_, seconds = elapsed * (1.0 - share_done) / covered;
   if (!(covered > 0.0) || !(seconds >= 0.0) || seconds > kSecondsOfADay) return "";
-  char text[40];
-  std::snprintf(text, sizeof text, "  to go %7.3f s", seconds);
-  return text;
+  return formatted("  to go %7.3f s", seconds);
 }
 
 void Progress::report(const StepReport& report, double share_done) {
   if (report.step == 0) return;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   for (const CriticalPoint& point : report.critical_points) report_critical(point);
-  char step[24], cost[100];
-  std::snprintf(step, sizeof step, ": step %3d  ", report.step);
-  std::snprintf(cost, sizeof cost, " of %d  iterations %3d  residual %8.1e  elapsed %7.3f s", stages_,
-                report.newton_iterations, report.residual, elapsed);
-  out_ << label_ << step << "load factor " << load_factor_text(report.load_factor) << cost
+  out_ << label_ << formatted(": step %3d  load factor ", report.step) << load_factor_text(report.load_factor)
+       << formatted(" of %d  iterations %3d  residual %8.1e  elapsed %7.3f s", stages_, report.newton_iterations,
+                    report.residual, elapsed)
        << time_to_go(elapsed, share_done) << "\n"
        << std::flush;
 }
 
 void Progress::report_critical(const CriticalPoint& point) {
-  char line[200];
-  std::snprintf(line, sizeof line, ": %s at load factor %s: negative eigenvalues %d before, %d after\n",
-                name_of(point.kind), in_known_digits(point.load_factor, point.error).c_str(), point.negative_before,
-                point.negative_after);
-  out_ << label_ << line;
+  out_ << label_
+       << formatted(": %s at load factor %s: negative eigenvalues %d before, %d after\n", name_of(point.kind),
+                    in_known_digits(point.load_factor, point.error).c_str(), point.negative_before,
+                    point.negative_after);
 }
 
 void Progress::report(const StepFailure& failure) {
-  char step[24], rest[64];
-  std::snprintf(step, sizeof step, ": step %3d  ", failure.step);
-  std::snprintf(rest, sizeof rest, " of %d  iterations %3d  FAILED: ", stages_, failure.iterations);
-  out_ << label_ << step << "load factor " << load_factor_text(failure.load_factor) << rest << failure.cause << "\n"
+  out_ << label_ << formatted(": step %3d  load factor ", failure.step) << load_factor_text(failure.load_factor)
+       << formatted(" of %d  iterations %3d  FAILED: ", stages_, failure.iterations) << failure.cause << "\n"
        << std::flush;
 }
 

@@ -12,14 +12,11 @@ namespace mixbeam {
 
 struct ImperfectStructure {
   Scene scene{};
-  std::string family{};       ///< one of imperfect_families()
+  std::string family{};       ///< "column", "frame", ...: in turn
   std::string load{};         ///< "force", "moment", "line load", "heat", "motion"
   double imperfection = 0.0;  ///< of the load, or of the length, with its sign
   double estimate = 0.0;      ///< full load over a hand formula of the critical one; two of three exceed 1
 };
-
-/// "column", "frame", ...: number i of a series belongs to family i modulo their count.
-const std::vector<std::string>& imperfect_families();
 
 /// Structure number `number` >= 0 of the series that `seed` begins, in random units: the same on every machine.
 ImperfectStructure imperfect_structure(std::uint64_t seed, int number);

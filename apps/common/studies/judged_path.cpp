@@ -54,20 +54,6 @@ SolverParameters with_steps(SolverParameters parameters, double step) {
 
 }  // namespace
 
-const char* name_of(PathOutcome outcome) {
-  switch (outcome) {
-    case PathOutcome::right:
-      return "right";
-    case PathOutcome::refused:
-      return "refused";
-    case PathOutcome::wrong:
-      return "wrong";
-    case PathOutcome::unknown:
-      break;
-  }
-  return "unknown";
-}
-
 FollowedPath follow(const Scene& scene, const SolverParameters& parameters, const Communicator& comm, bool plainly) {
   FollowedPath path;
   const RunWatch watch;

@@ -15,8 +15,7 @@ enum class PathOutcome {
   unknown   ///< the references do not agree with each other, or have no end
 };
 
-/// "right", "refused", "wrong", "unknown".
-const char* name_of(PathOutcome outcome);
+inline constexpr std::array<const char*, 4> kOutcomeNames = {"right", "refused", "wrong", "unknown"};
 
 /// How one path was followed.
 struct FollowedPath {

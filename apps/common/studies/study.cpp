@@ -1,12 +1,15 @@
 #include "apps/common/studies/study.hpp"
 
-#include "apps/common/session/machine_facts.hpp"
+#include "apps/common/tables/formatted.hpp"
+#include "mixbeam/version.hpp"
 
 #include <algorithm>
-#include <cstdio>
+#include <array>
 #include <cstdlib>
-#include <limits>
+#include <fstream>
 #include <ostream>
+#include <sstream>
+#include <thread>
 
 namespace mixbeam {
 
@@ -19,15 +22,61 @@ std::string shown_text(std::string text, std::size_t width) {
   text.erase(std::remove(text.begin(), text.end(), '"'), text.end());
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
-  char line[200];
-  if (!text.empty() && *end == '\0')
-    std::snprintf(line, sizeof line, "%*.4g", static_cast<int>(width), number);
-  else
-    std::snprintf(line, sizeof line, "%-*s", static_cast<int>(width), text.c_str());
-  return line;
+  const int columns = static_cast<int>(width);
+  const bool is_number = !text.empty() && *end == '\0';
+  return is_number ? formatted("%*.4g", columns, number) : formatted("%-*s", columns, text.c_str());
+}
+
+/// The processor as Linux names it; "unknown" elsewhere.
+std::string processor_name() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+/// Year-month-day, UTC.
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%d", std::gmtime(&now));
+  return text.data();
 }
 
 }  // namespace
+
+int run_study(int argc, char** argv, const std::string& name, const std::string& purpose, const ListSpec& study,
+              const std::function<void(Application&)>& run) {
+  ApplicationDefinition definition;
+  definition.name = name;
+  definition.purpose = purpose;
+  definition.study = study;
+  definition.run_study = run;
+  return run_application(argc, argv, definition);
+}
+
+ParameterSpec count(const std::string& name, int by_default, double most, const std::string& meaning, int least) {
+  return integer(name).at_least(least).at_most(most).by_default(by_default).means(meaning);
+}
+
+ParameterSpec counts(const std::string& name, const std::vector<int>& by_default, double most,
+                     const std::string& meaning, int least) {
+  const ParameterSpec numbers = array(name, ParameterType::integer_array).at_least(least).at_most(most);
+  return numbers.by_default(Teuchos::Array<int>(by_default)).means(meaning);
+}
+
+ParameterSpec sizes(const std::string& name, const std::vector<double>& by_default, double most,
+                    const std::string& meaning) {
+  const ParameterSpec numbers = array(name, ParameterType::real_array).above(0.0).at_most(most);
+  return numbers.by_default(Teuchos::Array<double>(by_default)).means(meaning);
+}
+
+std::vector<std::string> words(const std::string& text) {
+  std::vector<std::string> all;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) all.push_back(word);
+  return all;
+}
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
@@ -39,7 +88,7 @@ double median(std::vector<double> values) {
 StudyTable::StudyTable(const Application& app, const std::string& file, const std::vector<std::string>& columns,
                        std::size_t shown)
     : out_(app.out()) {
-  if (app.writes_files()) csv_.emplace(app.output / file, columns);
+  if (app.writes_files() && !file.empty()) csv_.emplace(app.output / file, columns);
   for (std::size_t i = 0; i < shown; ++i) {
     widths_.push_back(std::max(i == 0 ? kNameWidth : kLeastWidth, columns[i].size()));
     out_ << (i == 0 ? "\n" : "  ") << columns[i] << std::string(widths_[i] - columns[i].size(), ' ');
@@ -54,10 +103,24 @@ void StudyTable::add_row(const std::vector<CsvCell>& cells) {
   if (!widths_.empty()) out_ << std::endl;
 }
 
+ComparedValue compared(Application& app, const std::string& name, double own, const std::string& printed,
+                       const std::string& source) {
+  if (printed.empty()) return {"", own, Agreement::informative};
+  const bool agrees = app.summary.check_printed_digits(name, own, printed, source);
+  return {printed, own, agrees ? Agreement::agrees : Agreement::differs};
+}
+
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more) {
   StudyTable machine(app, "machine.csv", {"name", "value"}, 2);
-  for (const auto& facts : {machine_facts(), more})
-    for (const auto& [name, value] : facts) machine.add_row({name, value});
+  const std::vector<std::pair<std::string, std::string>> facts = {
+      {"processor", processor_name()},
+      {"cores", std::to_string(std::thread::hardware_concurrency())},
+      {"version", kVersion},
+      {"compiler", kCompiler},
+      {"date", today()},
+      {"flags", kFlags}};
+  for (const auto& pairs : {facts, more})
+    for (const auto& [name, value] : pairs) machine.add_row({name, value});
 }
 
 }  // namespace mixbeam

@@ -1,11 +1,13 @@
-/// What programs that measure share: clocks, medians, tables of results.
+/// What the programs with a study share: their beginning and parameters, clocks, medians, tables of results.
 #pragma once
 
 #include "apps/common/run/application.hpp"
 #include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/table_printer.hpp"
 
 #include <chrono>
 #include <ctime>
+#include <limits>
 
 namespace mixbeam {
 
@@ -26,16 +28,27 @@ class RunWatch {
 /// Not a number where there are no values.
 double median(std::vector<double> values);
 
+/// Parameters of the list "Study": a whole number from `least` to `most`, an array of them, one of positive numbers.
+ParameterSpec count(const std::string& name, int by_default, double most, const std::string& meaning, int least = 1);
+ParameterSpec counts(const std::string& name, const std::vector<int>& by_default, double most,
+                     const std::string& meaning, int least = 1);
+ParameterSpec sizes(const std::string& name, const std::vector<double>& by_default, double most,
+                    const std::string& meaning);
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
 /// An array of the list "Study".
 template <class Value>
 std::vector<Value> study_list(Application& app, const std::string& name) {
   return app.study().get<Teuchos::Array<Value>>(name).toVector();
 }
 
+/// "one,two" in two words: columns of a table.
+std::vector<std::string> words(const std::string& text);
+
 /// A table that grows row by row: on the terminal, and complete in a CSV file.
 class StudyTable {
  public:
-  /// `file`: in the output folder. `shown`: so many of the first columns are printed; zero: none.
+  /// `file`: in the output folder; empty: none. `shown`: so many of the first columns are printed; zero: none.
   StudyTable(const Application& app, const std::string& file, const std::vector<std::string>& columns,
              std::size_t shown = 0);
   void add_row(const std::vector<CsvCell>& cells);
@@ -45,6 +58,14 @@ class StudyTable {
   std::optional<CsvTable> csv_;      ///< on the first rank
   std::vector<std::size_t> widths_;  ///< of the columns that are printed
 };
+
+/// The program of this name: `run` computes what the list `study` asks for. See ApplicationDefinition.
+int run_study(int argc, char** argv, const std::string& name, const std::string& purpose, const ListSpec& study,
+              const std::function<void(Application&)>& run);
+
+/// Checks a value against the digits that a source prints, for a table of both; an empty text: there is none.
+ComparedValue compared(Application& app, const std::string& name, double own, const std::string& printed,
+                       const std::string& source);
 
 /// What measurements were made with, and what else is to be known of them: machine.csv.
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more = {});

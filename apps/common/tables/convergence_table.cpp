@@ -1,23 +1,13 @@
 #include "apps/common/tables/convergence_table.hpp"
 
+#include "apps/common/tables/formatted.hpp"
+
 #include <cmath>
-#include <cstdio>
 #include <ostream>
 #include <stdexcept>
 #include <utility>
 
 namespace mixbeam {
-
-namespace {
-
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
-
-}  // namespace
 
 std::optional<double> observed_rate(const std::vector<int>& elements, const std::vector<double>& errors,
                                     double round_off) {

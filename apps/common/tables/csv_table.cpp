@@ -1,8 +1,8 @@
 #include "apps/common/tables/csv_table.hpp"
 
-#include <array>
+#include "discretization/text/number_text.hpp"
+
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -10,13 +10,6 @@
 
 namespace mixbeam {
 namespace {
-
-std::string number_text(double value) {
-  if (std::isnan(value)) return "nan";  // without a sign, which carries no meaning
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
-}
 
 std::string quoted(const std::string& value) {
   if (value.find_first_of(",\"\r\n") == std::string::npos) return value;
@@ -30,7 +23,8 @@ std::string quoted(const std::string& value) {
 
 }  // namespace
 
-CsvCell::CsvCell(double value) : text(number_text(value)) {}
+CsvCell::CsvCell(double value)
+    : text(std::isnan(value) ? "nan" : shortest(value)) {}  // no sign, which carries no meaning
 
 CsvCell::CsvCell(const std::string& value) : text(quoted(value)) {}
 

@@ -1,10 +1,10 @@
 #include "apps/common/tables/printed_digits.hpp"
 
-#include <array>
-#include <charconv>
+#include "apps/common/tables/formatted.hpp"
+
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+#include <regex>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -18,72 +18,36 @@ struct Decimal {
   std::string digits;
   int decimals = 0;
   int exponent = 0;
-  bool has_exponent = false;
-  std::string exponent_text;  // "e-07", kept to write it the same way
+  std::string exponent_text{};  // "e-07", kept to write it the same way
 };
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-[[noreturn]] void refuse(const std::string& text) {
-  throw std::invalid_argument("'" + text + "' is not a printed decimal number");
-}
-
-void read_exponent(const std::string& text, std::size_t at, Decimal& decimal) {
-  decimal.has_exponent = true;
-  decimal.exponent_text = text.substr(at);
-  const std::size_t first = at + (text[at + 1] == '+' ? 2 : 1);
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data() + first, end, decimal.exponent);
-  if (error != std::errc() || stop != end) refuse(text);
-}
-
 Decimal read_decimal(const std::string& text) {
-  Decimal decimal;
-  std::size_t at = 0;
-  if (at < text.size() && (text[at] == '-' || text[at] == '+')) decimal.negative = text[at++] == '-';
-  bool behind_point = false;
-  for (; at < text.size() && (is_digit(text[at]) || (text[at] == '.' && !behind_point)); ++at) {
-    if (text[at] == '.') {
-      behind_point = true;
-    } else {
-      decimal.digits += text[at];
-      decimal.decimals += behind_point ? 1 : 0;
-    }
-  }
-  if (decimal.digits.empty()) refuse(text);
-  if (at + 1 < text.size() && (text[at] == 'e' || text[at] == 'E')) {
-    read_exponent(text, at, decimal);
-  } else if (at != text.size()) {
-    refuse(text);
-  }
+  static const std::regex form(R"(([+-]?)(\d*)(?:\.(\d*))?((?:[eE]([+-]?\d{1,4}))?))");
+  std::smatch parts;
+  if (!std::regex_match(text, parts, form) || parts.length(2) + parts.length(3) == 0)
+    throw std::invalid_argument("'" + text + "' is not a printed decimal number");
+  Decimal decimal{parts[1] == "-", parts.str(2) + parts.str(3), static_cast<int>(parts.length(3))};
+  decimal.exponent_text = parts[4];
+  decimal.exponent = parts.length(5) == 0 ? 0 : std::stoi(parts[5]);
   return decimal;
-}
-
-// Correctly rounded fixed notation, whatever the locale.
-std::string fixed(double value, int decimals) {
-  std::array<char, 400> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals);
-  return {text.data(), result.ptr};
 }
 
 // Digits of |value| / 10^exponent down to `decimals` places, correctly rounded: from all 17 digits of the value when a
 // power of ten is in the way, since a division would round once more.
 std::string scaled_digits(double value, const Decimal& style) {
-  if (!style.has_exponent) return fixed(value, style.decimals);
-  std::array<char, 400> text{};
-  const auto all = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::scientific, 16);
-  Decimal exact = read_decimal({text.data(), all.ptr});
-  std::string shifted(exact.negative ? "-" : "");
-  const std::string mantissa = exact.digits.substr(0, 1) + "." + exact.digits.substr(1) + "e";
-  shifted += mantissa + std::to_string(exact.exponent - style.exponent);
-  return fixed(std::strtod(shifted.c_str(), nullptr), style.decimals);
+  if (!style.exponent_text.empty()) {
+    const std::string all = formatted("%.16e", value);
+    const auto mark = all.find('e');
+    const std::string exponent = std::to_string(std::stoi(all.substr(mark + 1)) - style.exponent);
+    value = std::strtod((all.substr(0, mark + 1) + exponent).c_str(), nullptr);
+  }
+  return formatted("%.*f", style.decimals, value);
 }
 
 std::string without_point(const std::string& text) {
   std::string digits;
-  for (const char c : text) {
-    if (is_digit(c)) digits += c;
-  }
+  for (const char c : text)
+    if (c >= '0' && c <= '9') digits += c;
   const auto first = digits.find_first_not_of('0');
   return first == std::string::npos ? "0" : digits.substr(first);
 }
@@ -133,12 +97,8 @@ std::string in_known_digits(double value, double error) {
   constexpr int kMostKnown = 10;
   const double known = error > 0.0 ? std::floor(std::log10(std::abs(value) / error)) : kMostKnown;
   const int digits = static_cast<int>(std::fmin(std::fmax(known, 1.0), kMostKnown));
-  std::array<char, 64> text{};
-  if (digits == kMostKnown)
-    std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-  else
-    std::snprintf(text.data(), text.size(), "%#.*g +- %.0e", digits, value, error);
-  return text.data();
+  if (digits == kMostKnown) return formatted("%.*g", digits, value);
+  return formatted("%#.*g +- %.0e", digits, value, error);
 }
 
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place) {

@@ -1,10 +1,9 @@
 #include "apps/common/tables/table_printer.hpp"
 
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <ostream>
@@ -19,15 +18,8 @@ constexpr std::size_t kGapInQuantity = 2;
 constexpr std::size_t kGapBeforeQuantity = 4;
 constexpr int kOwnDigits = 10;  // of a value for which the paper has none
 
-std::string significant(double value, int digits, std::chars_format format) {
-  if (std::isnan(value)) return "nan";
-  std::array<char, 64> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value, format, digits);
-  return {text.data(), result.ptr};
-}
-
 std::string own_text(const ComparedValue& value) {
-  if (value.paper.empty()) return significant(value.own, kOwnDigits, std::chars_format::general);
+  if (value.paper.empty()) return std::isnan(value.own) ? "nan" : formatted("%.*g", kOwnDigits, value.own);
   return in_style_of(value.own, value.paper);
 }
 
@@ -35,11 +27,11 @@ std::string difference_text(const ComparedValue& value) {
   if (value.paper.empty()) return "";
   const double difference = value.own - printed_value(value.paper);
   const char* mark = value.agreement == Agreement::differs ? " *" : "  ";
-  return (difference == 0.0 ? "0" : significant(difference, 1, std::chars_format::scientific)) + mark;
+  return (difference == 0.0 ? "0" : std::isnan(difference) ? "nan" : formatted("%.1e", difference)) + mark;
 }
 
 std::string aligned(const std::string& text, std::size_t width) {
-  return std::string(text.size() < width ? width - text.size() : 0, ' ') + text;
+  return formatted("%*s", static_cast<int>(width), text.c_str());
 }
 
 std::string without_blanks_at_end(std::string line) {

@@ -1,5 +1,8 @@
-#include "apps/arc_segment/displacement_field.hpp"
+#include "apps/arc_segment/arc.hpp"
 
+#include "apps/common/studies/variants.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/text/errors.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
 
@@ -7,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -28,6 +32,26 @@ Vec3<double> projected_position(const ReferenceCurve& curve, double start, doubl
 }
 
 }  // namespace
+
+ArcScene::ArcScene(const Scene& scene) : scene_(scene) {
+  if (scene.members.size() != 1 || scene.members.front().curve.shape != CurveShape::circular_arc)
+    throw InputError("the study needs a scene of one member, an arc; other scenes: --single");
+  const Member& arc = scene.members.front();
+  const Section& section = section_of(scene, arc);
+  radius_ = vector_algebra::norm(vector_algebra::difference(position_of(scene, arc.start_point), arc.curve.center));
+  const double side = std::sqrt(12.0 * section.bending_stiffness[1] / section.axial_stiffness);  // EI = EA a^2/12
+  slenderness_ = radius_ / side;
+}
+
+Scene ArcScene::variant(const ArcVariant& arc) const {
+  constexpr double rigid = std::numeric_limits<double>::infinity();
+  Scene scene = with_mesh(with_side(scene_, slenderness_ / arc.slenderness), arc.order, arc.elements);
+  for (Section& section : scene.sections) {
+    if (arc.inextensible) section.axial_stiffness = rigid;
+    if (arc.shear_rigid) section.shear_stiffness = {rigid, rigid};
+  }
+  return with_loads(std::move(scene), arc.force_factor);
+}
 
 DisplacementField::DisplacementField(const Simulation& simulation)
     : order_(simulation.scene().members.front().order), elements_(simulation.scene().members.front().elements) {

@@ -1,0 +1,30 @@
+/// Where the vertices of a deformed structure are, for comparison with exact solutions.
+#pragma once
+
+#include "kernels/math/rotation.hpp"
+#include "nonlinear/run/simulation.hpp"
+
+#include <cmath>
+
+namespace mixbeam {
+
+struct VertexPlace {
+  Vec3<double> position{};
+  Quaternion<double> rotation = identity_quaternion<double>();  ///< from the undeformed state
+};
+
+inline Vec3<double> to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
+
+/// Of a vertex of this rank's mesh.
+inline VertexPlace place_of(const Simulation& simulation, int vertex) {
+  const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
+  return {to_vec(simulation.model().mesh().vertex_position[vertex]) + Vec3<double>{{motion[0], motion[1], motion[2]}},
+          exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})};
+}
+
+/// Without overflow or underflow of the squares.
+inline double length_of(const Vec3<double>& v) { return std::hypot(v[0], v[1], v[2]); }
+/// In radians.
+inline double angle_of(const Quaternion<double>& rotation) { return length_of(log_quaternion(rotation)); }
+
+}  // namespace mixbeam
