@@ -1,5 +1,4 @@
-#include "apps/thread_scaling/machine_ceilings.hpp"
-
+#include "apps/thread_scaling/measurement.hpp"
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 

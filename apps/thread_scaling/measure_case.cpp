@@ -1,13 +1,16 @@
-#include "apps/thread_scaling/measure_case.hpp"
+#include "apps/thread_scaling/measurement.hpp"
 
 #include "apps/common/studies/study.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
-#include "apps/thread_scaling/time_iteration.hpp"
 #include "kernels/execution/execution_space.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <memory>
+#include <optional>
 
 namespace mixbeam {
 
@@ -15,6 +18,74 @@ namespace {
 
 /// A median of fewer rounds is none.
 constexpr int kLeastRounds = 3;
+
+constexpr std::array<const char*, 4> kPhasesOfElements = {"residual", "element tangent", "recover", "update"};
+/// Small against one, so that every iteration starts from the same state and still moves it.
+constexpr double kStep = 1e-3;
+
+/// One Newton iteration as the nonlinear solver makes it, timed phase by phase.
+class IterationTimer {
+ public:
+  /// With the linear solver of `parameters`.
+  IterationTimer(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator)
+      : problem_(scene, communicator, parameters),
+        state_(problem_.model.reference_state()),
+        residual_(problem_.model.create_vector()),
+        increment_(problem_.model.create_vector()),
+        sparse_method_(sparse_solver_of(parameters.linear.method)),
+        tolerance_(parameters.linear.residual_tolerance) {}
+
+  /// Residual, tangent, solve, recovery of the interior and update at the undeformed state under the full load, with
+  /// the present number of threads.
+  PhaseSeconds time() {
+    const Model& model = problem_.model;
+    const PhaseTimes before = model.times();
+    const auto solver = problem_.take_solver();
+    tangent_.reset();
+    PhaseSeconds phases;
+    const RunWatch whole;
+    const EvaluationPoint point = mixed_residual(model, state_, 1.0, residual_);
+    tangent_.emplace(model, point, cap_for(model, point.scales));
+    const RunWatch linear;
+    solver->factorize(*tangent_);
+    tangent_->condensed_rows().scale(-1.0);
+    solver->solve(tangent_->condensed_rows(), increment_.vertex_dofs());
+    phases[kLinearSolver] = linear.seconds();
+    tangent_->recover(increment_);
+    const State moved = model.apply(state_, increment_, kStep);
+    phases[kWholeIteration] = whole.seconds();
+    double other = phases[kWholeIteration];
+    for (const auto& [phase, total] : model.times()) {
+      const auto earlier = before.find(phase);
+      const double seconds = total - (earlier == before.end() ? 0.0 : earlier->second);
+      if (seconds > 0.0) phases[phase] = seconds;
+      other -= seconds;
+    }
+    phases[kOther] = other;
+    for (const char* phase : kPhasesOfElements) phases[kElementWork] += phases[phase];
+    return phases;
+  }
+
+  /// The same iteration's matrix gathered, factorised, solved and checked by the sparse solver alone, which is built
+  /// when it is first asked for (memory).
+  double time_sparse_solver() {
+    if (sparse_solver_ == nullptr) sparse_solver_ = make_tangent_solver(problem_.model, sparse_method_, tolerance_);
+    DofVector x(problem_.model.map());
+    const RunWatch watch;
+    sparse_solver_->factorize(*tangent_);
+    sparse_solver_->solve(tangent_->condensed_rows(), x);
+    return watch.seconds();
+  }
+
+ private:
+  BeamProblem problem_;
+  State state_;
+  MixedVector residual_, increment_;
+  std::optional<Tangent> tangent_;  ///< of the last time()
+  std::string sparse_method_;
+  double tolerance_;
+  std::unique_ptr<TangentSolver> sparse_solver_;
+};
 
 /// One sample for each number of threads; `phases` runs what is measured.
 template <class Phases>

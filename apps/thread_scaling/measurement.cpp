@@ -2,24 +2,53 @@
 
 #include "apps/common/studies/study.hpp"
 
-#include <limits>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <set>
-#include <sstream>
-#include <stdexcept>
 
 namespace mixbeam {
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Sample, unit_factorize, unit_solve, unit_processor_seconds, phases)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Measurement, rounds, memory)
+
 namespace {
 
-const double* find_phase(const Round& round, int threads, const std::string& phase) {
+constexpr std::array<const char*, 15> kOrderOfPhases = {"residual",
+                                                        "element tangent",
+                                                        "condense chains",
+                                                        "assemble",
+                                                        "symbolic factorisation",
+                                                        "numeric factorisation",
+                                                        "solve",
+                                                        "check of the solve",
+                                                        "recover",
+                                                        "update",
+                                                        kOther,
+                                                        kElementWork,
+                                                        kLinearSolver,
+                                                        kLinearSolverSparse,
+                                                        kWholeIteration};
+
+/// Not a number where the round has no such phase.
+double seconds_of(const Round& round, int threads, const std::string& phase) {
   const auto sample = round.find(threads);
-  if (sample == round.end()) return nullptr;
-  const auto entry = sample->second.phases.find(phase);
-  return entry == sample->second.phases.end() ? nullptr : &entry->second;
+  if (sample == round.end() || sample->second.phases.count(phase) == 0) return std::nan("");
+  return sample->second.phases.at(phase);
 }
 
+/// Median over the rounds, or over all their samples, in which `value` is a number.
 template <class Value>
-double median_over_samples(const Measurement& measurement, const Value& value) {
+double over_rounds(const Measurement& measurement, const Value& value) {
+  std::vector<double> values;
+  for (const Round& round : measurement.rounds)
+    if (const double found = value(round); !std::isnan(found)) values.push_back(found);
+  return median(std::move(values));
+}
+template <class Value>
+double over_samples(const Measurement& measurement, const Value& value) {
   std::vector<double> values;
   for (const Round& round : measurement.rounds)
     for (const auto& [threads, sample] : round) values.push_back(value(sample));
@@ -33,87 +62,49 @@ std::vector<std::string> Measurement::phases() const {
   for (const Round& round : rounds)
     for (const auto& [threads, sample] : round)
       for (const auto& [phase, seconds] : sample.phases) names.insert(phase);
-  return {names.begin(), names.end()};
+  std::vector<std::string> ordered(names.begin(), names.end());
+  const auto place = [](const std::string& phase) {
+    return std::find(kOrderOfPhases.begin(), kOrderOfPhases.end(), phase) - kOrderOfPhases.begin();
+  };
+  std::stable_sort(ordered.begin(), ordered.end(), [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return ordered;
 }
 
 double Measurement::seconds(int threads, const std::string& phase) const {
-  std::vector<double> values;
-  for (const Round& round : rounds)
-    if (const double* found = find_phase(round, threads, phase)) values.push_back(*found);
-  return median(std::move(values));
+  return over_rounds(*this, [&](const Round& round) { return seconds_of(round, threads, phase); });
 }
 
 double Measurement::ratio_to_unit(int threads, const std::string& phase) const {
-  std::vector<double> values;
-  for (const Round& round : rounds)
-    if (const double* found = find_phase(round, threads, phase)) values.push_back(*found / round.at(threads).unit());
-  return median(std::move(values));
+  return over_rounds(*this, [&](const Round& round) {
+    const double seconds = seconds_of(round, threads, phase);
+    return std::isnan(seconds) ? seconds : seconds / round.at(threads).unit();
+  });
 }
 
 double Measurement::speed_up(int reference_threads, int threads, const std::string& phase) const {
-  std::vector<double> values;
-  for (const Round& round : rounds) {
-    const double *reference = find_phase(round, reference_threads, phase), *found = find_phase(round, threads, phase);
-    if (reference != nullptr && found != nullptr && *found > 0.0) values.push_back(*reference / *found);
-  }
-  return median(std::move(values));
+  return over_rounds(*this, [&](const Round& round) {
+    const double seconds = seconds_of(round, threads, phase);
+    return seconds > 0.0 ? seconds_of(round, reference_threads, phase) / seconds : std::nan("");
+  });
 }
 
 double Measurement::unit() const {
-  return median_over_samples(*this, [](const Sample& sample) { return sample.unit(); });
+  return over_samples(*this, [](const Sample& sample) { return sample.unit(); });
 }
+
 double Measurement::unit_factorize() const {
-  return median_over_samples(*this, [](const Sample& sample) { return sample.unit_factorize; });
+  return over_samples(*this, [](const Sample& sample) { return sample.unit_factorize; });
 }
 
 double Measurement::share_of_processor() const {
-  return median_over_samples(*this, [](const Sample& sample) { return sample.unit_processor_seconds / sample.unit(); });
+  return over_samples(*this, [](const Sample& sample) { return sample.unit_processor_seconds / sample.unit(); });
 }
 
 std::string written(const Measurement& measurement) {
-  std::ostringstream text;
-  text.precision(std::numeric_limits<double>::max_digits10);
-  text << "memory " << measurement.memory << "\n";
-  for (const Round& round : measurement.rounds) {
-    text << "round\n";
-    for (const auto& [threads, sample] : round) {
-      text << "sample " << threads << " " << sample.unit_factorize << " " << sample.unit_solve << " "
-           << sample.unit_processor_seconds << "\n";
-      for (const auto& [phase, seconds] : sample.phases) text << "phase " << seconds << " " << phase << "\n";
-    }
-  }
-  return text.str();
+  const std::vector<std::uint8_t> bytes = nlohmann::json::to_cbor(measurement);  // holds NaN too
+  return {bytes.begin(), bytes.end()};
 }
 
-Measurement read_measurement(const std::string& text) {
-  Measurement measurement;
-  Sample* sample = nullptr;
-  std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "memory") {
-      std::string number;  // a stream does not read "nan"
-      words >> number;
-      measurement.memory = std::stod(number);
-    } else if (kind == "round") {
-      measurement.rounds.emplace_back();
-    } else if (kind == "sample") {
-      int threads = 0;
-      words >> threads;
-      sample = &measurement.rounds.at(measurement.rounds.size() - 1)[threads];
-      words >> sample->unit_factorize >> sample->unit_solve >> sample->unit_processor_seconds;
-    } else if (kind == "phase" && sample != nullptr) {
-      double seconds = 0.0;
-      std::string phase;
-      words >> seconds >> std::ws;
-      std::getline(words, phase);
-      sample->phases[phase] = seconds;
-    }
-    if (words.fail()) throw std::runtime_error("not a measurement: " + line);
-  }
-  return measurement;
-}
+Measurement read_measurement(const std::string& bytes) { return nlohmann::json::from_cbor(bytes); }
 
 }  // namespace mixbeam

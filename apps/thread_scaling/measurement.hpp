@@ -1,7 +1,11 @@
-/// Times of one case of the study, and what is read from them.
+/// What is measured: times of one case of the study and what is read from them, and the machine that they are judged
+/// by.
 #pragma once
 
 #include "apps/common/studies/phase_costs.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+#include "discretization/scene/scene.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
 
 #include <map>
 #include <string>
@@ -41,6 +45,7 @@ struct Measurement {
   /// cases shared a process.
   double memory = 0.0;
 
+  /// In the order of an iteration; sums behind their parts, whatever else there is at the end.
   std::vector<std::string> phases() const;
   // Medians over the rounds that have the phase; not a number where none has.
   double seconds(int threads, const std::string& phase) const;
@@ -52,8 +57,29 @@ struct Measurement {
   double share_of_processor() const;
 };
 
-/// As text, between processes.
+/// As bytes, between processes.
 std::string written(const Measurement& measurement);
-Measurement read_measurement(const std::string& text);
+Measurement read_measurement(const std::string& bytes);
+
+struct MeasuringPlan {
+  std::vector<int> threads;
+  int repetitions = 0, run_repetitions = 0;  ///< at most
+  double seconds = 0.0;                      ///< after which no further round is begun, of iterations and of runs each
+  bool compare_sparse_solver = true;
+};
+
+/// Iterations, then whole runs, each with all numbers of threads in turn and with the unit of time beside it. The first
+/// round of iterations warms up and is not counted; at least kLeastRounds are, and one of runs if any.
+Measurement measure_case(const Scene& scene, const SolverParameters& parameters, const Communicator& communicator,
+                         const MeasuringPlan& plan);
+
+/// What the machine can do at most, measured in the same program that is judged by it.
+struct MachineCeilings {
+  double flops_per_second = 0.0;  ///< multiply-adds on full vector registers, two operations each
+  double bytes_per_second = 0.0;  ///< a_i = b_i + s c_i from and to memory (McCalpin's triad: 24 bytes for each i)
+};
+
+/// The best of several attempts with that many threads; takes about two seconds.
+MachineCeilings measure_ceilings(int threads);
 
 }  // namespace mixbeam

@@ -1,12 +1,14 @@
 // Median time of one Newton iteration, phase by phase, against the number of threads.
 #include "apps/common/studies/study.hpp"
+#include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
-#include "apps/thread_scaling/measure_case.hpp"
-#include "apps/thread_scaling/scaling_report.hpp"
+#include "apps/thread_scaling/measurement.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
 #include "kernels/element/layout.hpp"
 #include "kernels/execution/pack.hpp"
 
+#include <cmath>
 #include <cstdlib>
 #include <ostream>
 #include <sstream>
@@ -18,22 +20,27 @@ namespace {
 constexpr const char* kPlanar = "planar";
 constexpr const char* kSpatial = "spatial";
 constexpr double kLargestCount = 1e7;
+/// Share of the processor from which on times in seconds are those of the program alone.
+constexpr double kIdleMachine = 0.95;
 
 /// A process of its own for each measurement; MPI ranks stay together.
 std::string measured_apart(const Application& app, const std::function<std::string()>& work) {
   return app.communicator->getSize() == 1 ? in_separate_process(work) : work();
 }
 
+/// Number of threads -> ceilings.
+using CeilingsByThreads = std::map<int, MachineCeilings>;
+
 CeilingsByThreads ceilings_of(const Application& app, const std::vector<int>& threads) {
   CeilingsByThreads ceilings;
+  StudyTable table(app, "ceilings.csv", {"threads", "flops_per_second", "bytes_per_second"}, 3);
   for (int n : threads) {
     const std::string text = measured_apart(app, [n] {
       const MachineCeilings of_threads = measure_ceilings(n);
-      std::ostringstream numbers;
-      numbers << of_threads.flops_per_second << " " << of_threads.bytes_per_second;
-      return numbers.str();
+      return formatted("%.17g %.17g", of_threads.flops_per_second, of_threads.bytes_per_second);
     });
     std::istringstream(text) >> ceilings[n].flops_per_second >> ceilings[n].bytes_per_second;
+    table.add_row({n, ceilings[n].flops_per_second, ceilings[n].bytes_per_second});
   }
   return ceilings;
 }
@@ -44,13 +51,81 @@ std::string load_average() {
   return getloadavg(&load, 1) == 1 ? CsvCell(load).text : "unknown";
 }
 
+/// The tables of the study, case by case; what is not known is not a number.
+class ScalingTables {
+ public:
+  ScalingTables(const Application& app, CeilingsByThreads ceilings)
+      : app_(app),
+        ceilings_(std::move(ceilings)),
+        phases_(app, "thread_scaling.csv",
+                {"kind", "elements", "order", "threads", "phase", "median_seconds", "ratio_to_unit", "speed_up",
+                 "efficiency", "flops_per_element", "bytes_per_element", "flops_per_second", "bytes_per_second",
+                 "share_of_flop_peak", "share_of_bandwidth"},
+                15),
+        cases_(app, "cases.csv",
+               {"kind", "elements", "order", "rounds", "unit_seconds", "unit_factorize_seconds", "unit_solve_seconds",
+                "memory_bytes_per_element", "share_of_processor"}) {}
+
+  void add(const ScalingCase& of, const Measurement& measurement) {
+    const double unit = measurement.unit(), factorize = measurement.unit_factorize();
+    const double memory = measurement.memory / of.elements, share = measurement.share_of_processor();
+    cases_.add_row(
+        {of.kind, of.elements, of.order, measurement.rounds.size(), unit, factorize, unit - factorize, memory, share});
+    app_.out() << formatted(
+        "%s, %d elements of order %d: B = %.3f ms (dgbtrf %.3f), %.0f bytes of memory per element\n", of.kind.c_str(),
+        of.elements, of.order, 1e3 * unit, 1e3 * factorize, memory);
+    if (share < kIdleMachine)
+      app_.out() << formatted("The machine was busy: B had the processor %.0f %% of its time. Judge by t / B alone.\n",
+                              100.0 * share);
+    for (const std::string& phase : measurement.phases())
+      for (const auto& [threads, ceilings] : ceilings_) add_phase(of, measurement, phase, threads, ceilings);
+    done_.emplace_back(of, measurement);
+  }
+
+  /// One line for each case and number of threads.
+  void print_summary() const {
+    StudyTable table(app_, "",
+                     {"", "elements", "k", "threads", "iteration [s]", "t / B", "speed-up", "chains [s]", "t / B",
+                      "KLU2 [s]", "t / B", "run [s]", "t / B"},
+                     13);
+    for (const auto& [of, measurement] : done_)
+      for (const auto& [threads, ceilings] : ceilings_) {
+        std::vector<CsvCell> row = {of.kind, of.elements, of.order, threads};
+        for (const char* phase : {kWholeIteration, kLinearSolver, kLinearSolverSparse, kWholeRun}) {
+          row.emplace_back(measurement.seconds(threads, phase));
+          row.emplace_back(measurement.ratio_to_unit(threads, phase));
+          if (phase == kWholeIteration)
+            row.emplace_back(measurement.speed_up(ceilings_.begin()->first, threads, phase));
+        }
+        table.add_row(row);
+      }
+  }
+
+ private:
+  void add_phase(const ScalingCase& of, const Measurement& measurement, const std::string& phase, int threads,
+                 const MachineCeilings& ceilings) {
+    const double seconds = measurement.seconds(threads, phase);
+    if (std::isnan(seconds)) return;
+    const auto costs = phase_costs(of.kind, of.order);
+    const auto found = costs.find(phase);
+    const PhaseCost cost = found == costs.end() ? PhaseCost{std::nan(""), std::nan("")} : found->second;
+    const int reference = ceilings_.begin()->first;
+    const double speed_up = measurement.speed_up(reference, threads, phase);
+    const double flops = cost.flops * of.elements / seconds, bytes = cost.bytes * of.elements / seconds;
+    phases_.add_row({of.kind, of.elements, of.order, threads, phase, seconds, measurement.ratio_to_unit(threads, phase),
+                     speed_up, speed_up * reference / threads, cost.flops, cost.bytes, flops, bytes,
+                     flops / ceilings.flops_per_second, bytes / ceilings.bytes_per_second});
+  }
+
+  const Application& app_;
+  CeilingsByThreads ceilings_;
+  StudyTable phases_, cases_;
+  std::vector<std::pair<ScalingCase, Measurement>> done_;
+};
+
 /// The scene in that size; planar: its loads keep what acts in the plane of x and y.
 Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
-  Scene changed = scene;
-  for (Member& member : changed.members) {
-    member.elements = of.elements;
-    member.order = of.order;
-  }
+  Scene changed = with_mesh(scene, of.order, of.elements);
   if (of.kind == kPlanar)
     for (PointLoad& load : changed.point_loads) load.force[2] = load.moment[0] = load.moment[1] = 0.0;
   return changed;
@@ -65,34 +140,23 @@ std::vector<ScalingCase> cases_of(Application& app) {
 }
 
 ListSpec scaling_spec() {
-  const auto counts = [](const char* name, const std::vector<int>& by_default, const char* meaning,
-                         double largest = kLargestCount) {
-    ParameterSpec parameter = array(name, ParameterType::integer_array);
-    return parameter.at_least(1).at_most(largest).by_default(Teuchos::Array<int>(by_default)).means(meaning);
-  };
   ListSpec spec("Sizes of the thread scaling study.");
   spec.add(subset("Kinds", {kSpatial, kPlanar})
                .by_default(Teuchos::Array<std::string>(std::vector<std::string>{kSpatial, kPlanar}))
                .means("Loads in space, or their part in the plane of x and y."));
-  spec.add(counts("Elements", {1000, 10000, 100000}, "Numbers of elements of the chain."));
-  spec.add(counts("Orders", {1, 2, 3, 4}, "Element orders, 1 to 8.", kMaximumOrder));
-  spec.add(counts("Threads", {1, 2}, "Numbers of threads; the least is the reference of the speed-up."));
-  spec.add(integer("Repetitions")
-               .at_least(1)
-               .at_most(1000)
-               .by_default(15)
-               .means("Timed iterations for each number of threads, at most; at least three are taken."));
-  spec.add(integer("Repetitions of Runs")
-               .at_least(0)
-               .at_most(1000)
-               .by_default(3)
-               .means("Timed runs from the straight rod to equilibrium for each number of threads, at most; at least "
-                      "one is taken, unless this is zero."));
-  spec.add(real("Seconds").at_least(0.0).by_default(3.0).means(
-      "Time after which no more repetitions are begun, for iterations and for runs of a case each."));
-  spec.add(boolean("Compare with KLU2")
-               .by_default(true)
-               .means("Each tangent is solved by the sparse solver alone as well, which takes memory of its own."));
+  spec.add(counts("Elements", {1000, 10000, 100000}, kLargestCount, "Numbers of elements of the chain."));
+  spec.add(counts("Orders", {1, 2, 3, 4}, kMaximumOrder, "Element orders, 1 to 8."));
+  spec.add(counts("Threads", {1, 2}, kLargestCount, "Numbers of threads; the least is the reference of the speed-up."));
+  spec.add(count("Repetitions", 15, 1000,
+                 "Timed iterations for each number of threads, at most; at least three are taken."));
+  spec.add(count("Repetitions of Runs", 3, 1000,
+                 "Timed runs from the straight rod to equilibrium for each number of threads, at most; at least one is "
+                 "taken, unless this is zero.",
+                 0));
+  spec.add(real("Seconds").at_least(0.0).by_default(3.0),
+           "Time after which no more repetitions are begun, for iterations and for runs of a case each.");
+  spec.add(boolean("Compare with KLU2").by_default(true),
+           "Each tangent is solved by the sparse solver alone as well, which takes memory of its own.");
   return spec;
 }
 
@@ -110,18 +174,15 @@ void run_scaling_study(Application& app) {
   write_machine(app, {{"lanes", std::to_string(kLanes)},
                       {"BLAS of the unit", blas_library()},
                       {"load average before", load_average()}});
-  std::optional<std::filesystem::path> folder;
-  if (app.writes_files()) folder = app.output;
-  ScalingReport report(app.out(), folder, ceilings_of(app, plan.threads));
+  ScalingTables tables(app, ceilings_of(app, plan.threads));
   for (const ScalingCase& of : cases_of(app)) {
     SolverParameters solver = app.solver;
     solver.planar = of.kind == kPlanar;
     const Scene scene = scene_of_case(app.scene, of);
-    const std::string text =
-        measured_apart(app, [&] { return written(measure_case(scene, solver, app.communicator, plan)); });
-    report.add(of, read_measurement(text));
+    tables.add(of, read_measurement(measured_apart(
+                       app, [&] { return written(measure_case(scene, solver, app.communicator, plan)); })));
   }
-  report.print_summary();
+  tables.print_summary();
 }
 
 }  // namespace
@@ -129,10 +190,8 @@ void run_scaling_study(Application& app) {
 }  // namespace mixbeam
 
 int main(int argc, char** argv) {
-  mixbeam::ApplicationDefinition definition;
-  definition.name = "thread_scaling";
-  definition.purpose = "time of one Newton iteration on a chain of elements, split into phases, for 1, 2, .. threads.";
-  definition.study = mixbeam::scaling_spec();
-  definition.run_study = mixbeam::run_scaling_study;
-  return mixbeam::run_application(argc, argv, definition);
+  return mixbeam::run_study(
+      argc, argv, "thread_scaling",
+      "time of one Newton iteration on a chain of elements, split into phases, for 1, 2, .. threads.",
+      mixbeam::scaling_spec(), mixbeam::run_scaling_study);
 }
