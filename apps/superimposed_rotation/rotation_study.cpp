@@ -13,7 +13,6 @@ namespace mixbeam {
 
 namespace {
 
-
 /// How a turned configuration differs from the one before, after turning it back.
 struct Deviation {
   double rotation = 0.0;         ///< prescribed so far [rad]
