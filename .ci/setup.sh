@@ -13,8 +13,9 @@ readonly required_packages=(
   libtrilinos-thyra-dev libtrilinos-belos-dev libtrilinos-epetra-dev libtrilinos-rtop-dev
   libtrilinos-anasazi-dev libtrilinos-shylu-dev
   libtrilinos-sacado-dev libgtest-dev libbenchmark-dev
-  # counts the negative pivots of a symmetric matrix, which no solver of Trilinos does
-  libmumps-dev
+  # factorises the matrices of networks and counts the negative pivots of a symmetric matrix, which no solver of Trilinos
+  # does; METIS orders its eliminations
+  libmumps-dev libmetis-dev
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
   libmuparser-dev libgsl-dev
   python3-matplotlib python3-h5py

@@ -2,7 +2,8 @@
 #
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
 #   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, NOX, LOCA and MPI
-#   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
+#   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does;
+#                      and METIS, which orders its eliminations: Debian's MUMPS is built without
 #   mixbeam_sacado     automatic differentiation, for tests
 #
 # Trilinos is looked up by header and library instead of by find_package(Trilinos): the exported configuration of Debian
@@ -33,6 +34,15 @@ if(NOT MUMPS_INCLUDE_DIR OR NOT MUMPS_dmumps_LIBRARY)
   message(FATAL_ERROR "mixbeam needs MUMPS (header dmumps_c.h, library dmumps), which was not found.\n"
                       "On Debian 12: apt-get install --no-install-recommends libmumps-dev\n"
                       "Elsewhere: point CMAKE_PREFIX_PATH to an installation of MUMPS 5 with MPI.")
+endif()
+
+find_path(METIS_INCLUDE_DIR metis.h DOC "Folder of the METIS header")
+find_library(METIS_LIBRARY NAMES metis DOC "METIS")
+mark_as_advanced(METIS_INCLUDE_DIR METIS_LIBRARY)
+if(NOT METIS_INCLUDE_DIR OR NOT METIS_LIBRARY)
+  message(FATAL_ERROR "mixbeam needs METIS (header metis.h, library metis), which was not found.\n"
+                      "On Debian 12: apt-get install --no-install-recommends libmetis-dev\n"
+                      "Elsewhere: point CMAKE_PREFIX_PATH to an installation of METIS 5.")
 endif()
 
 # --- Trilinos: headers -------------------------------------------------------------------------------------------------
@@ -153,8 +163,8 @@ add_library(mixbeam_trilinos INTERFACE)
 target_link_libraries(mixbeam_trilinos INTERFACE ${trilinos_libraries} mixbeam_kokkos MPI::MPI_CXX)
 
 add_library(mixbeam_mumps INTERFACE)
-target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}")
-target_link_libraries(mixbeam_mumps INTERFACE "${MUMPS_dmumps_LIBRARY}" MPI::MPI_CXX)
+target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}" "${METIS_INCLUDE_DIR}")
+target_link_libraries(mixbeam_mumps INTERFACE "${MUMPS_dmumps_LIBRARY}" "${METIS_LIBRARY}" MPI::MPI_CXX)
 
 add_library(mixbeam_sacado INTERFACE)
 target_link_libraries(mixbeam_sacado INTERFACE ${sacado_libraries} mixbeam_trilinos)

@@ -52,10 +52,10 @@ class ChainSolver : public TangentSolver {
 std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
                                                    double residual_tolerance);
 
-/// Name of the method that condenses chains, and the Amesos2 solver behind it.
+/// Name of the method that condenses chains, and the solver of what they leave.
 inline constexpr const char* kChains = "chains";
-inline constexpr const char* kSparseSolver = "KLU2";
-/// The Amesos2 solver that belongs to a method.
+inline constexpr const char* kSparseSolver = kAutomatic;
+/// The direct solver that belongs to a method.
 inline std::string sparse_solver_of(const std::string& method) { return method == kChains ? kSparseSolver : method; }
 
 }  // namespace mixbeam

@@ -28,7 +28,13 @@ class LinearSolver {
   virtual double solve(const DofVector& b, DofVector& x) = 0;
 };
 
-/// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2").
+/// Method that suits the graph of the matrix: KLU2 for chains and trees, in which elimination fills in little, and for
+/// small networks; MUMPS for networks.
+inline constexpr const char* kAutomatic = "automatic";
+inline constexpr const char* kMumps = "MUMPS";
+
+/// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2"), kMumps or
+/// kAutomatic.
 /// On several ranks the matrix is gathered to rank 0 and factorised there: Amesos2's own gathering hands KLU2 a
 /// compressed column matrix, and that path returns wrong solutions without a message in Trilinos 13.2 built with
 /// GCC 12.

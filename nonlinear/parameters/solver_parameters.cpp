@@ -71,8 +71,9 @@ BoundList<LinearSolverParameters> linear_parameters() {
   BoundList<LinearSolverParameters> linear("Solution of the linear systems.");
   linear.bind(
       &LinearSolverParameters::method, choice("Method", {"chains", "KLU2"}).by_default(),
-      "chains: elements in a row are condensed to the ends of their chain in parallel, and KLU2 solves what is left; "
-      "KLU2: sparse direct solver of Amesos2 for the whole matrix. KLU2 works on rank 0 whatever the number of ranks.");
+      "chains: elements in a row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 "
+      "where it has few loops, as L D L^T by MUMPS where it is a network; KLU2: sparse direct solver of Amesos2 for the "
+      "whole matrix. Both work on rank 0 whatever the number of ranks.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
               "A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger.");

@@ -2,6 +2,7 @@
 #include "nonlinear/linear/chain_solver.hpp"
 
 #include "kernels/execution/execution_space.hpp"
+#include "nonlinear/linear/network_factors.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/scenes.hpp"
 #include "tests/support/solve.hpp"
@@ -44,7 +45,7 @@ class MovedScene {
     return x;
   }
   DofVector solution_of_the_whole() const {
-    const auto solver = make_tangent_solver(model, kSparseSolver, kCheckTolerance);
+    const auto solver = make_tangent_solver(model, "KLU2", kCheckTolerance);
     return solution(*solver);
   }
   /// The largest difference of displacements and of rotations, each relative to the largest of its kind.
@@ -79,6 +80,20 @@ Scene backward_member(int elements) {
   return scene;
 }
 
+/// A network: with a potential, with hinges, and with spatial moments, which have none.
+constexpr int kNetworkPoints = 6;
+Scene hinged_lattice() {
+  Scene scene = lattice(kNetworkPoints);
+  for (const auto& [point, next] : {std::pair("2,2,2", "2,2,3"), {"3,3,3", "4,3,3"}, {"4,1,2", "4,2,2"}})
+    scene.joints.push_back(joint(JointKind::hinge, point, {std::string(point) + " to " + next}, {0, 1, 2}));
+  return scene;
+}
+Scene lattice_under_moments() {
+  Scene scene = lattice(kNetworkPoints);
+  for (PointLoad& load : scene.point_loads) load.moment = {0.3, 0.1, -0.2};
+  return scene;
+}
+
 std::vector<Scene> scenes() {
   std::vector<Scene> all;
   for (int elements : {1, 2, 3, 5, 8, 9, 33, 70, 300})
@@ -86,6 +101,9 @@ std::vector<Scene> scenes() {
   for (int elements : {1, 4, 17}) all.push_back(backward_member(elements));
   for (int elements : {1, 3, 12}) all.push_back(fork(2, elements));
   all.push_back(portal_of_joints(2, 5));
+  all.push_back(lattice(kNetworkPoints, 1, 2));
+  all.push_back(hinged_lattice());
+  all.push_back(lattice_under_moments());
   return all;
 }
 
@@ -94,7 +112,7 @@ void expect_solution_of_the_whole(const Communicator& comm) {
     const MovedScene moved(scene, comm);
     ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
     const DofVector x = moved.solution(chains), y = moved.solution_of_the_whole();
-    EXPECT_LE(moved.difference(x, y), kAgreement) << scene.members[0].elements;
+    EXPECT_LE(moved.difference(x, y), kAgreement) << scene.name << ", " << scene.members[0].elements;
     EXPECT_EQ(chains.fallback_factorizations(), 0);
     // a later right-hand side uses the same factors
     moved.b->scale(-3.0);
@@ -106,6 +124,49 @@ void expect_solution_of_the_whole(const Communicator& comm) {
 }
 TEST(ChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(this_rank()); }
 TEST(MpiChainSolver, SolutionOfTheWhole) { expect_solution_of_the_whole(all_ranks()); }
+
+bool is_factorized_as_symmetric(const Scene& scene, int* factorized = nullptr) {
+  const MovedScene moved(scene, this_rank());
+  CondensedSystem system(moved.model);
+  system.condense(moved.tangent);
+  NetworkFactors factors(system.matrix(), moved.model.times());
+  factors.factorize();
+  if (factorized != nullptr) *factorized = factors.unknowns();
+  return factors.is_symmetric();
+}
+TEST(NetworkFactors, SymmetricWhereTheTangentIs) {
+  int unknowns = 0;
+  EXPECT_TRUE(is_factorized_as_symmetric(lattice(kNetworkPoints), &unknowns));
+  // those of clamped points are taken out
+  EXPECT_EQ(unknowns, kVertexDofs * (kNetworkPoints - 1) * kNetworkPoints * kNetworkPoints);
+  EXPECT_FALSE(is_factorized_as_symmetric(hinged_lattice()));
+  EXPECT_FALSE(is_factorized_as_symmetric(lattice_under_moments()));
+}
+
+/// In the plane of a scene three unknowns of each vertex stand alone.
+TEST(NetworkFactors, PlanarTangentsHaveHalfTheUnknowns) {
+  Scene scene = lattice(kNetworkPoints);
+  const auto is_off = [&](const std::string& point) { return point[2] != '0'; };
+  const auto drop = [&](auto& list, const auto& point_of) {
+    list.erase(std::remove_if(list.begin(), list.end(), [&](const auto& item) { return is_off(point_of(item)); }),
+               list.end());
+  };
+  drop(scene.points, [](const Point& p) { return p.name; });
+  drop(scene.members, [](const Member& m) { return m.end_point; });
+  drop(scene.supports, [](const Support& s) { return s.point; });
+  drop(scene.point_loads, [](const PointLoad& l) { return l.point; });
+  const Model model(scene, this_rank(), {});
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.5, residual);
+  for (bool in_space : {false, true}) {
+    const Tangent tangent(model, point, cap_for(model, point.scales), {in_space});
+    CondensedSystem system(model);
+    system.condense(tangent);
+    NetworkFactors factors(system.matrix(), model.times());
+    factors.factorize();
+    EXPECT_EQ(factors.unknowns(), (in_space ? 6 : 3) * kNetworkPoints * (kNetworkPoints - 1));
+  }
+}
 
 TEST(ChainSolver, OnlyEndsJunctionsAndConditionsRemain) {
   const MovedScene moved(backward_member(20), this_rank());
@@ -204,14 +265,16 @@ TEST(ChainSolver, MechanismIsReported) {
 
 TEST(ChainSolver, SameBitsForAnyNumberOfThreads) {
   const int before = number_of_threads();
-  const MovedScene moved(fork(2, 150), this_rank());
-  ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
-  set_number_of_threads(1);
-  const DofVector x = moved.solution(chains);
-  for (int threads : {2, 4}) {
-    set_number_of_threads(threads);
-    const DofVector y = moved.solution(chains);
-    EXPECT_EQ(moved.difference(x, y), 0.0);
+  for (const Scene& scene : {fork(2, 150), lattice(kNetworkPoints, 2, 2)}) {
+    const MovedScene moved(scene, this_rank());
+    ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
+    set_number_of_threads(1);
+    const DofVector x = moved.solution(chains);
+    for (int threads : {2, 4}) {
+      set_number_of_threads(threads);
+      const DofVector y = moved.solution(chains);
+      EXPECT_EQ(moved.difference(x, y), 0.0);
+    }
   }
   set_number_of_threads(before);
 }

@@ -12,13 +12,18 @@ namespace {
 
 constexpr double kTolerance = 1e-8;  // of the solver's own check: its default
 
+/// What is solved by what: a matrix without symmetry, and a symmetric one.
+enum Kind { kKlu, kMumpsLu, kSymmetricMumps };
+constexpr Kind kKinds[] = {kKlu, kMumpsLu, kSymmetricMumps};
+
 /// The matrix of a scene filled with numbers that depend on row and column alone, dominated by its diagonal: well
-/// conditioned, not symmetric, the same matrix on any number of ranks.
+/// conditioned, the same matrix on any number of ranks.
 class Equations {
  public:
-  explicit Equations(const Communicator& comm) : model_(fork(2, 3), comm, {}), all_(whole_matrix(model_)) {
+  explicit Equations(const Communicator& comm, Kind kind = kKlu)
+      : kind_(kind), model_(fork(2, 3), comm, {}), all_(whole_matrix(model_)) {
     fill();
-    solver = make_direct_solver(all_.matrix(), "KLU2", kTolerance, model_.times());
+    solver = make_direct_solver(all_.matrix(), kind == kKlu ? "KLU2" : kMumps, kTolerance, model_.times());
     known = right_hand_side = solution = Teuchos::null;
     known = Teuchos::rcp(new DofVector(model_.map()));
     right_hand_side = Teuchos::rcp(new DofVector(model_.map()));
@@ -55,11 +60,13 @@ class Equations {
  private:
   int global_row(int local) const { return static_cast<int>(model_.map()->getGlobalElement(local)); }
   void fill() {
-    for_each_entry([](int row, int column, double& value) {
+    for_each_entry([this](int row, int column, double& value) {
+      if (kind_ == kSymmetricMumps && row < column) std::swap(row, column);
       value = std::cos(3.0 * row + 7.0 * column) + (row == column ? 30.0 : 0.0);
     });
   }
 
+  Kind kind_;
   const Model model_;
   VertexMatrix all_;
 };
@@ -67,8 +74,9 @@ class Equations {
 // Condition below 10, systems of 60 unknowns.
 constexpr double kSolutionError = 1e-13;
 
-void expect_right_solution(const Communicator& comm) {
-  Equations equations(comm);
+void expect_right_solution(const Communicator& comm, Kind kind) {
+  SCOPED_TRACE(kind);
+  Equations equations(comm, kind);
   equations.solver->factorize();
   EXPECT_LE(equations.solver->solve(*equations.right_hand_side, *equations.solution), 10 * kRounding);
   EXPECT_LE(equations.error(), kSolutionError);
@@ -80,8 +88,9 @@ void expect_right_solution(const Communicator& comm) {
   EXPECT_LE(equations.error(), kSolutionError);
 }
 
-void expect_singular_matrix_is_reported(const Communicator& comm) {
-  Equations equations(comm);
+void expect_singular_matrix_is_reported(const Communicator& comm, Kind kind) {
+  SCOPED_TRACE(kind);
+  Equations equations(comm, kind);
   equations.scale_rows(7, 8, 0.0);
   EXPECT_THROW(
       {
@@ -92,59 +101,81 @@ void expect_singular_matrix_is_reported(const Communicator& comm) {
 }
 
 // The factors no longer belong to the matrix: what a solver with an error of its own would return.
-void expect_corrupted_solution_is_caught(const Communicator& comm) {
-  Equations equations(comm);
+void expect_corrupted_solution_is_caught(const Communicator& comm, Kind kind) {
+  SCOPED_TRACE(kind);
+  Equations equations(comm, kind);
   equations.solver->factorize();
   equations.scale_rows(12, 18, 50.0);
   EXPECT_THROW(equations.solver->solve(*equations.right_hand_side, *equations.solution), LinearSolverError);
 }
 
-TEST(LinearSolver, RightSolution) { expect_right_solution(this_rank()); }
-TEST(LinearSolver, SingularMatrixIsReported) { expect_singular_matrix_is_reported(this_rank()); }
-TEST(LinearSolver, CorruptedSolutionIsCaught) { expect_corrupted_solution_is_caught(this_rank()); }
+TEST(LinearSolver, RightSolution) {
+  for (Kind kind : kKinds) expect_right_solution(this_rank(), kind);
+}
+TEST(LinearSolver, SingularMatrixIsReported) {
+  for (Kind kind : kKinds) expect_singular_matrix_is_reported(this_rank(), kind);
+}
+TEST(LinearSolver, CorruptedSolutionIsCaught) {
+  for (Kind kind : kKinds) expect_corrupted_solution_is_caught(this_rank(), kind);
+}
 
 // Amesos2 alone returns wrong solutions here without a message (Trilinos 13.2 built with GCC 12).
-TEST(MpiLinearSolver, RightSolution) { expect_right_solution(all_ranks()); }
-TEST(MpiLinearSolver, SingularMatrixIsReportedOnEveryRank) { expect_singular_matrix_is_reported(all_ranks()); }
-TEST(MpiLinearSolver, CorruptedSolutionIsCaughtOnEveryRank) { expect_corrupted_solution_is_caught(all_ranks()); }
+TEST(MpiLinearSolver, RightSolution) {
+  for (Kind kind : kKinds) expect_right_solution(all_ranks(), kind);
+}
+TEST(MpiLinearSolver, SingularMatrixIsReportedOnEveryRank) {
+  for (Kind kind : kKinds) expect_singular_matrix_is_reported(all_ranks(), kind);
+}
+TEST(MpiLinearSolver, CorruptedSolutionIsCaughtOnEveryRank) {
+  for (Kind kind : kKinds) expect_corrupted_solution_is_caught(all_ranks(), kind);
+}
 
 TEST(LinearSolver, RecoversAfterASingularMatrix) {
-  Equations equations(this_rank());
-  equations.solver->factorize();
-  std::vector<double> values;
-  equations.for_each_entry([&](int, int, double& value) { values.push_back(value); });
-  equations.scale_rows(7, 8, 0.0);
-  try {
+  for (Kind kind : kKinds) {
+    SCOPED_TRACE(kind);
+    Equations equations(this_rank(), kind);
+    equations.solver->factorize();
+    std::vector<double> values;
+    equations.for_each_entry([&](int, int, double& value) { values.push_back(value); });
+    equations.scale_rows(7, 8, 0.0);
+    try {
+      equations.solver->factorize();
+      equations.solver->solve(*equations.right_hand_side, *equations.solution);
+      ADD_FAILURE() << "no error";
+    } catch (const LinearSolverError&) {
+    }
+    size_t k = 0;
+    equations.for_each_entry([&](int, int, double& value) { value = values[k++]; });
     equations.solver->factorize();
     equations.solver->solve(*equations.right_hand_side, *equations.solution);
-    ADD_FAILURE() << "no error";
-  } catch (const LinearSolverError&) {
+    EXPECT_LE(equations.error(), kSolutionError);
   }
-  size_t k = 0;
-  equations.for_each_entry([&](int, int, double& value) { value = values[k++]; });
-  equations.solver->factorize();
-  equations.solver->solve(*equations.right_hand_side, *equations.solution);
-  EXPECT_LE(equations.error(), kSolutionError);
 }
 
 TEST(LinearSolver, SlightlyWrongFactorsAreCuredByRefinement) {
-  Equations equations(this_rank());
-  equations.solver->factorize();
-  equations.scale_rows(12, 18, 1.0 + 1e-5);
-  equations.matrix().apply(*equations.known, *equations.right_hand_side);
-  EXPECT_LE(equations.solver->solve(*equations.right_hand_side, *equations.solution), kTolerance);
-  EXPECT_LE(equations.error(), 1e-9);  // two solves with factors that are wrong by 1e-5
+  for (Kind kind : kKinds) {
+    SCOPED_TRACE(kind);
+    Equations equations(this_rank(), kind);
+    equations.solver->factorize();
+    equations.scale_rows(12, 18, 1.0 + 1e-5);
+    equations.matrix().apply(*equations.known, *equations.right_hand_side);
+    EXPECT_LE(equations.solver->solve(*equations.right_hand_side, *equations.solution), kTolerance);
+    EXPECT_LE(equations.error(), 1e-9);  // two solves with factors that are wrong by 1e-5
+  }
 }
 
 TEST(LinearSolver, MatrixThatIsNotANumberIsReported) {
-  Equations equations(this_rank());
-  equations.scale_rows(7, 8, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_THROW(
-      {
-        equations.solver->factorize();
-        equations.solver->solve(*equations.right_hand_side, *equations.solution);
-      },
-      LinearSolverError);
+  for (Kind kind : kKinds) {
+    SCOPED_TRACE(kind);
+    Equations equations(this_rank(), kind);
+    equations.scale_rows(7, 8, std::numeric_limits<double>::quiet_NaN());
+    EXPECT_THROW(
+        {
+          equations.solver->factorize();
+          equations.solver->solve(*equations.right_hand_side, *equations.solution);
+        },
+        LinearSolverError);
+  }
 }
 
 TEST(LinearSolver, UnknownMethodIsRefused) {

@@ -86,6 +86,32 @@ inline Scene elastica(double force, int order, int elements) {
 constexpr Vector3 kElasticaTip = {-0.5549955977538, 0.8106090248803, 0.0};
 constexpr double kElasticaAngle = 1.4302855388039;
 
+/// Cubic lattice of n points along each edge, cell 1, EI = 1; its lowest layer is clamped, and forces on the highest
+/// one shear it. No members between clamped points.
+inline Scene lattice(int n, int order = 1, int elements = 1) {
+  Scene scene;
+  scene.name = "lattice";
+  scene.sections = {section(400.0, 140.0, 0.8, 1.0)};
+  const auto name = [](int i, int j, int k) {
+    return std::to_string(i) + "," + std::to_string(j) + "," + std::to_string(k);
+  };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) {
+        const std::string here = name(i, j, k);
+        scene.points.push_back({here, {1.0 * i, 1.0 * j, 1.0 * k}});
+        if (k == 0) scene.supports.push_back(clamp(here));
+        if (k == n - 1) scene.point_loads.push_back(dead_load(here, {0.06, 0, 0}));
+        for (const std::string& next : {name(i + 1, j, k), name(i, j + 1, k), name(i, j, k + 1)}) {
+          const bool inside = (next == name(i + 1, j, k) && i + 1 < n && k > 0) ||
+                              (next == name(i, j + 1, k) && j + 1 < n && k > 0) ||
+                              (next == name(i, j, k + 1) && k + 1 < n);
+          if (inside) scene.members.push_back(line(here + " to " + next, here, next, order, elements));
+        }
+      }
+  return scene;
+}
+
 /// Humer, Steinbrecher, Pechstein, arc segment under out-of-plane force: square section of side R / slenderness.
 inline Section arc_section(double slenderness) {
   const double a = 100.0 / slenderness, axial = 1e7 * a * a, bending = 1e7 * a * a * a * a / 12.0;

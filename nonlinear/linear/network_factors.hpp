@@ -1,0 +1,50 @@
+/// Factors of a matrix that one rank holds; of the matrices of networks by MUMPS.
+#pragma once
+
+#include "discretization/assembly/phase_timer.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+#include "nonlinear/linear/inertia_solver.hpp"
+
+namespace mixbeam {
+
+class LocalFactors {
+ public:
+  virtual ~LocalFactors() = default;
+  /// Factorises the present values of the matrix. Throws an exception derived from std::exception.
+  virtual void factorize() = 0;
+  virtual void solve(const DofVector& b, DofVector& x) = 0;
+};
+
+/// Unknowns that have an equation of their own, as those that supports prescribe, are taken out: what remains is
+/// symmetric, and factorised as L D L^T, unless supports stand at an angle, joints take part, or loads have no
+/// potential; then as L U. The order of elimination and the structure of the factors are kept as long as the same
+/// unknowns are taken out.
+class NetworkFactors : public LocalFactors {
+ public:
+  NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times) : matrix_(matrix), times_(times) {}
+
+  void factorize() override;
+  void solve(const DofVector& b, DofVector& x) override;
+  /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
+  int unknowns() const { return remaining_.rows(); }
+  bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
+
+ private:
+  std::vector<unsigned char> rows_alone() const;
+  void take_out(std::vector<unsigned char> alone);
+  void find_mirrors();
+  bool has_symmetry() const;
+
+  Teuchos::RCP<DofMatrix> matrix_;
+  PhaseTimes& times_;
+  std::vector<unsigned char> alone_;  ///< (row): 1 where it is taken out
+  std::vector<int> row_;              ///< (remaining row): its number in the matrix
+  SparseMatrix remaining_;
+  std::vector<size_t> entry_;  ///< (entry of remaining_): where it stands in the matrix
+  std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none
+  InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
+  std::unique_ptr<InertiaSolver> factors_;
+  std::vector<double> rhs_;
+};
+
+}  // namespace mixbeam
