@@ -24,6 +24,17 @@ constexpr double kCapTimesElements = 1e9;
 /// 1e-9 of its length does not need less.
 constexpr double kLeastCap = 1e3;
 
+/// Members of a network share forces by their stiffness, so that what the cap leaves out has to be solved for again
+/// with each tangent, up to twenty times: there the cap is higher, as far as rounding errors permit, which is above the
+/// stiffness of most members.
+constexpr double kRaiseOfNetworks = 1e3;
+/// Independent loops of members from which on a structure is a network.
+constexpr int kLoopsOfNetwork = 100;
+
+bool is_network(const Mesh& mesh) {
+  return static_cast<int>(mesh.elements.size()) - mesh.vertices() + 1 >= kLoopsOfNetwork;
+}
+
 /// Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
 /// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
 /// Where forces are shared by stiffness, that strain would stay: cap_compliance_rows() tells it.
@@ -31,8 +42,10 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   const Structure& structure = model.structure();
   const double bending = structure.bending_reference / (structure.length * structure.length);
   const double elements = structure.length / structure.shortest_element;
-  const double factor =
-      raise * std::min(model.options().force_stiffness_cap, std::max(kLeastCap, kCapTimesElements / elements));
+  const double usual = model.options().force_stiffness_cap, most = std::max(kLeastCap, kCapTimesElements / elements);
+  double factor = raise * std::min(usual, most);
+  if (is_network(model.mesh()))
+    factor = std::max(factor, std::min(raise, 1.0) * std::min(kRaiseOfNetworks * usual, most));
   return factor * std::max(bending, scales.force);
 }
 

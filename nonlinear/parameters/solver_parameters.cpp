@@ -72,7 +72,8 @@ BoundList<LinearSolverParameters> linear_parameters() {
   linear.bind(
       &LinearSolverParameters::method, choice("Method", {"chains", "KLU2"}).by_default(),
       "chains: elements in a row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 "
-      "where it has few loops, as L D L^T by MUMPS where it is a network; KLU2: sparse direct solver of Amesos2 for the "
+      "where it has few loops, as L D L^T by MUMPS where it is a network; KLU2: sparse direct solver of Amesos2 for "
+      "the "
       "whole matrix. Both work on rank 0 whatever the number of ranks.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
@@ -82,7 +83,9 @@ BoundList<LinearSolverParameters> linear_parameters() {
       &LinearSolverParameters::force_stiffness_cap,
       real("Force Stiffness Cap").at_least(1e3).at_most(1e14).by_default(),
       "Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of EI / L^2 "
-      "and the forces at work, less where elements are shorter than 1e-4 of L; results do not depend on it.");
+      "and the forces at work, less where elements are shorter than 1e-4 of L, up to 1000 times as much in networks; "
+      "results do not depend on "
+      "it.");
   return linear;
 }
 
