@@ -1,6 +1,6 @@
 #include "apps/thread_scaling/chain_unit.hpp"
 
-#include <Teuchos_LAPACK.hpp>
+#include "nonlinear/linear/inertia_solver.hpp"
 
 #include <dlfcn.h>
 #include <time.h>
@@ -53,11 +53,57 @@ ElementStiffness element_stiffness() {
 /// The exact solution: different at neighbours, of size one.
 double known_solution(int row) { return 1.0 + 0.5 * ((row * 7) % 11) / 11.0; }
 
-/// Libraries that have threads offer one of these.
-void use_one_thread() {
-  for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
-    if (void* found = dlsym(RTLD_DEFAULT, name)) reinterpret_cast<void (*)(int)>(found)(1);
-}
+namespace fs = std::filesystem;
+
+/// LAPACK's band solver. B is a unit of time only if it does not depend on the BLAS that the system has chosen: where
+/// Debian's reference libraries lie beside the chosen ones they are loaded, in a name space of their own because the
+/// program has the others already.
+struct BandSolver {
+  using Factorize = void (*)(const int* m, const int* n, const int* kl, const int* ku, double* ab, const int* ldab,
+                             int* ipiv, int* info);
+  using Solve = void (*)(const char* trans, const int* n, const int* kl, const int* ku, const int* nrhs,
+                         const double* ab, const int* ldab, const int* ipiv, double* b, const int* ldb, int* info,
+                         size_t trans_length);
+  Factorize factorize;
+  Solve solve;
+  std::string blas;
+
+  static const BandSolver& instance() {
+    static const BandSolver solver;
+    return solver;
+  }
+
+ private:
+  BandSolver() {
+    blas = library_of("dgemm_");
+    const fs::path folder = fs::path(library_of("dgbtrf_")).parent_path().parent_path();
+    void* library = RTLD_DEFAULT;
+    const fs::path reference_blas = folder / "blas" / "libblas.so.3",
+                   reference_lapack = folder / "lapack" / "liblapack.so.3";
+    if (void* loaded = dlmopen(LM_ID_NEWLM, reference_blas.c_str(), RTLD_NOW)) {
+      Lmid_t name_space = LM_ID_BASE;
+      dlinfo(loaded, RTLD_DI_LMID, &name_space);
+      if (void* lapack = dlmopen(name_space, reference_lapack.c_str(), RTLD_NOW)) {
+        library = lapack;
+        blas = canonical(reference_blas);
+      }
+    }
+    factorize = reinterpret_cast<Factorize>(dlsym(library, "dgbtrf_"));
+    solve = reinterpret_cast<Solve>(dlsym(library, "dgbtrs_"));
+    if (factorize == nullptr || solve == nullptr) throw std::runtime_error("LAPACK has no solver for band matrices");
+  }
+  static std::string canonical(const fs::path& path) {
+    std::error_code problem;
+    const fs::path found = fs::canonical(path, problem);
+    return problem ? path.string() : found.string();
+  }
+  static std::string library_of(const char* name) {
+    void* function = dlsym(RTLD_DEFAULT, name);
+    Dl_info info;
+    if (function == nullptr || dladdr(function, &info) == 0 || info.dli_fname == nullptr) return "unknown";
+    return canonical(info.dli_fname);
+  }
+};
 
 /// Of this thread: threads of earlier kernels may still be waiting actively.
 double processor_seconds() {
@@ -73,7 +119,7 @@ ChainUnit::ChainUnit(int vertices)
       band_(static_cast<size_t>(kBandRows) * kBlock * vertices),
       rhs_(static_cast<size_t>(kBlock) * vertices),
       pivots_(static_cast<size_t>(kBlock) * vertices) {
-  use_one_thread();
+  use_serial_blas();
 }
 
 void ChainUnit::fill() {
@@ -96,15 +142,16 @@ void ChainUnit::fill() {
 ChainUnit::Seconds ChainUnit::time() {
   using Clock = std::chrono::steady_clock;
   fill();
-  const Teuchos::LAPACK<int, double> lapack;
+  const BandSolver& lapack = BandSolver::instance();
   const int rows = kBlock * vertices_;
   int info[2] = {0, 0};
   const double processor_start = processor_seconds();
   const auto start = Clock::now();
-  lapack.GBTRF(rows, rows, kDiagonals, kDiagonals, band_.data(), kBandRows, pivots_.data(), &info[0]);
+  lapack.factorize(&rows, &rows, &kDiagonals, &kDiagonals, band_.data(), &kBandRows, pivots_.data(), &info[0]);
   const auto factorized = Clock::now();
-  lapack.GBTRS('N', rows, kDiagonals, kDiagonals, 1, band_.data(), kBandRows, pivots_.data(), rhs_.data(), rows,
-               &info[1]);
+  constexpr int kOne = 1;
+  lapack.solve("N", &rows, &kDiagonals, &kDiagonals, &kOne, band_.data(), &kBandRows, pivots_.data(), rhs_.data(),
+               &rows, &info[1], 1);
   const auto solved = Clock::now();
   const double processor = processor_seconds() - processor_start;
   double error = info[0] == 0 && info[1] == 0 ? 0.0 : HUGE_VAL;
@@ -114,13 +161,6 @@ ChainUnit::Seconds ChainUnit::time() {
           std::chrono::duration<double>(solved - factorized).count(), processor};
 }
 
-std::string blas_library() {
-  void* function = dlsym(RTLD_DEFAULT, "dgemm_");
-  Dl_info info;
-  if (function == nullptr || dladdr(function, &info) == 0 || info.dli_fname == nullptr) return "unknown";
-  std::error_code problem;
-  const auto path = std::filesystem::canonical(info.dli_fname, problem);
-  return problem ? info.dli_fname : path.string();
-}
+std::string blas_library() { return BandSolver::instance().blas; }
 
 }  // namespace mixbeam

@@ -29,7 +29,8 @@ class ChainUnit {
   std::vector<int> pivots_;
 };
 
-/// Path of the library that LAPACK's dgemm comes from; "unknown" where the system does not tell.
+/// Path of the BLAS that LAPACK uses here; "unknown" where the system does not tell. The reference BLAS wherever it is
+/// installed, whatever the program itself uses.
 std::string blas_library();
 
 }  // namespace mixbeam
