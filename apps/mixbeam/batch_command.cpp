@@ -8,6 +8,7 @@
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/run_report.hpp"
+#include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -49,7 +50,7 @@ void set_up_batch(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
   if (app.communicator->getSize() > 1)
     throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
-  if (line.summary) prepare_summary(*line.summary);
+  if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   if (!app.xml.list->isSublist("Batch"))
@@ -236,10 +237,12 @@ int batch_command(const Arguments& arguments) {
     Application app;
     app.communicator = session.communicator();
     set_up_batch(app, line);
+    const std::string name = std::filesystem::path(*line.scene_file).stem().string() + "-batch";
+    const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
     watch_for_interrupts();
     BatchRun run(app, chosen_case(app.scene, line.load_case));
     run.solve();
-    run.write(app.output / (std::filesystem::path(*line.scene_file).stem().string() + "-batch"));
+    run.write(app.output / name);
     run.check_expected();
     return conclude(app, line, run);
   });

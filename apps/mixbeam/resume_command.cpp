@@ -20,7 +20,7 @@ std::string property(const StoredRun& run, const std::string& name) {
 
 void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.quiet = line.quiet;
-  if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
+  if (line.summary) prepare_summary(app, *line.summary);
   XmlParameters xml = parse_xml(run.header().scene_xml, run.path().string() + " (scene)");
   xml.source.set_files(run.header().imported);  // the tables as they were, even if they are gone or changed
   read_scene_file(app, std::move(xml), mixbeam_definition());
@@ -53,15 +53,17 @@ int resume_command(const Arguments& arguments) {
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
-    const StoredRun run(*line.scene_file);
     Application app;
     app.communicator = session.communicator();
+    if (!std::filesystem::is_regular_file(*line.scene_file)) StoredRun{*line.scene_file};  // says what is wrong
+    const SharedResultLock lock = lock_or_warn(app, *line.scene_file);  // first: the file of a run that goes on changes
+    const StoredRun run(*line.scene_file);
     set_up(app, line, run);
     require_reachable(app, {property(run, "load_case")});
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
-      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), &run);
+      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), lock, &run);
       if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
       return end;
     });

@@ -24,7 +24,7 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
 
 void set_up(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
-  if (line.summary) on_first_rank(app.communicator, [&line] { prepare_summary(*line.summary); });
+  if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   const std::filesystem::path scene(*line.scene_file);
@@ -50,12 +50,15 @@ int run_command(const Arguments& arguments) {
     set_up(app, line);
     const auto cases = chosen_cases(app.scene, line.load_case);
     require_reachable(app, cases);
+    const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
+    std::vector<SharedResultLock> locks;  // of all cases before the first: the run is refused as a whole
+    for (const std::string& load_case : cases)
+      locks.push_back(lock_or_warn(app, result_file_of(app.output, stem, load_case)));
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
-      const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
-      for (const std::string& load_case : cases)
-        if (end == RunEnd::arrived) end = run_case(app, load_case, result_file_of(app.output, stem, load_case));
+      for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
+        end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), locks[i]);
       if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
       return end;
     });

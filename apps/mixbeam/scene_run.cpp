@@ -56,8 +56,16 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
   return folder / (name + (load_case.empty() ? "" : "-" + load_case) + ".h5");
 }
 
+SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file) {
+  SharedResultLock lock = lock_result(file, *app.communicator);
+  if (!lock || lock->warning().empty()) return lock;
+  app.summary.warnings.push_back(lock->warning());
+  app.out() << "warning: " << lock->warning() << "\n";
+  return lock;
+}
+
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
-                const StoredRun* resume) {
+                const SharedResultLock& lock, const StoredRun* resume) {
   const Scene scene = scene_of_case(app.scene, load_case);
   app.load_case = load_case;
   RunReport report;
@@ -67,6 +75,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
   recording.properties = {{"load_case", load_case}};
   recording.resume = resume;
+  recording.lock = lock;
   recording.stop = [&app] { return interrupt_requested(app.communicator); };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {

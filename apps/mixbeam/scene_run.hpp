@@ -12,10 +12,14 @@ enum class RunEnd { arrived, interrupted };
 /// Why the runs of a program with this scene cannot be resumed, empty if they can.
 std::string obstacle_to_resuming(const Application& app);
 
-/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, or goes on with `resume`, and
-/// prints what came out.
+/// Takes the lock of a result file, and warns where its file system has none. Throws ResultFileError when another run
+/// holds it. Collective.
+SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
+
+/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, whose `lock` the caller holds, or
+/// goes on with `resume`, and prints what came out.
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
-                const StoredRun* resume = nullptr);
+                const SharedResultLock& lock, const StoredRun* resume = nullptr);
 
 /// `results/scene.h5` of `results`, "scene" and no case; `results/scene-wind.h5` with the case "wind".
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,

@@ -234,10 +234,6 @@ void reserve_space(const fs::path& path, std::size_t bytes) {
   if (error != 0) throw hdf5::Error("cannot get disk space: " + std::string(std::strerror(error)));
 }
 
-fs::path hidden(const fs::path& path, const std::string& ending) {
-  return path.parent_path() / ("." + path.filename().string() + "." + ending);
-}
-
 void check_place(const fs::path& path) {
   std::error_code ignored;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -281,28 +277,17 @@ bool has_complete_rows(const StepRecord& record) {
   return complete;
 }
 
-void replace_file(const fs::path& path, const fs::path& new_name, const std::string& text) {
-  std::ofstream stream(new_name, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) throw ResultFileError("file " + path.string() + ": cannot be written: " + std::strerror(errno));
-  std::error_code error;
-  fs::rename(new_name, path, error);
-  if (error) throw ResultFileError("file " + path.string() + ": cannot be replaced: " + error.message());
-}
-
 }  // namespace
 
-ResultFile::ResultFile(const fs::path& path, ResultHeader header, const Communicator& communicator)
+ResultFile::ResultFile(const fs::path& path, ResultHeader header, const Communicator& communicator,
+                       SharedResultLock lock)
     : communicator_(communicator),
+      lock_(std::move(lock)),
       path_(path),
       xdmf_path_(fs::path(path).replace_extension(".xdmf")),
       header_(std::move(header)) {
-  name_copies();
+  take_place();
   on_root([&] {
-    check_place(path_);
-    if (xdmf_path_ == path_) throw ResultFileError(prefix() + "its name must not end in .xdmf");
-    remove_hidden_files();
     std::error_code ignored;
     fs::remove(xdmf_path_, ignored);
   });
@@ -316,17 +301,16 @@ ResultFile::ResultFile(const fs::path& path, ResultHeader header, const Communic
   next_copy_ = 1;
 }
 
-ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator)
+ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, SharedResultLock lock)
     : communicator_(communicator),
+      lock_(std::move(lock)),
       path_(run.path()),
       xdmf_path_(fs::path(path_).replace_extension(".xdmf")),
       header_(run.header()),
       previous_(run.layout()) {
-  name_copies();
+  take_place();
   or_give_up([&] {
     on_root([&] {
-      check_place(path_);
-      remove_hidden_files();
       for (const Copy& copy : copies_) {
         reserve_space(copy.path, fs::file_size(path_));
         std::error_code error;
@@ -352,10 +336,17 @@ ResultFile::~ResultFile() {
   }
 }
 
-void ResultFile::name_copies() {
+// Nothing is touched before the lock is held.
+void ResultFile::take_place() {
   new_name_ = hidden(path_, "new");
   copies_[0].path = hidden(path_, "a");
   copies_[1].path = hidden(path_, "b");
+  on_root([&] {
+    check_place(path_);
+    if (xdmf_path_ == path_) throw ResultFileError(prefix() + "its name must not end in .xdmf");
+    if (!lock_) lock_ = std::make_shared<const ResultLock>(path_);
+    remove_hidden_files();
+  });
 }
 
 RankNumber ResultFile::rank() const { return {communicator_->getRank(), communicator_->getSize()}; }
@@ -420,7 +411,8 @@ void ResultFile::close() {
 
 void ResultFile::finish() {
   remove_hidden_files();
-  if (steps_in_xdmf_ < labels_.size()) write_xdmf();
+  if (!failed_ && steps_in_xdmf_ < labels_.size()) write_xdmf();
+  lock_ = nullptr;
 }
 
 void ResultFile::check_consistent(const StepRecord& record) const {
@@ -540,8 +532,9 @@ void ResultFile::write_xdmf() {
     steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
   const std::size_t members = previous_.members.size();
   const std::size_t samples = count_samples(previous_.members);
-  replace_file(xdmf_path_, new_name_,
-               xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members));
+  const bool durable = false;  // it can be made again from the result file
+  replace_file(xdmf_path_, xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members),
+               durable);
   steps_in_xdmf_ = labels_.size();
 }
 

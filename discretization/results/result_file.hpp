@@ -42,7 +42,9 @@
 /// numbers lie; then each rank writes its rows there by plain system calls, so that neither samples nor states travel.
 #pragma once
 
+#include "discretization/results/disk_file.hpp"
 #include "discretization/results/rank_agreement.hpp"
+#include "discretization/results/result_lock.hpp"
 #include "discretization/results/result_tables.hpp"
 #include "discretization/results/stored_run.hpp"
 #include "discretization/state/member_samples.hpp"
@@ -57,22 +59,20 @@
 
 namespace mixbeam {
 
-/// A result file could not be written; the message names the file and the reason.
-class ResultFileError : public std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 /// Writes the steps of one run. Every rank owns one: each writes the rows that it holds of the large datasets, rank 0
 /// everything else, and all of them see the same folder. What fails on one rank throws the same ResultFileError on
 /// every rank. Not for concurrent threads.
 class ResultFile {
  public:
   /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,
-  /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError. Collective.
-  ResultFile(const std::filesystem::path& path, ResultHeader header, const Communicator& communicator = one_rank());
+  /// and the XDMF file takes the same name with extension `.xdmf`. `lock`: that of the file, where the caller holds it
+  /// already. Throws ResultFileError. Collective.
+  ResultFile(const std::filesystem::path& path, ResultHeader header, const Communicator& communicator = one_rank(),
+             SharedResultLock lock = nullptr);
 
   /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError. Collective.
-  explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank());
+  explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank(),
+                      SharedResultLock lock = nullptr);
 
   /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them. Not
   /// collective, for a rank may be alone in leaving by an exception.
@@ -114,7 +114,7 @@ class ResultFile {
   RankNumber rank() const;
   bool is_root() const { return rank().rank == 0; }
   std::string prefix() const;
-  void name_copies();
+  void take_place();
   void together(const std::function<void()>& action) const;
   void on_root(const std::function<void()>& action) const;
   void or_give_up(const std::function<void()>& step);
@@ -132,6 +132,7 @@ class ResultFile {
   void remove_hidden_files() const noexcept;
 
   Communicator communicator_;
+  SharedResultLock lock_;  ///< known to rank 0
   std::filesystem::path path_;
   std::filesystem::path xdmf_path_;
   std::filesystem::path new_name_;  ///< hidden name that is renamed to path_

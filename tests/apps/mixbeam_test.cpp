@@ -323,6 +323,28 @@ void wait_for_steps(const fs::path& csv, int steps) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
 }
 
+TEST_F(Disturbed, ASecondRunIsRefusedAndTouchesNothing) {
+  const pid_t first = start_run();
+  wait_for_steps(folder_ / "cut" / "scene-monitor.csv", 2);
+  ASSERT_EQ(kill(first, SIGSTOP), 0);
+  const std::string file = (folder_ / "cut" / "scene.h5").string();
+  const fs::path elsewhere = folder_ / "prints";
+  fs::create_directory(elsewhere);
+  const std::string before = text_of(file);
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"run", scene_, "--output", (folder_ / "cut").string()}, {"resume", file}}) {
+    const Ended second = run_process(program("mixbeam"), command, elsewhere);
+    EXPECT_EQ(second.exit_code, kBadInput) << second.out;
+    expect_in(second.err, {"scene.h5", "process " + std::to_string(first) + " on "});
+  }
+  EXPECT_EQ(text_of(file), before);
+  kill(first, SIGCONT);
+  EXPECT_EQ(end_of(first, folder_.path()).exit_code, kOk);
+  const auto contents = contents_of(file);
+  ASSERT_TRUE(contents);
+  EXPECT_EQ(differences(whole_, *contents), "");
+}
+
 TEST_F(Disturbed, CtrlCFinishesTheStepAndSaysHowToResume) {
   for (const int signal : {SIGINT, SIGTERM}) {
     fs::remove_all(folder_ / "cut");

@@ -231,14 +231,13 @@ class Application::Recorder {
  public:
   Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
       : parameters_(parameters), recording_(recording), points_(followed_points(scene)) {
-    if (app.writes_files()) {
-      std::error_code ignored;
-      std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-    }
     const ResultHeader header = app.header(scene, recording.properties);
-    results_ = recording.resume != nullptr ? std::make_unique<ResultFile>(*recording.resume, app.communicator)
-                                           : std::make_unique<ResultFile>(recording.file, header, app.communicator);
+    results_ = recording.resume != nullptr
+                   ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.lock)
+                   : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.lock);
     if (!app.writes_files()) return;
+    std::error_code ignored;
+    std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
     if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
     if (monitor_ && recording.resume != nullptr) monitor_->add(*recording.resume);
   }

@@ -35,6 +35,7 @@ struct Recording {
   std::function<bool()> stop{};       ///< see PathControl
   std::function<void()> restart{};    ///< what was observed so far does not count: another mesh follows
   const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
+  SharedResultLock lock{};            ///< of the file, where the caller holds it already
 };
 
 /// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and
@@ -50,6 +51,7 @@ class Application {
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
   Summary summary;
+  SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
   Communicator communicator;
 
   std::ostream& out() const;

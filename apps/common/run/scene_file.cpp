@@ -1,5 +1,6 @@
 #include "apps/common/run/scene_file.hpp"
 
+#include "apps/common/session/guarded_run.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -83,13 +84,28 @@ void prepare_output_folder(const std::filesystem::path& folder) {
     throw InputError("the folder \"" + folder.string() + "\" for results cannot be written to");
 }
 
-void prepare_summary(const std::filesystem::path& file) {
-  if (std::filesystem::is_directory(file))
-    throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
-  if (file.has_parent_path()) prepare_output_folder(file.parent_path());
-  std::error_code error;
-  std::filesystem::remove(file, error);
-  if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
+namespace {
+
+SharedResultLock locked_summary(const std::filesystem::path& file) {
+  try {
+    return std::make_shared<const ResultLock>(file);
+  } catch (const ResultFileError& error) {
+    throw InputError(std::string("the summary: ") + error.what());
+  }
+}
+
+}  // namespace
+
+void prepare_summary(Application& app, const std::filesystem::path& file) {
+  on_first_rank(app.communicator, [&] {
+    if (std::filesystem::is_directory(file))
+      throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
+    if (file.has_parent_path()) prepare_output_folder(file.parent_path());
+    app.summary_lock = locked_summary(file);
+    std::error_code error;
+    std::filesystem::remove(file, error);
+    if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
+  });
 }
 
 namespace {

@@ -20,8 +20,9 @@ void describe_run(Application& app, const std::string& name, const std::optional
 void prepare_output_folder(const std::filesystem::path& folder);
 
 /// Finds out before the run, not after it, whether the summary can be written; removes the one of an earlier run, which
-/// a script might otherwise take for that of a run that failed.
-void prepare_summary(const std::filesystem::path& file);
+/// a script might otherwise take for that of a run that failed. Keeps its lock as long as the application lives. Throws
+/// InputError, also when another run writes there. Collective.
+void prepare_summary(Application& app, const std::filesystem::path& file);
 
 /// Before a run: throws InputError for an expected value of these load cases ("": of a scene without any) at whose load
 /// factor no step will end.

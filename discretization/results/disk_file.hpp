@@ -1,0 +1,96 @@
+/// The only way to a file of results: every open, write, sync, rename and close is checked, and what was not completed
+/// leaves nothing behind. HDF5 writes through it as well (guarded_file.hpp).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+
+namespace mixbeam {
+
+/// A system call on a file failed; the message says what was tried and what the system said, not the name of the file.
+class DiskError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A file of results could not be written; the message names the file and the reason.
+class ResultFileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// `.run.h5.ending` beside `run.h5`.
+std::filesystem::path hidden(const std::filesystem::path& path, const std::string& ending);
+
+enum class DiskAccess { read, write, create };
+
+/// An open file. `create` empties one that is there. Throws DiskError.
+class DiskFile {
+ public:
+  /// `shared`: other ranks, perhaps on other machines, write to other bytes of it at the same time.
+  DiskFile(const std::filesystem::path& path, DiskAccess access, bool shared = false);
+  ~DiskFile();
+  DiskFile(DiskFile&& other) noexcept;
+  DiskFile& operator=(DiskFile&&) = delete;
+
+  void write(std::uint64_t offset, const void* bytes, std::size_t count);
+  void read(std::uint64_t offset, void* bytes, std::size_t count) const;
+  std::uint64_t size() const;
+  /// Bytes that are new are zeros.
+  void resize(std::uint64_t bytes);
+  /// Makes the system set disk space aside up to this size, so that a full disk is noticed before anything is written.
+  void reserve(std::uint64_t bytes);
+  /// Waits until the bytes are on the disk: they survive a power cut.
+  void sync();
+  /// Reports what a file system finds out only now (quota, NFS).
+  void close();
+
+ private:
+  int descriptor_;
+};
+
+/// What was renamed or removed in the folder of a file survives a power cut. Throws DiskError.
+void sync_folder_of(const std::filesystem::path& path);
+
+/// A file that is written under a hidden name and takes its own when it is complete. Without that, nothing is left of
+/// it, and a file that bears the name already stays.
+class Replacement {
+ public:
+  explicit Replacement(std::filesystem::path path) : path_(std::move(path)), hidden_(hidden(path_, "new")) {}
+  ~Replacement();
+  Replacement(const Replacement&) = delete;
+  Replacement& operator=(const Replacement&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Where to write.
+  const std::filesystem::path& hidden_path() const { return hidden_; }
+  /// Gives the file, which must be closed, its name. `durable`: first waits until it is on the disk, and then until its
+  /// name is. Throws DiskError.
+  void publish(bool durable);
+
+ private:
+  std::filesystem::path path_, hidden_;
+  bool published_ = false;
+};
+
+/// Puts `text` into a file of this name in one indivisible operation. Throws ResultFileError.
+void replace_file(const std::filesystem::path& path, const std::string& text, bool durable);
+
+/// A text that grows line by line, each of which reaches the file at once. Throws ResultFileError.
+class TextFile {
+ public:
+  /// Replaces a file of that name.
+  explicit TextFile(const std::filesystem::path& path);
+  /// After an error the file ends behind the last text that fitted.
+  void append(const std::string& text);
+  /// Waits until it is on the disk.
+  void close();
+
+ private:
+  std::filesystem::path path_;
+  DiskFile file_;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,94 @@
+#include "discretization/results/result_lock.hpp"
+
+#include "discretization/results/disk_file.hpp"
+#include "discretization/results/rank_agreement.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace mixbeam {
+
+namespace {
+
+bool is_without_locks(int error) {
+  return error == ENOLCK || error == ENOTSUP || error == EOPNOTSUPP || error == ENOSYS || error == EINVAL;
+}
+
+/// The holder may have removed the hidden file between our opening and our locking it: then the lock is one on a file
+/// that nobody finds any more.
+bool is_still_there(int descriptor, const std::filesystem::path& path) {
+  struct stat mine {
+  }, there{};
+  return ::fstat(descriptor, &mine) == 0 && ::stat(path.c_str(), &there) == 0 && mine.st_ino == there.st_ino &&
+         mine.st_dev == there.st_dev;
+}
+
+/// "process 123 on host". It is for messages only: that it cannot be written changes nothing.
+void write_holder(int descriptor) {
+  std::array<char, 256> host{};
+  if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
+  const std::string text = "process " + std::to_string(::getpid()) + " on " + host.data();
+  if (::ftruncate(descriptor, 0) == 0) [[maybe_unused]]
+    const auto written = ::pwrite(descriptor, text.data(), text.size(), 0);
+}
+
+/// The holder says who it is a moment after it has taken the lock.
+std::string holder(int descriptor) {
+  constexpr int kTries = 100;
+  constexpr useconds_t kMoment = 1000;  // microseconds
+  std::array<char, 512> text{};
+  for (int i = 0; i < kTries; ++i, ::usleep(kMoment))
+    if (::pread(descriptor, text.data(), text.size() - 1, 0) > 0) return text.data();
+  return "another process";
+}
+
+}  // namespace
+
+ResultLock::ResultLock(const std::filesystem::path& file) : path_(hidden(file, "lock")) {
+  const std::string prefix = "result file " + file.string() + ": ";
+  constexpr mode_t kAsTheUserWants = 0666;  // less the user's mask
+  for (;;) {
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kAsTheUserWants);
+    if (descriptor_ < 0) throw ResultFileError(prefix + "cannot create the file: " + std::strerror(errno));
+    const bool locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
+    if (locked && is_still_there(descriptor_, path_)) break;
+    const int error = locked ? EINTR : errno;
+    if (!locked && error == EWOULDBLOCK) {
+      const std::string other = holder(descriptor_);
+      ::close(std::exchange(descriptor_, -1));
+      throw ResultFileError(prefix + "is being written by " + other + "; nothing of it was touched");
+    }
+    if (is_without_locks(error)) {
+      warning_ = file.string() + ": its file system has no locks (" + std::strerror(error) +
+                 "): make sure that no other run writes there";
+      return;
+    }
+    ::close(std::exchange(descriptor_, -1));
+    if (error != EINTR) throw ResultFileError(prefix + "cannot be locked: " + std::strerror(error));
+  }
+  write_holder(descriptor_);
+}
+
+ResultLock::~ResultLock() {
+  if (descriptor_ < 0) return;
+  if (is_still_there(descriptor_, path_)) ::unlink(path_.c_str());  // before the lock ends: then it is another run's
+  ::close(descriptor_);
+}
+
+SharedResultLock lock_result(const std::filesystem::path& file, const Teuchos::Comm<int>& communicator) {
+  SharedResultLock lock;
+  const std::string problem = first_problem(communicator, [&] {
+    if (communicator.getRank() == 0) lock = std::make_shared<const ResultLock>(file);
+  });
+  if (!problem.empty()) throw ResultFileError(problem);
+  return lock;
+}
+
+}  // namespace mixbeam

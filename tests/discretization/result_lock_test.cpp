@@ -1,0 +1,97 @@
+/// One writer for each result file: in one process, in two, after a kill.
+#include "discretization/results/result_lock.hpp"
+
+#include "discretization/results/result_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace mixbeam::result_lock_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ResultLocks : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (fs::temp_directory_path() / "mixbeam_lock_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path folder_;
+};
+
+std::string problem_of(const fs::path& file) {
+  try {
+    const ResultLock lock(file);
+  } catch (const ResultFileError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST_F(ResultLocks, TheSecondOneIsToldWhoWrites) {
+  const fs::path file = folder_ / "run.h5";
+  {
+    const ResultLock first(file);
+    EXPECT_EQ(first.warning(), "");
+    const std::string problem = problem_of(file);
+    EXPECT_NE(problem.find(file.string()), std::string::npos) << problem;
+    EXPECT_NE(problem.find("process " + std::to_string(getpid()) + " on "), std::string::npos) << problem;
+    EXPECT_EQ(problem_of(folder_ / "other.h5"), "") << "other files of the folder are free";
+  }
+  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_EQ(problem_of(file), "");
+}
+
+TEST_F(ResultLocks, EndsWithTheProcess) {
+  const fs::path file = folder_ / "run.h5";
+  int ready[2];
+  ASSERT_EQ(pipe(ready), 0);
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const ResultLock lock(file);
+    if (write(ready[1], "x", 1) != 1) _exit(1);
+    for (;;) pause();
+  }
+  char byte = 0;
+  ASSERT_EQ(read(ready[0], &byte, 1), 1);
+  EXPECT_NE(problem_of(file).find("process " + std::to_string(child) + " on "), std::string::npos);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  close(ready[0]);
+  close(ready[1]);
+  EXPECT_TRUE(fs::exists(folder_ / ".run.h5.lock")) << "left by the killed one";
+  EXPECT_EQ(problem_of(file), "");
+}
+
+TEST_F(ResultLocks, ASecondResultFileTouchesNothing) {
+  const fs::path file = folder_ / "run.h5";
+  const ResultHeader header{"scene", "<xml/>", "1", {}};
+  const auto names = [&] {
+    std::vector<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder_)) found.push_back(entry.path().filename().string());
+    std::sort(found.begin(), found.end());
+    return found;
+  };
+  ResultFile first(file, header);
+  std::ofstream(folder_ / "run.xdmf") << "of an earlier run";
+  const auto before = names();
+  EXPECT_THROW(ResultFile(file, header), ResultFileError);
+  EXPECT_THROW(ResultFile(folder_ / "." / "run.h5", header), ResultFileError) << "by another name";
+  EXPECT_EQ(names(), before);
+  first.close();
+  EXPECT_NO_THROW(ResultFile(file, header));
+}
+
+}  // namespace
+}  // namespace mixbeam::result_lock_test
