@@ -20,7 +20,7 @@ readonly required_packages=(
   # on them. thread_scaling measures its unit with the reference
   libopenblas0-serial libblas3 liblapack3
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
-  libmuparser-dev libgsl-dev
+  libmuparser-dev libgsl-dev libxxhash-dev
   python3-matplotlib python3-h5py
 )
 

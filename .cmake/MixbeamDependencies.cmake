@@ -26,6 +26,14 @@ if(NOT HDF5_IS_PARALLEL)
                       "On Debian 12: apt-get install libhdf5-openmpi-dev")
 endif()
 
+# --- xxHash: headers only; its functions are compiled for the processor of the build ------------------------------------
+find_path(XXHASH_INCLUDE_DIR xxhash.h DOC "Folder of the xxHash header")
+mark_as_advanced(XXHASH_INCLUDE_DIR)
+if(NOT XXHASH_INCLUDE_DIR)
+  message(FATAL_ERROR "mixbeam needs the header of xxHash 0.8 (xxhash.h), which was not found.\n"
+                      "On Debian 12: apt-get install --no-install-recommends libxxhash-dev")
+endif()
+
 # --- MUMPS: the variant for Open MPI, the one Trilinos is linked with --------------------------------------------------
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h DOC "Folder of the MUMPS headers")
 find_library(MUMPS_dmumps_LIBRARY NAMES dmumps DOC "MUMPS, double precision")

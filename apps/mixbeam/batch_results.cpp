@@ -30,7 +30,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
   for (const BatchColumn& column : batch.columns) names.push_back(column.parameter);
   names.insert(names.end(), quantities.names().begin(), quantities.names().end());
   for (const char* name : {"iterations", "residual", "converged", "stable", "cause"}) names.emplace_back(name);
-  CsvTable table(file, names);
+  CsvTable table(file, names, Appears::when_closed);
   std::vector<CsvCell> cells;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const CaseResult& result = results[i];
@@ -45,6 +45,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
     cells.emplace_back(result.cause);
     table.add_row(cells);
   }
+  table.close();
 }
 
 void write_columns(const std::filesystem::path& file, const Batch& batch, const CaseQuantities& quantities,

@@ -18,7 +18,8 @@ const char* const kProgram =
     "  check SCENE.xml     reads, validates and measures a scene; solves nothing\n"
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
     "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
-    "  plot RESULTS.h5     draws pictures of results\n\n"
+    "  plot RESULTS.h5     draws pictures of results\n"
+    "  verify RESULTS.h5   checks that a result file is what was written\n\n"
     "mixbeam COMMAND --help tells more; mixbeam --version prints the version.\n\n";
 
 const std::map<std::string, const char*>& texts() {
@@ -37,6 +38,9 @@ const std::map<std::string, const char*>& texts() {
        "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
        "                       processors for scenes that are large enough to profit; results are the same bits\n"
        "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"
+       "  --durable            every step waits until it is on the disk: a power cut loses none. Without it only "
+       "steps\n"
+       "                       do that take 30 times as long as the waiting, and the last one\n"
        "  --quiet              no line for each step\n\n"
        "Ctrl-C ends the run after the present step, a second one at once; mixbeam resume goes on.\n"},
       {"batch",
@@ -66,7 +70,14 @@ const std::map<std::string, const char*>& texts() {
        "Goes on behind the last completed step in a result file, to the very bits of a run that was never stopped, on\n"
        "any number of threads. The scene is the one in the file. Appends to the file, and writes NAME.xdmf and\n"
        "NAME-monitor.csv beside it.\n\n"
-       "  --threads N, --summary FILE.json, --quiet    as for mixbeam run\n\n"},
+       "  --from STEP          goes on behind this step; later ones are dropped. For files that are damaged behind it\n"
+       "  --threads N, --summary FILE.json, --durable, --quiet    as for mixbeam run\n\n"},
+      {"verify",
+       "usage: mixbeam verify RESULTS.h5 [--from STEP]\n\n"
+       "Reads a result file and compares its checksums. Names the bytes and objects that are damaged, and the last "
+       "step\n"
+       "up to which all is whole. mixbeam resume and plot do so before they read a file.\n\n"
+       "  --from STEP          damage behind this step does not count\n\n"},
       {"plot",
        "usage: mixbeam plot RESULTS.h5 [options of the script]\n\n"
        "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists its options. Needs Python\n"

@@ -16,7 +16,8 @@ using Command = int (*)(const Arguments&);
 
 const std::map<std::string, Command> kCommands = {{"run", run_command},       {"batch", batch_command},
                                                   {"check", check_command},   {"parameters", parameters_command},
-                                                  {"resume", resume_command}, {"plot", plot_command}};
+                                                  {"resume", resume_command}, {"plot", plot_command},
+                                                  {"verify", verify_command}};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;

@@ -1,4 +1,5 @@
 #include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/verify_command.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <fcntl.h>
@@ -6,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 
@@ -25,8 +27,17 @@ int exit_code_of(std::vector<std::string> words, bool quiet) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   if (quiet) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t as_usual;  // which this program ignores
+  sigemptyset(&as_usual);
+  sigaddset(&as_usual, SIGPIPE);
+  sigaddset(&as_usual, SIGXFSZ);
+  posix_spawnattr_setsigdefault(&attributes, &as_usual);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t process = 0;
-  const int problem = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+  const int problem = posix_spawnp(&process, argv[0], &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   int status = 0;
   if (problem != 0 || waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
@@ -45,6 +56,9 @@ std::string suitable_python() {
 
 int plot_command(const Arguments& arguments) {
   if (arguments.count() < 2) throw InputError("a result file is missing: mixbeam plot RESULTS.h5");
+  for (const char* argument : arguments.values)
+    if (std::filesystem::path(argument).extension() == ".h5" && std::filesystem::exists(argument))
+      require_whole(argument);
   const std::filesystem::path script =
       std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / "plot_result.py";
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");

@@ -4,6 +4,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "apps/mixbeam/verify_command.hpp"
 #include "discretization/text/errors.hpp"
 #include "mixbeam/version.hpp"
 
@@ -48,22 +49,23 @@ void say_where(const Application& app, const StoredRun& run) {
 }  // namespace
 
 int resume_command(const Arguments& arguments) {
-  const CommandLine line = read_command_line(arguments.count(), arguments.values.data(),
-                                             {"--threads", "--summary", "--quiet", "--help"}, "result file");
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(),
+                        {"--from", "--threads", "--summary", "--durable", "--quiet", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
+  require_whole(*line.scene_file, line.last_step);
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
-    if (!std::filesystem::is_regular_file(*line.scene_file)) StoredRun{*line.scene_file};  // says what is wrong
     const SharedResultLock lock = lock_or_warn(app, *line.scene_file);  // first: the file of a run that goes on changes
-    const StoredRun run(*line.scene_file);
+    const StoredRun run(*line.scene_file, line.last_step);
     set_up(app, line, run);
     require_reachable(app, {property(run, "load_case")});
     say_where(app, run);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
-      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), lock, &run);
+      const RunEnd end = run_case(app, property(run, "load_case"), run.path(), {lock, line.durable}, &run);
       if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
       return end;
     });

@@ -39,9 +39,9 @@ void set_up(Application& app, const CommandLine& line) {
 }  // namespace
 
 int run_command(const Arguments& arguments) {
-  const CommandLine line =
-      read_command_line(arguments.count(), arguments.values.data(),
-                        {"--output", "--case", "--threads", "--summary", "--quiet", "--help"}, "scene file");
+  const CommandLine line = read_command_line(
+      arguments.count(), arguments.values.data(),
+      {"--output", "--case", "--threads", "--summary", "--durable", "--quiet", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
@@ -58,7 +58,7 @@ int run_command(const Arguments& arguments) {
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
       for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
-        end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), locks[i]);
+        end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), {locks[i], line.durable});
       if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
       return end;
     });

@@ -65,7 +65,7 @@ SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& fil
 }
 
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
-                const SharedResultLock& lock, const StoredRun* resume) {
+                const WritingOptions& writing, const StoredRun* resume) {
   const Scene scene = scene_of_case(app.scene, load_case);
   app.load_case = load_case;
   RunReport report;
@@ -75,7 +75,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
   recording.properties = {{"load_case", load_case}};
   recording.resume = resume;
-  recording.lock = lock;
+  recording.writing = writing;
   recording.stop = [&app] { return interrupt_requested(app.communicator); };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {

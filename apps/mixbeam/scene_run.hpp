@@ -16,10 +16,10 @@ std::string obstacle_to_resuming(const Application& app);
 /// holds it. Collective.
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
 
-/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, whose `lock` the caller holds, or
-/// goes on with `resume`, and prints what came out.
+/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, or goes on with
+/// `resume`, and prints what came out.
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
-                const SharedResultLock& lock, const StoredRun* resume = nullptr);
+                const WritingOptions& writing, const StoredRun* resume = nullptr);
 
 /// `results/scene.h5` of `results`, "scene" and no case; `results/scene-wind.h5` with the case "wind".
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,

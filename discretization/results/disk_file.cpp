@@ -54,6 +54,12 @@ std::filesystem::path hidden(const std::filesystem::path& path, const std::strin
   return path.parent_path() / ("." + path.filename().string() + "." + ending);
 }
 
+FileNumber file_number(const std::filesystem::path& path) {
+  struct stat facts {};
+  if (::stat(path.c_str(), &facts) != 0) return {};
+  return {static_cast<std::uint64_t>(facts.st_dev), static_cast<std::uint64_t>(facts.st_ino)};
+}
+
 DiskFile::DiskFile(const std::filesystem::path& path, DiskAccess access, bool shared)
     : descriptor_(opened(path, access, shared)) {}
 
@@ -101,9 +107,11 @@ void DiskFile::resize(std::uint64_t bytes) {
 }
 
 void DiskFile::reserve(std::uint64_t bytes) {
-  if (bytes == 0) return;
+  const std::uint64_t there = size();
+  if (bytes <= there) return;
   int error = EINTR;
-  while (error == EINTR) error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(bytes));
+  while (error == EINTR)
+    error = ::posix_fallocate(descriptor_, static_cast<off_t>(there), static_cast<off_t>(bytes - there));
   if (error != 0 && !is_unknown_to_the_system(error)) fail_on_disk("get disk space", error);
 }
 
@@ -146,52 +154,58 @@ void Replacement::publish(bool durable) {
   if (durable) sync_folder_of(path_);
 }
 
-void replace_file(const std::filesystem::path& path, const std::string& text, bool durable) {
-  try {
-    Replacement replacement(path);
-    DiskFile file(replacement.hidden_path(), DiskAccess::create);
-    file.write(0, text.data(), text.size());
-    file.close();
-    replacement.publish(durable);
-  } catch (const DiskError& error) {
-    throw ResultFileError("file " + path.string() + ": " + error.what());
-  }
-}
-
 namespace {
 
-DiskFile created(const std::filesystem::path& path) {
+/// What goes wrong becomes a FileError that names the file.
+template <class Action>
+auto naming(const std::filesystem::path& path, const Action& action) {
   try {
-    return {path, DiskAccess::create};
+    return action();
   } catch (const DiskError& error) {
-    throw ResultFileError("file " + path.string() + ": " + error.what());
+    throw FileError("file " + path.string() + ": " + error.what());
   }
 }
 
 }  // namespace
 
-TextFile::TextFile(const std::filesystem::path& path) : path_(path), file_(created(path)) {}
+void replace_file(const std::filesystem::path& path, const std::string& text, bool durable) {
+  naming(path, [&] {
+    Replacement replacement(path);
+    DiskFile file(replacement.hidden_path(), DiskAccess::create);
+    file.write(0, text.data(), text.size());
+    file.close();
+    replacement.publish(durable);
+  });
+}
+
+TextFile::TextFile(const std::filesystem::path& path, Appears when)
+    : path_(path),
+      replacement_(when == Appears::when_closed ? std::make_unique<Replacement>(path) : nullptr),
+      file_(naming(path,
+                   [&] { return DiskFile(replacement_ ? replacement_->hidden_path() : path, DiskAccess::create); })) {}
 
 void TextFile::append(const std::string& text) {
-  try {
-    file_.write(size_, text.data(), text.size());
-    size_ += text.size();
-  } catch (const DiskError& error) {
+  naming(path_, [&] {
     try {
-      file_.resize(size_);
-    } catch (const DiskError&) {  // the first reason is the one to tell
+      file_.write(size_, text.data(), text.size());
+      size_ += text.size();
+    } catch (const DiskError&) {
+      try {
+        file_.resize(size_);
+      } catch (const DiskError&) {  // the first reason is the one to tell
+      }
+      throw;
     }
-    throw ResultFileError("file " + path_.string() + ": " + error.what());
-  }
+  });
 }
 
 void TextFile::close() {
-  try {
+  naming(path_, [&] {
     file_.sync();
     file_.close();
-  } catch (const DiskError& error) {
-    throw ResultFileError("file " + path_.string() + ": " + error.what());
-  }
+    const bool durable = true;
+    if (replacement_) replacement_->publish(durable);
+  });
 }
 
 }  // namespace mixbeam

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <stdexcept>
 #include <string>
 
@@ -15,13 +16,26 @@ class DiskError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A file of results could not be written; the message names the file and the reason.
+/// A file could not be written by the rank that writes it; the message names the file and the reason.
+class FileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// A file of results could not be written; the message names the file and the reason. Thrown on every rank.
 class ResultFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// `.run.h5.ending` beside `run.h5`.
 std::filesystem::path hidden(const std::filesystem::path& path, const std::string& ending);
+
+/// Tells files apart whatever their names are.
+struct FileNumber {
+  std::uint64_t device = 0, inode = 0;
+  bool operator==(const FileNumber& other) const { return device == other.device && inode == other.inode; }
+};
+/// Zeros where there is no file of that name.
+FileNumber file_number(const std::filesystem::path& path);
 
 enum class DiskAccess { read, write, create };
 
@@ -39,7 +53,8 @@ class DiskFile {
   std::uint64_t size() const;
   /// Bytes that are new are zeros.
   void resize(std::uint64_t bytes);
-  /// Makes the system set disk space aside up to this size, so that a full disk is noticed before anything is written.
+  /// Lengthens the file to this size and makes the system set disk space aside for it, so that a full disk is noticed
+  /// before anything is written.
   void reserve(std::uint64_t bytes);
   /// Waits until the bytes are on the disk: they survive a power cut.
   void sync();
@@ -74,14 +89,17 @@ class Replacement {
   bool published_ = false;
 };
 
-/// Puts `text` into a file of this name in one indivisible operation. Throws ResultFileError.
+/// Puts `text` into a file of this name in one indivisible operation. Throws FileError.
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable);
 
-/// A text that grows line by line, each of which reaches the file at once. Throws ResultFileError.
+/// When a file replaces one that bears its name already.
+enum class Appears { at_once, when_closed };
+
+/// A text that grows line by line, each of which reaches the file at once. Throws FileError.
 class TextFile {
  public:
-  /// Replaces a file of that name.
-  explicit TextFile(const std::filesystem::path& path);
+  /// One that appears when it is closed is removed where that does not happen.
+  TextFile(const std::filesystem::path& path, Appears when);
   /// After an error the file ends behind the last text that fitted.
   void append(const std::string& text);
   /// Waits until it is on the disk.
@@ -89,6 +107,7 @@ class TextFile {
 
  private:
   std::filesystem::path path_;
+  std::unique_ptr<Replacement> replacement_;
   DiskFile file_;
   std::uint64_t size_ = 0;
 };

@@ -51,27 +51,27 @@ void write_scalar_attribute(hid_t object, const std::string& name, hid_t file_ty
   check(H5Awrite(attribute, memory_type, value), action);
 }
 
+/// Without the time at which the dataset was made: the same results are the same bytes.
+Handle dataset_creation() {
+  Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties of a dataset");
+  check(H5Pset_obj_track_times(creation, false), "make properties of a dataset");
+  return creation;
+}
+
 void write_array(hid_t group, const std::string& name, const std::vector<hsize_t>& shape, hid_t file_type,
                  hid_t memory_type, const void* values) {
   const std::string action = "write dataset " + name;
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
-  const Handle dataset(H5Dcreate2(group, name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+  const Handle dataset(H5Dcreate2(group, name.c_str(), file_type, space, H5P_DEFAULT, dataset_creation(), H5P_DEFAULT),
                        H5Dclose, action);
   check(H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), action);
-}
-
-// A run's own files: locks would let a viewer that has the results open stop the run.
-Handle file_access() {
-  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make file access properties");
-  check(H5Pset_file_locking(access, false, true), "switch file locks off");
-  return access;
 }
 
 Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize_t> shape) {
   const std::string action = "create time series " + name;
   const int rank = static_cast<int>(shape.size());
   shape[0] = kMonitorChunkRows;
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, action);
+  const Handle creation = dataset_creation();
   check(H5Pset_chunk(creation, rank, shape.data()), action);
   std::vector<hsize_t> limits = shape;
   shape[0] = 0;
@@ -82,7 +82,10 @@ Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize
 
 }  // namespace
 
+// Every use of the library begins here. Files are closed one by one, with checks; where one cannot be closed, for it is
+// damaged, the library would try for ever when the program ends.
 QuietScope::QuietScope() {
+  [[maybe_unused]] static const herr_t no_cleaning_at_exit = H5dont_atexit();
   H5Eget_auto2(H5E_DEFAULT, &print_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
@@ -94,20 +97,10 @@ Handle::Handle(hid_t id, CloseFunction close_function, const std::string& action
   if (id_ < 0) fail(action);
 }
 
-Handle::~Handle() {
-  if (id_ >= 0) close_function_(id_);
-}
+Handle::~Handle() { close(); }
 
-void Handle::close(const std::string& action) { check(close_function_(std::exchange(id_, -1)), action); }
-
-Handle create_file(const std::filesystem::path& path) {
-  const Handle access = file_access();
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file"};
-}
-
-Handle open_file(const std::filesystem::path& path) {
-  const Handle access = file_access();
-  return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, "open the file"};
+void Handle::close() noexcept {
+  if (id_ >= 0 && close_function_(std::exchange(id_, -1)) < 0) a_close_failed = true;
 }
 
 Handle create_group(hid_t parent, const std::string& name) {
@@ -126,6 +119,10 @@ void write_attribute(hid_t object, const std::string& name, int value) {
   write_scalar_attribute(object, name, H5T_STD_I32LE, H5T_NATIVE_INT, &value);
 }
 
+void write_attribute(hid_t object, const std::string& name, bool value) {
+  write_attribute(object, name, value ? 1 : 0);
+}
+
 void write_attribute(hid_t object, const std::string& name, const std::string& value) {
   const Handle type = text_type(value);
   write_scalar_attribute(object, name, type, type, value.c_str());
@@ -135,8 +132,8 @@ void write_text(hid_t group, const std::string& name, const std::string& text) {
   const std::string action = "write text " + name;
   const Handle type = text_type(text);
   const Handle space = scalar_space();
-  const Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-                       action);
+  const Handle dataset(H5Dcreate2(group, name.c_str(), type, space, H5P_DEFAULT, dataset_creation(), H5P_DEFAULT),
+                       H5Dclose, action);
   check(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()), action);
 }
 
@@ -152,7 +149,7 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
   std::vector<hsize_t> shape{rows};
   if (columns > 1) shape.push_back(columns);
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose, action);
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, action);
+  const Handle creation = dataset_creation();
   check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY), action);
   check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER), action);
   const Handle dataset(H5Dcreate2(parent, name.c_str(), integers ? H5T_STD_I32LE : H5T_IEEE_F64LE, space, H5P_DEFAULT,
@@ -164,11 +161,11 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
   return offset;
 }
 
-void append_row(hid_t group, const std::string& name, const std::vector<double>& row) {
+void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns) {
   const std::string action = "append to time series " + name;
   const bool exists = H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0;
   std::vector<hsize_t> shape{0};
-  if (row.size() > 1) shape.push_back(row.size());
+  if (columns > 1) shape.push_back(columns);
   const Handle dataset = exists ? Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action)
                                 : create_extendible(group, name, shape);
   {
@@ -176,25 +173,30 @@ void append_row(hid_t group, const std::string& name, const std::vector<double>&
     check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
   }
   std::vector<hsize_t> start(shape.size(), 0);
-  start[0] = shape[0]++;
-  check(H5Dset_extent(dataset, shape.data()), action);
+  start[0] = shape[0];
   std::vector<hsize_t> count = shape;
-  count[0] = 1;
+  count[0] = rows.size() / columns;
+  if (count[0] == 0) return;
+  shape[0] += count[0];
+  check(H5Dset_extent(dataset, shape.data()), action);
   const Handle target(H5Dget_space(dataset), H5Sclose, action);
   check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
   const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose, action);
-  check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, row.data()), action);
+  check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.data()), action);
+}
+
+void copy_link(hid_t source, const std::string& name, hid_t target) {
+  check(H5Ocopy(source, name.c_str(), target, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "copy " + name);
+}
+
+void remove_link(hid_t parent, const std::string& name) {
+  check(H5Ldelete(parent, name.c_str(), H5P_DEFAULT), "remove " + name);
 }
 
 std::size_t count_links(hid_t group) {
   H5G_info_t info;
   check(H5Gget_info(group, &info), "count the entries of a group");
   return info.nlinks;
-}
-
-Handle open_file_to_read(const std::filesystem::path& path) {
-  const Handle access = file_access();
-  return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "open the file"};
 }
 
 std::vector<std::string> link_names(hid_t group) {
@@ -239,6 +241,20 @@ std::string read_text_attribute(hid_t object, const std::string& attribute) {
   return text.c_str();  // an empty text is stored as one zero
 }
 
+void read_attribute(hid_t object, const std::string& name, double& value) { value = read_number(object, name); }
+void read_attribute(hid_t object, const std::string& name, int& value) {
+  value = static_cast<int>(read_number(object, name));
+}
+void read_attribute(hid_t object, const std::string& name, bool& value) { value = read_number(object, name) != 0.0; }
+void read_attribute(hid_t object, const std::string& name, std::string& value) {
+  value = read_text_attribute(object, name);
+}
+
+bool has_attribute(hid_t object, const std::string& name) {
+  const auto names = attribute_names(object);
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::string read_text(hid_t group, const std::string& name) {
   const std::string action = "read text " + name;
   const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
@@ -247,6 +263,39 @@ std::string read_text(hid_t group, const std::string& name) {
   check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), action);
   while (!text.empty() && text.back() == '\0') text.pop_back();
   return text;
+}
+
+void read_attributes(hid_t object) {
+  for (const std::string& name : attribute_names(object)) {
+    const std::string action = "read attribute " + name;
+    const Handle id(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, action);
+    const Handle type(H5Aget_type(id), H5Tclose, action);
+    std::vector<char> bytes(H5Aget_storage_size(id) + H5Tget_size(type));
+    check(H5Aread(id, type, bytes.data()), action);
+  }
+}
+
+void read_all(hid_t group, const std::string& dataset) {
+  const std::string action = "read dataset " + dataset;
+  const Handle id(H5Dopen2(group, dataset.c_str(), H5P_DEFAULT), H5Dclose, action);
+  const Handle type(H5Dget_type(id), H5Tclose, action), space(H5Dget_space(id), H5Sclose, action);
+  const auto points = H5Sget_simple_extent_npoints(space);
+  if (points < 0) fail(action);
+  std::vector<char> bytes(static_cast<std::size_t>(points) * H5Tget_size(type));
+  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
+}
+
+bool is_group(hid_t parent, const std::string& name) {
+  H5O_info_t info;
+  check(H5Oget_info_by_name2(parent, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT), "open " + name);
+  return info.type == H5O_TYPE_GROUP;
+}
+
+std::pair<std::uint64_t, std::uint64_t> data_place(hid_t group, const std::string& dataset) {
+  const Handle id(H5Dopen2(group, dataset.c_str(), H5P_DEFAULT), H5Dclose, "open dataset " + dataset);
+  const haddr_t offset = H5Dget_offset(id);
+  if (offset == HADDR_UNDEF) return {0, 0};
+  return {offset, H5Dget_storage_size(id)};
 }
 
 std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns) {

@@ -1,12 +1,15 @@
-/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only result_file.cpp,
-/// stored_run.cpp and table_file.cpp include this.
+/// Ownership and checked calls over the HDF5 C library, as far as result files need them. Only sources of this folder
+/// include this.
 #pragma once
+
+#include "discretization/results/guarded_file.hpp"
 
 #include <hdf5.h>
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <exception>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -45,21 +48,50 @@ class Handle {
 
   operator hid_t() const { return id_; }
 
-  /// Closes now and reports failure, which for a file is where a full disk shows.
-  void close(const std::string& action);
-
  private:
+  friend class File;
+  void close() noexcept;
+
   hid_t id_;
   CloseFunction close_function_;
 };
 
-Handle create_file(const std::filesystem::path& path);
-Handle open_file(const std::filesystem::path& path);
+/// Whether closing an object of the file that is open failed: a destructor cannot say so.
+inline bool a_close_failed = false;
+
+enum class FileUse { create, change, read };
+
+/// A guarded file, open in the library. Everything opened in it must be closed before it.
+class File {
+ public:
+  /// `content` must outlive this.
+  File(GuardedFile& content, FileUse use);
+
+  operator hid_t() const { return handle_; }
+
+  /// Closes it and throws what went wrong meanwhile (Error, DiskError, DamageError): what the library hears of a write
+  /// is always success, for after a failure it can neither be trusted to close files nor to end. What was written is in
+  /// `content`, to be flushed.
+  void close();
+
+ private:
+  /// What calls of the library meet.
+  struct Medium {
+    GuardedFile* content = nullptr;
+    std::exception_ptr problem{};
+  };
+  friend struct Driver;
+
+  std::unique_ptr<Medium> medium_;
+  Handle handle_;
+};
+
 Handle create_group(hid_t parent, const std::string& name);
 Handle open_group(hid_t parent, const std::string& name);
 
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, int value);
+void write_attribute(hid_t object, const std::string& name, bool value);  ///< 1 or 0
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
 void write_text(hid_t group, const std::string& name, const std::string& text);
 
@@ -74,17 +106,31 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
 
 std::size_t count_links(hid_t group);
 
-Handle open_file_to_read(const std::filesystem::path& path);
 /// Names below a group, ascending.
 std::vector<std::string> link_names(hid_t group);
 std::vector<std::string> attribute_names(hid_t object);
+bool has_attribute(hid_t object, const std::string& name);
 double read_number(hid_t object, const std::string& attribute);
 std::string read_text_attribute(hid_t object, const std::string& attribute);
+void read_attribute(hid_t object, const std::string& name, double& value);
+void read_attribute(hid_t object, const std::string& name, int& value);
+void read_attribute(hid_t object, const std::string& name, bool& value);
+void read_attribute(hid_t object, const std::string& name, std::string& value);
 std::string read_text(hid_t group, const std::string& name);
+/// Reads and forgets, to find out whether that can be done.
+void read_attributes(hid_t object);
+void read_all(hid_t group, const std::string& dataset);
+bool is_group(hid_t parent, const std::string& name);
+/// Where the numbers of a dataset lie in the file, and how many bytes they are; zeros unless they lie in one piece.
+std::pair<std::uint64_t, std::uint64_t> data_place(hid_t group, const std::string& dataset);
 /// Row by row; `columns`, when asked for, is the length of a row (1 for one dimension).
 std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns = nullptr);
 
-/// Lengthens the dataset `name` of as many columns as `row` has by that row; creates it when it is missing.
-void append_row(hid_t group, const std::string& name, const std::vector<double>& row);
+/// Lengthens the dataset `name` of so many columns by `rows`; creates it when it is missing.
+void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns);
+
+/// An object with all that is below it.
+void copy_link(hid_t source, const std::string& name, hid_t target);
+void remove_link(hid_t parent, const std::string& name);
 
 }  // namespace mixbeam::hdf5

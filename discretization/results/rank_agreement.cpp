@@ -1,5 +1,8 @@
 #include "discretization/results/rank_agreement.hpp"
 
+#include "discretization/results/disk_file.hpp"
+#include "discretization/results/hdf5_writer.hpp"
+
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>
 
@@ -30,6 +33,26 @@ std::string first_problem(const Teuchos::Comm<int>& communicator, const std::fun
   problem.resize(static_cast<std::size_t>(size));
   Teuchos::broadcast(communicator, first, size, problem.data());
   return first == 0 ? problem : problem + " (rank " + std::to_string(first) + ")";
+}
+
+void FileRanks::together(const std::function<void()>& action) const {
+  const std::string problem = first_problem(*communicator_, [&] {
+    const hdf5::QuietScope quiet;
+    try {
+      action();
+    } catch (const ResultFileError&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw ResultFileError(prefix_ + error.what());
+    }
+  });
+  if (!problem.empty()) throw ResultFileError(problem);
+}
+
+void FileRanks::on_root(const std::function<void()>& action) const {
+  together([&] {
+    if (is_root()) action();
+  });
 }
 
 }  // namespace mixbeam

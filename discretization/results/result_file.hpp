@@ -34,30 +34,35 @@
 ///     (n,3) /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored
 ///                               quantity, (steps) or (steps,3)
 ///
-/// A run may be killed at any moment: the file under its own name is complete and readable at all times. For that, two
-/// hidden copies are written in turn, and the name is moved to a copy only after every rank has closed that copy; each
-/// step is therefore written twice, and the disk holds two copies until the run ends.
+/// A run may be killed at any moment: see published_file.hpp.
 ///
 /// Rank 0 alone calls the HDF5 library. It makes room for the large datasets, closes the file and tells where their
 /// numbers lie; then each rank writes its rows there by plain system calls, so that neither samples nor states travel.
+/// At last rank 0 seals the file (seal.hpp): the bytes are the same for any number of ranks.
 #pragma once
 
 #include "discretization/results/disk_file.hpp"
+#include "discretization/results/published_file.hpp"
 #include "discretization/results/rank_agreement.hpp"
 #include "discretization/results/result_lock.hpp"
-#include "discretization/results/result_tables.hpp"
 #include "discretization/results/stored_run.hpp"
 #include "discretization/state/member_samples.hpp"
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
+
+/// How a result file is written.
+struct WritingOptions {
+  SharedResultLock lock{};  ///< of the file, where the caller holds it already
+  /// Each step waits until it is on the disk before it is published, so that a power cut loses none. Otherwise only
+  /// steps that take long enough do (SyncBudget), and the last one.
+  bool durable = false;
+};
 
 /// Writes the steps of one run. Every rank owns one: each writes the rows that it holds of the large datasets, rank 0
 /// everything else, and all of them see the same folder. What fails on one rank throws the same ResultFileError on
@@ -65,14 +70,12 @@ namespace mixbeam {
 class ResultFile {
  public:
   /// Starts an empty file, replacing one of that name. `path` must lie in an existing folder; its extension is free,
-  /// and the XDMF file takes the same name with extension `.xdmf`. `lock`: that of the file, where the caller holds it
-  /// already. Throws ResultFileError. Collective.
+  /// and the XDMF file takes the same name with extension `.xdmf`. Throws ResultFileError. Collective.
   ResultFile(const std::filesystem::path& path, ResultHeader header, const Communicator& communicator = one_rank(),
-             SharedResultLock lock = nullptr);
+             WritingOptions options = {});
 
   /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError. Collective.
-  explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank(),
-                      SharedResultLock lock = nullptr);
+  explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank(), WritingOptions options = {});
 
   /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them. Not
   /// collective, for a rank may be alone in leaving by an exception.
@@ -86,63 +89,31 @@ class ResultFile {
   /// Members, their samples and monitored names must be those of the first record, and `step` must grow. Collective.
   void append_step(const StepRecord& record);
 
-  /// Brings the XDMF file up to date and removes the second copy. Called once; later calls do nothing. Collective.
+  /// Brings the XDMF file up to date and removes the second copy; waits until the file is on the disk. Called once;
+  /// later calls do nothing. Collective.
   void close();
 
   const std::filesystem::path& path() const { return path_; }
   const std::filesystem::path& xdmf_path() const { return xdmf_path_; }
 
  private:
-  struct Copy {
-    std::filesystem::path path{};
-    bool created = false;
-    bool has_members = false;
-    int last_step = -1;  ///< last step in this copy
-  };
-
   struct StepLabel {
     int step = 0;
     double load_factor = 0.0;
   };
 
-  /// A table and where its numbers begin in the published copy.
-  struct PlacedTable {
-    TableShape shape{};
-    std::uint64_t place = 0;
-  };
-
-  RankNumber rank() const;
-  bool is_root() const { return rank().rank == 0; }
-  std::string prefix() const;
   void take_place();
-  void together(const std::function<void()>& action) const;
-  void on_root(const std::function<void()>& action) const;
   void or_give_up(const std::function<void()>& step);
-
   void check_consistent(const StepRecord& record) const;
-  bool lacks_previous(const Copy& copy) const;
-  void start(const Copy& copy) const;
-  void write_copy(Copy& copy, const StepRecord& record);
-  std::vector<ResultTable> missing_tables(const Copy& copy, const StepRecord& record) const;
-  void write_frame(const Copy& copy, const StepRecord& record, const std::vector<ResultTable>& tables,
-                   std::vector<std::uint64_t>& places) const;
-  void publish(const Copy& copy) const;
+  void write_step_of(const StepRecord& record);
   void write_xdmf();
   void finish();
-  void remove_hidden_files() const noexcept;
 
-  Communicator communicator_;
+  std::filesystem::path path_, xdmf_path_;
+  FileRanks ranks_;
   SharedResultLock lock_;  ///< known to rank 0
-  std::filesystem::path path_;
-  std::filesystem::path xdmf_path_;
-  std::filesystem::path new_name_;  ///< hidden name that is renamed to path_
-  ResultHeader header_;
-  std::array<Copy, 2> copies_;
-  std::size_t next_copy_ = 0;  ///< the copy that is not published
-  /// Missing in the next copy, which takes the rows of its tables from the published one; its members also describe the
-  /// sampling.
-  StepRecord previous_;
-  std::vector<PlacedTable> previous_tables_;
+  PublishedFile file_;
+  StepRecord previous_;            ///< describes members, sampling and what is monitored
   std::vector<StepLabel> labels_;  ///< of all published steps
   std::size_t steps_in_xdmf_ = 0;  ///< known to rank 0
   bool failed_ = false;

@@ -18,10 +18,46 @@ constexpr TableNumbers kNumbersOf = TableNumbers::doubles;
 template <>
 constexpr TableNumbers kNumbersOf<int> = TableNumbers::integers;
 
+/// Writes rows of a table: rows that follow one another are collected in the buffer of the file. One at a time for each
+/// file.
+template <class Number>
+class RowWriter {
+ public:
+  /// `offset`: of the first row in the file. A row has `columns` numbers.
+  RowWriter(TableWriter& file, std::uint64_t offset, std::size_t columns)
+      : file_(file),
+        offset_(offset),
+        columns_(columns),
+        most_rows_(TableWriter::kBufferBytes / (columns * sizeof(Number))) {}
+
+  /// Room for the numbers of a row, to be filled before the next call.
+  Number* row(std::size_t number) {
+    if (number != first_ + rows_ || rows_ == most_rows_) {
+      finish();
+      first_ = number;
+    }
+    return reinterpret_cast<Number*>(file_.buffer()) + columns_ * rows_++;
+  }
+
+  /// Writes what is left. Called at the end.
+  void finish() {
+    if (rows_ == 0) return;
+    const std::size_t bytes_of_row = columns_ * sizeof(Number);
+    file_.write(offset_ + first_ * bytes_of_row, file_.buffer(), rows_ * bytes_of_row);
+    rows_ = 0;
+  }
+
+ private:
+  TableWriter& file_;
+  std::uint64_t offset_;
+  std::size_t columns_, most_rows_;
+  std::size_t first_ = 0, rows_ = 0;  ///< collected
+};
+
 /// `fill` gives the rows of this rank to a RowWriter<Number>.
 template <class Number, class Fill>
 ResultTable table(const std::string& name, std::size_t rows, std::size_t columns, const Fill& fill) {
-  return {{name, kNumbersOf<Number>, rows, columns}, [columns, fill](SlabFile& file, std::uint64_t offset) {
+  return {{name, kNumbersOf<Number>, rows, columns}, [columns, fill](TableWriter& file, std::uint64_t offset) {
             RowWriter<Number> writer(file, offset, columns);
             fill(writer);
             writer.finish();
@@ -41,7 +77,7 @@ template <class Number>
 ResultTable table_of(const std::string& name, const RowShare& share, std::size_t columns, const Number* values) {
   const std::size_t row = columns * sizeof(Number);
   return {{name, kNumbersOf<Number>, share.rows, columns},
-          [share, row, columns, values](SlabFile& file, std::uint64_t offset) {
+          [share, row, columns, values](TableWriter& file, std::uint64_t offset) {
             const Number* from = values;
             for (const RowRun& run : share.runs) {
               file.write(offset + run.first * row, from, run.count * row);
@@ -217,22 +253,6 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
     add_error_estimate(group + "error_estimate/", *record.error_estimate, rank, tables);
   if (!record.state.empty()) add_state(group + "state/", record.state, tables);
   return tables;
-}
-
-ResultTable copied_table(const TableShape& shape, std::shared_ptr<SlabFile> source, std::uint64_t offset,
-                         RankNumber rank) {
-  const RowShare share = even_share(shape.rows, rank.rank, rank.ranks);
-  const std::size_t row = shape.bytes_of_row();
-  return {shape, [share, row, offset, source = std::move(source)](SlabFile& file, std::uint64_t to) {
-            for (const RowRun& run : share.runs) {
-              const std::size_t end = (run.first + run.count) * row;
-              for (std::size_t place = run.first * row, count = 0; place < end; place += count) {
-                count = std::min(kSlabBytes, end - place);
-                source->read(offset + place, file.buffer(), count);
-                file.write(to + place, file.buffer(), count);
-              }
-            }
-          }};
 }
 
 }  // namespace mixbeam

@@ -1,8 +1,9 @@
 /// The large datasets of a result file: fields at samples, vertices and elements, of which each rank writes the rows
-/// that it holds. Layout in result_file.hpp.
+/// that it holds, and their XDMF description. Layout in result_file.hpp.
 #pragma once
 
-#include "discretization/results/slab_file.hpp"
+#include "discretization/results/rank_agreement.hpp"
+#include "discretization/results/seal.hpp"
 #include "discretization/state/member_samples.hpp"
 
 #include <cstdint>
@@ -12,6 +13,33 @@
 #include <vector>
 
 namespace mixbeam {
+
+/// Rows of tables on their way into a file to which other ranks write other rows, and the sums of the blocks that they
+/// fill.
+class TableWriter {
+ public:
+  /// Bytes that are held in memory at a time: large enough for the speed of single large writes, small beside anything
+  /// else that a rank holds.
+  static constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+
+  /// `block`: bytes of a block of the file's seal. Throws DiskError, as the calls below.
+  TableWriter(const std::filesystem::path& path, bool shared, std::uint64_t block)
+      : file_(path, DiskAccess::write, shared), sums_(block), buffer_(new std::byte[kBufferBytes]) {}
+
+  void write(std::uint64_t offset, const void* bytes, std::size_t count) {
+    file_.write(offset, bytes, count);
+    sums_.add(offset, bytes, count);
+  }
+  void close() { file_.close(); }
+  const std::vector<BlockSum>& sums() const { return sums_.complete(); }
+  /// Room for kBufferBytes that are about to be written.
+  std::byte* buffer() { return buffer_.get(); }
+
+ private:
+  DiskFile file_;
+  RunningSums sums_;
+  std::unique_ptr<std::byte[]> buffer_;
+};
 
 enum class TableNumbers { doubles, integers };
 
@@ -27,15 +55,10 @@ struct TableShape {
   std::size_t bytes() const { return rows * bytes_of_row(); }
 };
 
-/// Which of how many ranks writes.
-struct RankNumber {
-  int rank = 0, ranks = 1;
-};
-
 struct ResultTable {
   TableShape shape;
-  /// Writes the rows of this rank; `offset`: where the first row of the table lies in the file. Throws SlabError.
-  std::function<void(SlabFile& file, std::uint64_t offset)> write;
+  /// Writes the rows of this rank; `offset`: where the first row of the table lies in the file. Throws DiskError.
+  std::function<void(TableWriter& file, std::uint64_t offset)> write;
 };
 
 /// "000001" of step 1.
@@ -47,8 +70,16 @@ std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& mem
 /// Those of a step; they refer to `record`, which must outlive them.
 std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank);
 
-/// The bytes of a table that `source` holds at `offset`, shared out evenly.
-ResultTable copied_table(const TableShape& shape, std::shared_ptr<SlabFile> source, std::uint64_t offset,
-                         RankNumber rank);
+/// What the description needs to know about one step.
+struct XdmfStep {
+  std::string group;  ///< of the step in the HDF5 file, "/steps/000001"
+  int step = 0;       ///< shown as time, because the load factor need not grow
+  double load_factor = 0.0;
+};
+
+/// XDMF text for `steps` of the HDF5 file named `data_file` (as seen from the folder of the XDMF file). Every member is
+/// one polyline through its deformed samples; `connectivity` is the length of /polyline/connectivity.
+std::string xdmf_text(const std::string& data_file, const std::vector<XdmfStep>& steps, std::size_t members,
+                      std::size_t samples, std::size_t connectivity);
 
 }  // namespace mixbeam

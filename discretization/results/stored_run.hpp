@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,12 @@ struct MonitoredSeries {
   std::vector<double> values{};  ///< step after step
 };
 
-/// Keeps no file open.
+/// Keeps no file open. Whatever is read has been checked against the seal of the file.
 class StoredRun {
  public:
-  /// Throws InputError when `path` is no readable result file of this program, or of a version that kept no states.
-  explicit StoredRun(const std::filesystem::path& path);
+  /// `last_step`: steps behind it do not count. Throws InputError when `path` is no readable result file of this
+  /// program, or of a version that kept no states, or one with a format that this program does not know yet.
+  explicit StoredRun(const std::filesystem::path& path, std::optional<int> last_step = {});
 
   const std::filesystem::path& path() const { return path_; }
   const ResultHeader& header() const { return header_; }
@@ -57,5 +59,17 @@ class StoredRun {
   std::vector<MonitoredSeries> monitor_;
   StepRecord layout_;
 };
+
+/// Whether a result file is what was written.
+struct FileReport {
+  bool is_sealed = false;  ///< false: of a version that wrote no checksums; then it can be read, no more is known
+  std::vector<int> steps{};
+  std::string damage{};  ///< empty: none; else the bytes, and the objects that lie in them
+  std::optional<int> last_whole_step{};
+};
+
+/// Reads all of a result file. The HDF5 library sees no bytes that are damaged, but for files without a seal: with
+/// those it may crash. Throws InputError, as StoredRun, where there is nothing to read.
+FileReport verify_results(const std::filesystem::path& path);
 
 }  // namespace mixbeam

@@ -1,7 +1,6 @@
 #include "discretization/results/table_file.hpp"
 
 #include "discretization/results/hdf5_writer.hpp"
-#include "discretization/results/result_file.hpp"
 
 namespace mixbeam {
 
@@ -23,15 +22,25 @@ void write_table_file(const std::filesystem::path& path, const std::vector<Table
                       const std::map<std::string, std::string>& texts) {
   const hdf5::QuietScope quiet;
   try {
-    hdf5::Handle file = hdf5::create_file(path);
-    for (const auto& [name, text] : texts) hdf5::write_text(file, name, text);
+    Replacement replacement(path);
+    DiskFile file(replacement.hidden_path(), DiskAccess::create);
+    Seal seal;
+    GuardedFile content(file, seal);
+    hdf5::File table(content, hdf5::FileUse::create);
+    for (const auto& [name, text] : texts) hdf5::write_text(table, name, text);
     {
-      const hdf5::Handle group = hdf5::create_group(file, "columns");
+      const hdf5::Handle group = hdf5::create_group(table, "columns");
       for (const TableColumn& column : columns) write_column(group, column.name, column.values);
     }
-    file.close("close the file");
-  } catch (const hdf5::Error& error) {
-    throw ResultFileError(path.string() + ": " + error.what());
+    table.close();
+    file.reserve(seal.bytes + seal.bytes_behind());
+    content.flush();
+    write_seal(file, seal);
+    file.close();
+    const bool durable = true;
+    replacement.publish(durable);
+  } catch (const std::exception& error) {
+    throw ResultFileError("result file " + path.string() + ": " + error.what());
   }
 }
 

@@ -1,4 +1,4 @@
-#include "discretization/results/xdmf_text.hpp"
+#include "discretization/results/result_tables.hpp"
 
 #include <array>
 #include <charconv>

@@ -12,6 +12,8 @@
 
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <random>
 
@@ -170,6 +172,11 @@ void write_results(const fs::path& path, const Scene& scene, const Communicator&
   file->close();
 }
 
+std::string bytes_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 /// A folder that all ranks see.
 class MpiResultFile : public ::testing::Test {
  protected:
@@ -193,6 +200,8 @@ class MpiResultFile : public ::testing::Test {
     const Contents alone = contents_of_results(folder_ / "alone.h5");
     EXPECT_GT(alone.size(), 150U);
     EXPECT_EQ(different_entries(contents_of_results(folder_ / "together.h5"), alone), std::vector<std::string>());
+    EXPECT_TRUE(resumes || bytes_of(folder_ / "together.h5") == bytes_of(folder_ / "alone.h5"));
+    EXPECT_EQ(verify_results(folder_ / "together.h5").damage, "");
     change_one_number(folder_ / "together.h5", "/steps/000002/spatial_moment", 7);  // the twin that must fail
     EXPECT_EQ(different_entries(contents_of_results(folder_ / "together.h5"), alone),
               std::vector<std::string>{"steps/000002/spatial_moment"});

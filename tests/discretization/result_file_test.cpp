@@ -2,6 +2,8 @@
 /// their reason.
 #include "discretization/results/result_file.hpp"
 
+#include "discretization/text/errors.hpp"
+
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
@@ -156,7 +158,7 @@ TEST_F(ResultFileTest, FieldsComeBackConcatenatedOverMembers) {
 // More rows than are collected for one write, in the copy that takes them from the record and in the other.
 TEST_F(ResultFileTest, LongMembers) {
   constexpr std::size_t kSamples = 100000;
-  static_assert(kSamples * sizeof(Vector3) > 2 * kSlabBytes);
+  static_assert(kSamples * sizeof(Vector3) > 2 * TableWriter::kBufferBytes);
   ResultFile result(file_, sample_header());
   StepRecord record = sample_step(0);
   for (int step = 0; step < 2; ++step) {
@@ -340,7 +342,11 @@ TEST_F(ResultFileTest, OlderFilesAreRead) {
     ASSERT_GE(H5Adelete(state, name), 0) << name;
   H5Gclose(state);
   ASSERT_GE(H5Adelete_by_name(file, "/steps/000000", "stable", H5P_DEFAULT), 0);
-  H5Fclose(file);
+  const hid_t version = H5Aopen(file, "format_version", H5P_DEFAULT);
+  const int before_checksums = 2;
+  ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT, &before_checksums), 0);
+  H5Aclose(version);
+  H5Fclose(file);  // cuts the checksums off
   EXPECT_EQ(StoredRun(file_).stability().at(0).stable, "unknown");
   const PathPoint point = StoredRun(file_).steps().at(0);
   EXPECT_EQ(point.stage, 2);
@@ -349,6 +355,31 @@ TEST_F(ResultFileTest, OlderFilesAreRead) {
   EXPECT_EQ(point.negative, -1);
   EXPECT_FALSE(point.branched);
   EXPECT_EQ(point.critical_points, 0);
+  {
+    ResultFile result{StoredRun(file_)};
+    record.step = 1;
+    result.append_step(record);
+  }
+  const FileReport report = verify_results(file_);
+  EXPECT_TRUE(report.is_sealed);
+  EXPECT_EQ(report.damage, "");
+  EXPECT_EQ(report.steps, (std::vector<int>{0, 1}));
+}
+
+TEST_F(ResultFileTest, NewerFormatsAreRefused) {
+  { ResultFile result(file_, sample_header()); }
+  const hid_t file = H5Fopen(file_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hid_t version = H5Aopen(file, "format_version", H5P_DEFAULT);
+  const int of_the_future = 99;
+  ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT, &of_the_future), 0);
+  H5Aclose(version);
+  H5Fclose(file);
+  try {
+    StoredRun{file_};
+    FAIL() << "read";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("format_version is 99"), std::string::npos) << error.what();
+  }
 }
 
 TEST_F(ResultFileTest, SceneIsStoredWordForWord) {

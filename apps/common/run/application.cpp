@@ -12,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -160,10 +159,13 @@ void Application::give_up(const Simulation& simulation, const std::string& label
   const std::filesystem::path file = failure_file_of(results);
   const std::string page = (label.empty() ? "" : label + ": ") + simulation.result().failure + where_state;
   if (!writes_files()) throw ConvergenceError(page);
-  std::ofstream text(file);
-  text << page << "\n";
-  text.close();
-  throw ConvergenceError(page + (text ? " This page is in " + file.string() + "." : ""));
+  try {
+    const bool durable = false;
+    replace_file(file, page + "\n", durable);
+  } catch (const FileError& error) {  // what the page says matters more
+    throw ConvergenceError(page + " This page cannot be kept: " + error.what());
+  }
+  throw ConvergenceError(page + " This page is in " + file.string() + ".");
 }
 
 Simulation Application::solve_and_record(const Scene& solved, const SolverParameters& parameters,
@@ -230,16 +232,20 @@ PathControl control_of(const Recording& recording) {
 class Application::Recorder {
  public:
   Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
-      : parameters_(parameters), recording_(recording), points_(followed_points(scene)) {
+      : communicator_(app.communicator),
+        parameters_(parameters),
+        recording_(recording),
+        points_(followed_points(scene)) {
     const ResultHeader header = app.header(scene, recording.properties);
     results_ = recording.resume != nullptr
-                   ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.lock)
-                   : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.lock);
-    if (!app.writes_files()) return;
-    std::error_code ignored;
-    std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-    if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
-    if (monitor_ && recording.resume != nullptr) monitor_->add(*recording.resume);
+                   ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
+                   : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.writing);
+    if (app.writes_files()) {
+      std::error_code ignored;
+      std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
+      if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
+    }
+    if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
   }
 
   bool has_steps() const { return has_steps_; }
@@ -248,7 +254,7 @@ class Application::Recorder {
     has_steps_ = true;
     const StepRecord step = record(running, report, estimate);
     results_->append_step(step);
-    if (monitor_) monitor_->add(step);
+    for_monitor([&] { monitor_->add(step); });
     if (recording_.record_observer) recording_.record_observer(step);
     if (recording_.observer) recording_.observer(running, report);
   }
@@ -264,9 +270,22 @@ class Application::Recorder {
       step.error_estimate = running.record_error(running.estimate_error(), points_);
     return step;
   }
-  void close() { results_->close(); }
+  void close() {
+    results_->close();
+    for_monitor([&] { monitor_->close(); });
+  }
 
  private:
+  /// It belongs to rank 0, where it may fail: then no rank goes on.
+  void for_monitor(const std::function<void()>& action) const {
+    const std::string problem = first_problem(*communicator_, [&] {
+      if (monitor_) action();
+    });
+    if (!problem.empty())
+      throw ResultFileError(problem + " (the steps so far are in " + recording_.file.string() + ")");
+  }
+
+  Communicator communicator_;
   const SolverParameters& parameters_;
   const Recording& recording_;
   std::vector<std::string> points_;

@@ -35,7 +35,7 @@ struct Recording {
   std::function<bool()> stop{};       ///< see PathControl
   std::function<void()> restart{};    ///< what was observed so far does not count: another mesh follows
   const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
-  SharedResultLock lock{};            ///< of the file, where the caller holds it already
+  WritingOptions writing{};
 };
 
 /// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and

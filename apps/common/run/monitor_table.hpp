@@ -18,6 +18,10 @@ class MonitorTable {
   /// A row for every step that a result file holds.
   void add(const StoredRun& run);
   void add(const StepRecord& record);
+  /// Waits until the file is on the disk.
+  void close() {
+    if (table_) table_->close();
+  }
 
  private:
   /// Quantities by name, in alphabetical order.

@@ -1,19 +1,16 @@
 #include "apps/common/run/summary.hpp"
 
 #include "apps/common/tables/printed_digits.hpp"
+#include "discretization/results/disk_file.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <ostream>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 namespace mixbeam {
@@ -109,21 +106,6 @@ std::string check_line(const CheckedQuantity& quantity) {
   line += ", reference " + quantity.reference;
   if (digits) return line + " (printed digits, " + exact_text(quantity.tolerance) + " in the last)";
   return line + " (" + name_of(quantity.comparison) + " " + exact_text(quantity.tolerance) + ")";
-}
-
-void replace_file(const std::filesystem::path& path, const std::string& text) {
-  std::filesystem::path unfinished = path;
-  unfinished += ".unfinished";
-  std::ofstream stream(unfinished, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) throw std::runtime_error("cannot write " + path.string() + ": " + std::strerror(errno));
-  std::error_code error;
-  std::filesystem::rename(unfinished, path, error);
-  if (!error) return;
-  std::error_code ignored;
-  std::filesystem::remove(unfinished, ignored);
-  throw std::runtime_error("cannot write " + path.string() + ": " + error.message());
 }
 
 }  // namespace
@@ -263,7 +245,8 @@ void Summary::write_json(const std::filesystem::path& path) const {
   json["checks"] = nlohmann::ordered_json::array();
   for (const auto& quantity : checks_) json["checks"].push_back(json_check(quantity));
   const auto replace_broken_utf8 = nlohmann::ordered_json::error_handler_t::replace;
-  replace_file(path, json.dump(2, ' ', false, replace_broken_utf8) + "\n");
+  const bool durable = true;
+  replace_file(path, json.dump(2, ' ', false, replace_broken_utf8) + "\n", durable);
 }
 
 }  // namespace mixbeam

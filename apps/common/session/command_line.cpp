@@ -11,18 +11,18 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kMostThreads = 1024;
+constexpr int kMostThreads = 1024, kMostSteps = 999999999;
 
 /// "-1" is a value, if a bad one.
 bool is_option(const std::string& argument) {
   return argument.size() > 1 && argument[0] == '-' && (argument[1] < '0' || argument[1] > '9');
 }
 
-int number_of_threads_from(const std::string& text) {
+int number_from(const std::string& option, const std::string& text, int least, int most) {
   int number = 0;
-  if (parse_number(text, number).empty() && number >= 1 && number <= kMostThreads) return number;
-  throw InputError("option --threads: value \"" + excerpt(text) + "\"; allowed: a whole number from 1 to " +
-                   std::to_string(kMostThreads));
+  if (parse_number(text, number).empty() && number >= least && number <= most) return number;
+  throw InputError("option " + option + ": value \"" + excerpt(text) + "\"; allowed: a whole number from " +
+                   std::to_string(least) + " to " + std::to_string(most));
 }
 
 /// What follows an option; another option there means that the value was forgotten.
@@ -59,6 +59,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.quiet = true;
   else if (name == "--markdown")
     line.markdown = true;
+  else if (name == "--durable")
+    line.durable = true;
   else if (name == "--output")
     line.output = value_after(i, argc, argv);
   else if (name == "--summary")
@@ -66,7 +68,9 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
   else if (name == "--case")
     line.load_case = value_after(i, argc, argv);
   else if (name == "--threads")
-    line.threads = number_of_threads_from(value_after(i, argc, argv));
+    line.threads = number_from(name, value_after(i, argc, argv), 1, kMostThreads);
+  else if (name == "--from")
+    line.last_step = number_from(name, value_after(i, argc, argv), 0, kMostSteps);
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ namespace mixbeam {
 
 struct CommandLine {
   std::optional<std::string> scene_file, output, summary, load_case;
-  std::optional<int> threads;
-  bool help = false, print_parameters = false, single = false, quiet = false, markdown = false;
+  std::optional<int> threads, last_step;
+  bool help = false, print_parameters = false, single = false, quiet = false, markdown = false, durable = false;
 };
 
 /// Options of the benchmark applications.

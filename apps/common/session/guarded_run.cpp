@@ -32,6 +32,8 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
     return complain("no convergence", error.what(), kConvergenceErrorExitCode);
   } catch (const ResultFileError& error) {
     return complain("results cannot be written", error.what(), kInputErrorExitCode);
+  } catch (const FileError& error) {
+    return complain_alone("results cannot be written", error.what(), kInputErrorExitCode);
   } catch (const std::invalid_argument& error) {
     return complain_alone("bad input", error.what(), kInputErrorExitCode);
   } catch (const std::exception& error) {

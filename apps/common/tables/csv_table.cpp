@@ -2,9 +2,7 @@
 
 #include "discretization/text/number_text.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <system_error>
 
@@ -21,6 +19,14 @@ std::string quoted(const std::string& value) {
   return result + "\"";
 }
 
+/// Makes the folder of a file.
+const std::filesystem::path& in_its_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+  if (error) throw FileError("cannot create the folder " + path.parent_path().string() + ": " + error.message());
+  return path;
+}
+
 }  // namespace
 
 CsvCell::CsvCell(double value)
@@ -28,15 +34,8 @@ CsvCell::CsvCell(double value)
 
 CsvCell::CsvCell(const std::string& value) : text(quoted(value)) {}
 
-CsvTable::CsvTable(const std::filesystem::path& path, const std::vector<std::string>& columns)
-    : path_(path), columns_(columns.size()) {
-  std::error_code error;
-  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
-  if (error) {
-    throw std::runtime_error("cannot create the folder " + path.parent_path().string() + ": " + error.message());
-  }
-  stream_.open(path, std::ios::binary | std::ios::trunc);
-  if (!stream_) throw std::runtime_error("cannot create " + path.string() + ": " + std::strerror(errno));
+CsvTable::CsvTable(const std::filesystem::path& path, const std::vector<std::string>& columns, Appears when)
+    : path_(path), columns_(columns.size()), file_(in_its_folder(path), when) {
   write_line({columns.begin(), columns.end()});
 }
 
@@ -51,8 +50,7 @@ void CsvTable::add_row(const std::vector<CsvCell>& cells) {
 void CsvTable::write_line(const std::vector<CsvCell>& cells) {
   std::string line;
   for (const auto& cell : cells) line += (&cell == &cells.front() ? "" : ",") + cell.text;
-  stream_ << line << '\n' << std::flush;
-  if (!stream_) throw std::runtime_error("cannot write " + path_.string() + ": " + std::strerror(errno));
+  file_.append(line + '\n');
 }
 
 }  // namespace mixbeam

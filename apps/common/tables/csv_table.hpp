@@ -1,9 +1,10 @@
 /// CSV files for plots and spreadsheets: one header line, one line per row, numbers that read back bit for bit.
 #pragma once
 
+#include "discretization/results/disk_file.hpp"
+
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -23,21 +24,23 @@ struct CsvCell {
   std::string text;
 };
 
-/// Writes a CSV file row by row; each row reaches the file at once. Errors are std::runtime_error with path and reason.
+/// Writes a CSV file row by row; each row reaches the file at once. Errors are FileError with path and reason.
 class CsvTable {
  public:
   /// Creates the file, and its folders where they are missing; replaces a file of that name.
-  CsvTable(const std::filesystem::path& path, const std::vector<std::string>& columns);
+  CsvTable(const std::filesystem::path& path, const std::vector<std::string>& columns, Appears when = Appears::at_once);
 
   /// Appends a row; std::invalid_argument unless it has one cell for each column.
   void add_row(const std::vector<CsvCell>& cells);
+  /// Waits until the file is on the disk. Without it a table that appears when it is closed is removed again.
+  void close() { file_.close(); }
 
  private:
   void write_line(const std::vector<CsvCell>& cells);
 
   std::filesystem::path path_;
   std::size_t columns_;
-  std::ofstream stream_;
+  TextFile file_;
 };
 
 }  // namespace mixbeam

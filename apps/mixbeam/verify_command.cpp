@@ -1,0 +1,126 @@
+#include "apps/mixbeam/verify_command.hpp"
+
+#include "apps/common/session/command_line.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "discretization/results/stored_run.hpp"
+#include "discretization/text/errors.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <iostream>
+
+namespace mixbeam {
+
+namespace {
+
+const std::string kBadInput = "mixbeam: bad input: ";
+
+std::string advice(const FileReport& report, const std::string& file) {
+  if (!report.last_whole_step) return "; no step of it can be relied on";
+  const std::string step = std::to_string(*report.last_whole_step);
+  return "; whole up to step " + step + ": mixbeam resume " + file + " --from " + step + " goes on from there";
+}
+
+}  // namespace
+
+int verify_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(), {"--from", "--help"}, "result file");
+  if (!line.scene_file) throw InputError("a result file is missing: mixbeam verify RESULTS.h5");
+  const std::string file = *line.scene_file;
+  const FileReport report = verify_results(file);
+  const bool is_enough = line.last_step && report.last_whole_step && *line.last_step <= *report.last_whole_step;
+  if (!report.damage.empty() && !is_enough)
+    throw InputError(file + ": damaged: " + report.damage + advice(report, file));
+  std::cout << file << ": " << report.steps.size() << (report.steps.size() == 1 ? " step" : " steps");
+  if (!report.damage.empty())
+    std::cout << ", whole up to step " << *report.last_whole_step << "; damaged: " << report.damage << "\n";
+  else if (report.is_sealed)
+    std::cout << ", whole: every checksum is right\n";
+  else
+    std::cout << ", readable; it was written by a version without checksums: more cannot be told\n";
+  return 0;
+}
+
+namespace {
+
+/// For a process that reads a file which may be hostile: more than reading it takes, and an end.
+void limit_process(std::uintmax_t file_bytes) {
+#if !defined(__SANITIZE_ADDRESS__)  // its shadow takes terabytes
+  constexpr rlim_t kMemory = rlim_t{4} << 30;
+  const rlim_t most = kMemory + 2 * file_bytes;
+  const rlimit memory{most, most};
+  setrlimit(RLIMIT_AS, &memory);
+#endif
+  constexpr std::uintmax_t kSlowestDisk = 5'000'000;  // bytes a second
+  constexpr unsigned kPatience = 15;                  // seconds
+  alarm(kPatience + static_cast<unsigned>(file_bytes / kSlowestDisk));
+  const rlimit no_core{0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+}
+
+/// What a process that has been started says on its stderr, to its end.
+std::string all_of(int pipe_end) {
+  std::string text;
+  std::array<char, 4096> part{};
+  for (;;) {
+    const ssize_t got = read(pipe_end, part.data(), part.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) return text;
+    text.append(part.data(), static_cast<std::size_t>(got));
+  }
+}
+
+/// Only calls that are allowed between fork and exec.
+[[noreturn]] void become_verifier(char* const* words, int stderr_pipe, std::uintmax_t file_bytes) {
+  limit_process(file_bytes);
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(stderr_pipe, STDERR_FILENO);
+  execv("/proc/self/exe", words);
+  _exit(1);
+}
+
+}  // namespace
+
+void require_whole(const std::filesystem::path& results, std::optional<int> last_step) {
+  const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK");
+  if (rank != nullptr && std::strcmp(rank, "0") != 0) return;
+  std::vector<std::string> words = {"mixbeam", "verify"};
+  if (last_step) words.insert(words.end(), {"--from", std::to_string(*last_step)});
+  words.push_back(results.string());
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  std::error_code ignored;
+  const std::uintmax_t size = std::filesystem::is_regular_file(results, ignored)
+                                  ? std::filesystem::file_size(results, ignored)
+                                  : std::uintmax_t{0};
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe: " + std::string(std::strerror(errno)));
+  const pid_t process = fork();
+  if (process < 0) throw std::runtime_error("no process: " + std::string(std::strerror(errno)));
+  if (process == 0) become_verifier(pointers.data(), ends[1], size);
+  close(ends[1]);
+  std::string said = all_of(ends[0]);
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kInputErrorExitCode && said.rfind(kBadInput, 0) == 0) {
+    while (!said.empty() && said.back() == '\n') said.pop_back();
+    throw InputError(said.substr(kBadInput.size()));
+  }
+  const std::string end =
+      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit " + std::to_string(WEXITSTATUS(status));
+  throw InputError(results.string() + ": damaged: reading it ended a process of its own (" + end + ")");
+}
+
+}  // namespace mixbeam

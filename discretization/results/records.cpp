@@ -1,0 +1,160 @@
+#include "discretization/results/records.hpp"
+
+#include "discretization/text/errors.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace mixbeam {
+
+namespace {
+
+const std::string kFormat = "mixbeam results";
+
+}  // namespace
+
+void write_header(hid_t file, const ResultHeader& header) {
+  hdf5::write_attribute(file, "format", kFormat);
+  hdf5::write_attribute(file, "format_version", kFormatVersion);
+  hdf5::write_attribute(file, "scene_name", header.scene_name);
+  hdf5::write_text(file, "scene", header.scene_xml);
+  hdf5::write_text(file, "version", header.version);
+  const auto properties = hdf5::create_group(file, "properties");
+  for (const auto& [name, value] : header.properties) hdf5::write_attribute(properties, name, value);
+  const auto imported = hdf5::create_group(file, "imported");
+  for (const auto& [name, text] : header.imported) {
+    const auto group = hdf5::create_group(imported, std::to_string(hdf5::count_links(imported)));
+    hdf5::write_attribute(group, "name", name);
+    hdf5::write_text(group, "text", text);
+  }
+  hdf5::create_group(file, "members");
+  hdf5::create_group(file, "steps");
+  hdf5::create_group(file, "monitor");
+}
+
+void require_result_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(path.string() + ": no such file");
+  if (std::filesystem::is_directory(path, ignored))
+    throw InputError(path.string() + ": is a directory; allowed: a result file (.h5)");
+  try {
+    const DiskFile file(path, DiskAccess::read);
+    if (read_seal(file)) return;
+    std::array<unsigned char, 8> begin{};
+    if (file.size() >= begin.size()) file.read(0, begin.data(), begin.size());
+    if (begin != std::array<unsigned char, 8>{0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'})
+      throw InputError(path.string() + ": not an HDF5 file; allowed: a result file (.h5)");
+  } catch (const DiskError& error) {
+    throw InputError(path.string() + ": " + error.what());
+  } catch (const DamageError&) {  // whoever reads it says so
+  }
+}
+
+bool holds_run(hid_t file) {
+  return hdf5::has_attribute(file, "format") && hdf5::read_text_attribute(file, "format") == kFormat;
+}
+
+void require_known_format(hid_t file, const std::string& name, bool is_sealed) {
+  if (!holds_run(file)) throw InputError(name + ": HDF5, but no result file of mixbeam");
+  int version = 0;
+  hdf5::read_attribute(file, "format_version", version);
+  if (version < kFirstFormatWithStates)
+    throw InputError(name + ": written by a version of mixbeam that kept no states to resume from");
+  if (version > kFormatVersion)
+    throw InputError(name + ": its format_version is " + std::to_string(version) +
+                     ", of a newer mixbeam; this one knows those up to " + std::to_string(kFormatVersion));
+  if (version >= kFirstSealedFormat && !is_sealed)
+    throw InputError(name + ": damaged: the checksums behind its content are missing: the file was cut, or another " +
+                     "program has written to it");
+}
+
+ResultHeader read_header(hid_t file) {
+  ResultHeader header;
+  hdf5::read_attribute(file, "scene_name", header.scene_name);
+  header.scene_xml = hdf5::read_text(file, "scene");
+  header.version = hdf5::read_text(file, "version");
+  const auto properties = hdf5::open_group(file, "properties");
+  for (const std::string& name : hdf5::attribute_names(properties))
+    hdf5::read_attribute(properties, name, header.properties[name]);
+  const auto imported = hdf5::open_group(file, "imported");
+  for (const std::string& number : hdf5::link_names(imported)) {
+    const auto group = hdf5::open_group(imported, number);
+    header.imported[hdf5::read_text_attribute(group, "name")] = hdf5::read_text(group, "text");
+  }
+  return header;
+}
+
+void write_members(hid_t file, const std::vector<MemberSamples>& members) {
+  const auto parent = hdf5::open_group(file, "members");
+  int index = 0;
+  int first_sample = 0;
+  for (const auto& member : members) {
+    const auto group = hdf5::create_group(parent, member.name);
+    const int samples = static_cast<int>(member.share.rows);
+    hdf5::write_attribute(group, "index", index++);
+    hdf5::write_attribute(group, "first_sample", first_sample);
+    hdf5::write_attribute(group, "samples", samples);
+    hdf5::write_attribute(group, "points_per_element", member.points_per_element);
+    hdf5::write_attribute(group, "order", member.order);
+    hdf5::write_attribute(group, "elements", member.elements);
+    first_sample += samples;
+  }
+  hdf5::create_group(file, "polyline");
+}
+
+std::vector<MemberSamples> read_members(hid_t file) {
+  const auto group = hdf5::open_group(file, "members");
+  std::vector<MemberSamples> members(hdf5::count_links(group));
+  for (const std::string& name : hdf5::link_names(group)) {
+    const auto member = hdf5::open_group(group, name);
+    int index = 0, samples = 0;
+    hdf5::read_attribute(member, "index", index);
+    hdf5::read_attribute(member, "samples", samples);
+    if (index < 0 || static_cast<std::size_t>(index) >= members.size() || samples < 0)
+      throw hdf5::Error("cannot read member " + name + ": its numbers make no sense");
+    members[static_cast<std::size_t>(index)].name = name;
+    members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
+  }
+  return members;
+}
+
+void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions) {
+  const auto supports = hdf5::create_group(file, "supports");
+  for (std::size_t i = 0; i < reactions.size(); ++i)
+    hdf5::write_attribute(hdf5::create_group(supports, std::to_string(i)), "point", reactions[i].point);
+}
+
+std::vector<MonitoredSeries> read_monitor(hid_t file) {
+  const auto group = hdf5::open_group(file, "monitor");
+  std::vector<MonitoredSeries> all;
+  for (const std::string& name : hdf5::link_names(group)) {
+    MonitoredSeries series;
+    series.name = name;
+    series.values = hdf5::read_dataset(group, name, &series.columns);
+    all.push_back(series);
+  }
+  return all;
+}
+
+void copy_steps(hid_t source, hid_t target, std::size_t steps) {
+  write_header(target, read_header(source));
+  for (const std::string& name : hdf5::link_names(source)) {
+    const bool has_own_way = name == "scene" || name == "version" || name == "properties" || name == "imported" ||
+                             name == "steps" || name == "monitor";
+    if (has_own_way) continue;
+    if (name == "members") hdf5::remove_link(target, name);  // the empty one
+    hdf5::copy_link(source, name, target);
+  }
+  const auto from = hdf5::open_group(source, "steps"), to = hdf5::open_group(target, "steps");
+  const auto groups = step_groups(source);
+  for (std::size_t i = 0; i < std::min(steps, groups.size()); ++i) hdf5::copy_link(from, groups[i], to);
+  const auto monitor = hdf5::open_group(target, "monitor");
+  for (MonitoredSeries& series : read_monitor(source)) {
+    if (series.values.size() < steps * series.columns)
+      throw hdf5::Error("cannot read time series " + series.name + ": it is too short");
+    series.values.resize(steps * series.columns);
+    hdf5::append_rows(monitor, series.name, series.values, series.columns);
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,51 @@
+/// The layout of a result file: every group, attribute and small dataset, written and read side by side. The large
+/// datasets are in result_tables.hpp. What the names mean: result_file.hpp.
+#pragma once
+
+#include "discretization/results/hdf5_writer.hpp"
+#include "discretization/results/stored_run.hpp"
+#include "discretization/state/member_samples.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// 2: first with states to resume from; 3: sealed (seal.hpp).
+inline constexpr int kFirstFormatWithStates = 2, kFirstSealedFormat = 3, kFormatVersion = 3;
+
+/// Begins an empty file.
+void write_header(hid_t file, const ResultHeader& header);
+/// Throws InputError unless there is a file of this name that may hold results.
+void require_result_file(const std::filesystem::path& path);
+/// Whether a file holds the results of a run, and not a table.
+bool holds_run(hid_t file);
+/// Throws InputError with `name`, that of the file, unless it is a result file whose format this program knows, and has
+/// its seal where its format has one.
+void require_known_format(hid_t file, const std::string& name, bool is_sealed);
+ResultHeader read_header(hid_t file);
+
+void write_members(hid_t file, const std::vector<MemberSamples>& members);
+/// Names and numbers of samples.
+std::vector<MemberSamples> read_members(hid_t file);
+
+void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);
+
+/// All of a step but its tables.
+void write_step(hid_t file, const StepRecord& record);
+/// Names of the groups of all steps, in their order.
+std::vector<std::string> step_groups(hid_t file);
+PathPoint read_point(hid_t step);
+RecordedStability read_stability(hid_t step);
+/// Of a step or a critical point.
+StateSnapshot read_state(hid_t group);
+/// Without fields at samples and monitored quantities.
+std::vector<RecordedCriticalPoint> read_critical_points(hid_t step);
+
+std::vector<MonitoredSeries> read_monitor(hid_t file);
+
+/// Copies everything but steps behind the first `steps` from one file to an empty one, in the present format.
+void copy_steps(hid_t source, hid_t target, std::size_t steps);
+
+}  // namespace mixbeam

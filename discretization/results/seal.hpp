@@ -1,0 +1,86 @@
+/// Checksums of a file: it is divided into blocks, and behind its content stands the list of their sums (XXH3, 64
+/// bits). Every byte counts, those of the HDF5 library and those of the ranks alike; the place of a block is that of
+/// its sum in the list, so that zeros and bytes of an earlier version of the file are damage too. HDF5 does not look
+/// behind its own end of the file: other programs read sealed files as they are.
+///
+///     content | sum of block 0, 1, ... (8 bytes each) | SealEnd
+#pragma once
+
+#include "discretization/results/disk_file.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+namespace mixbeam {
+
+/// Bytes that are not those which were written.
+class DamageError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Small blocks tell finely what is damaged; large ones keep the list short (1/8192) where a step takes many megabytes.
+inline constexpr std::size_t kSmallBlock = 4096, kLargeBlock = 65536;
+/// Tables of a step from which on blocks are large.
+inline constexpr std::uint64_t kLargeStep = std::uint64_t{8} << 20;
+
+std::uint64_t checksum(const void* bytes, std::size_t count);
+
+struct BlockSum {
+  std::uint64_t block = 0, sum = 0;
+};
+
+struct Seal {
+  std::uint64_t bytes = 0;            ///< of the content
+  std::uint64_t block = kSmallBlock;  ///< bytes of a block
+  std::vector<std::uint64_t> sums{};  ///< of the blocks; the last one is taken as if zeros followed the content
+
+  std::uint64_t blocks() const { return (bytes + block - 1) / block; }
+  /// Bytes of a block that are in the file.
+  std::size_t bytes_of(std::uint64_t number) const;
+  /// Of list and end.
+  std::uint64_t bytes_behind() const;
+  /// New blocks are zeros.
+  void resize(std::uint64_t new_bytes);
+  bool holds(std::uint64_t number, const void* block_bytes) const;
+  /// Of all blocks.
+  std::vector<BlockSum> all() const;
+};
+
+/// "bytes 4096 to 8191 are damaged".
+std::string text_of_damage(std::uint64_t first, std::uint64_t end);
+
+/// None where the file has none. Throws DamageError when the list is not what was written.
+std::optional<Seal> read_seal(const DiskFile& file);
+/// Behind the content, where the file then ends.
+void write_seal(DiskFile& file, const Seal& seal);
+
+/// Reads a block, with zeros behind the content.
+void read_block(const DiskFile& file, const Seal& seal, std::uint64_t number, std::byte* bytes);
+
+/// Seals what a file holds.
+Seal seal_of(const DiskFile& file, std::uint64_t bytes, std::uint64_t block);
+
+/// Sums of the blocks that a sequence of writes covers. Writes that follow one another count as one; a block of which
+/// another part is written before or later is left out.
+class RunningSums {
+ public:
+  explicit RunningSums(std::uint64_t block);
+  ~RunningSums();
+  RunningSums(const RunningSums&) = delete;
+  RunningSums& operator=(const RunningSums&) = delete;
+
+  void add(std::uint64_t offset, const void* bytes, std::size_t count);
+  const std::vector<BlockSum>& complete() const { return complete_; }
+
+ private:
+  std::uint64_t block_;
+  std::uint64_t next_ = 0;  ///< where a write would go on
+  bool has_begin_ = false;  ///< of the block that next_ lies in
+  void* state_ = nullptr;   ///< of the sum so far
+  std::vector<BlockSum> complete_;
+};
+
+}  // namespace mixbeam

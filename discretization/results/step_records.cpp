@@ -1,0 +1,236 @@
+#include "discretization/results/records.hpp"
+#include "discretization/results/result_tables.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mixbeam {
+
+namespace {
+
+/// Gives each attribute of a record to a visitor, which writes or reads it: names stand here once.
+struct Writing {
+  hid_t object;
+  template <class Value>
+  void operator()(const std::string& name, const Value& value) const {
+    hdf5::write_attribute(object, name, value);
+  }
+};
+struct Reading {
+  hid_t object;
+  template <class Value>
+  void operator()(const std::string& name, Value& value) const {
+    hdf5::read_attribute(object, name, value);
+  }
+};
+
+template <class Point, class Visit>
+void visit_point(Point& point, const Visit& visit) {
+  visit("step_size", point.step_size);
+  visit("iterations", point.iterations);
+  visit("attempts_left", point.attempts_left);
+  visit("failed_steps", point.failed_steps);
+  visit("newton_iterations", point.newton_iterations);
+}
+
+/// Of paths that are followed by their length too.
+template <class Point, class Visit>
+void visit_point_along_path(Point& point, const Visit& visit) {
+  visit("stage", point.stage);
+  visit("critical_points", point.critical_points);
+  visit("path_length", point.path_length);
+  visit("direction", point.direction);
+  visit("negative", point.negative);
+  visit("branched", point.branched);
+}
+
+template <class Point, class Visit>
+void visit_critical_point(Point& point, const Visit& visit) {
+  visit("kind", point.kind);
+  visit("load_factor", point.load_factor);
+  visit("negative_before", point.negative_before);
+  visit("negative_after", point.negative_after);
+  visit("modes", point.modes);
+}
+
+template <class Record, class Visit>
+void visit_step(Record& record, const Visit& visit) {
+  visit("step", record.step);
+  visit("load_factor", record.load_factor);
+  visit("newton_iterations", record.newton_iterations);
+  visit("residual", record.residual);
+  visit("strain_energy", record.strain_energy);
+  visit("force_energy", record.force_energy);
+  visit("moment_energy", record.moment_energy);
+}
+
+void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
+
+void write_reactions(hid_t group, const StepRecord& record) {
+  std::vector<double> numbers;
+  for (const auto& reaction : record.reactions) {
+    append(numbers, reaction.force);
+    append(numbers, reaction.moment);
+  }
+  hdf5::write_dataset(group, "reactions", numbers, 6);
+  numbers.clear();
+  for (const Vector3* v : {&record.balance.applied_force, &record.balance.applied_moment,
+                           &record.balance.reaction_force, &record.balance.reaction_moment})
+    append(numbers, *v);
+  hdf5::write_dataset(group, "balance", numbers, 6);
+  hdf5::write_attribute(group, "force_balance_error", record.balance.force_error);
+  hdf5::write_attribute(group, "moment_balance_error", record.balance.moment_error);
+}
+
+void write_history(hid_t group, const std::vector<NewtonIteration>& history) {
+  std::vector<double> rows;
+  for (const auto& entry : history) {
+    rows.push_back(entry.attempt);
+    rows.push_back(entry.iteration);
+    rows.push_back(entry.residual);
+  }
+  hdf5::write_dataset(group, "residual_history", rows, 3);
+}
+
+hdf5::Handle write_state(hid_t parent, const StateShare& state) {
+  auto group = hdf5::create_group(parent, "state");
+  hdf5::write_attribute(group, "in_plane", state.held.in_plane);
+  return group;
+}
+
+void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
+  visit_critical_point(point, Writing{group});
+  hdf5::write_attribute(group, "load_factor_error", point.load_factor_error);
+  const auto monitor = hdf5::create_group(group, "monitor");
+  for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
+  if (!point.state.empty()) write_state(group, point.state);
+}
+
+void write_stability(hid_t step, const StepRecord& record) {
+  const RecordedStability& stability = record.stability;
+  hdf5::write_attribute(step, "stable", stability.stable);
+  if (!stability.held.empty()) hdf5::write_attribute(step, "stable_held", stability.held);
+  if (stability.negative >= 0) hdf5::write_attribute(step, "negative_eigenvalues", stability.negative);
+  if (stability.negative >= 0 && !stability.has_potential) hdf5::write_attribute(step, "has_potential", 0);
+  if (record.critical_points.empty()) return;
+  const auto points = hdf5::create_group(step, "critical_points");
+  int number = 0;
+  for (const auto& point : record.critical_points)
+    write_critical_point(hdf5::create_group(points, std::to_string(number++)), point);
+}
+
+void write_error(hid_t group, const std::string& name, const RecordedError& error) {
+  hdf5::write_attribute(group, name + "_error", error.error);
+  hdf5::write_attribute(group, name + "_size", error.size);
+}
+
+void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
+  const auto group = hdf5::create_group(step, "error_estimate");
+  if (!estimate.not_estimated.empty()) return hdf5::write_attribute(group, "not_estimated", estimate.not_estimated);
+  write_error(group, "largest_displacement", estimate.largest_displacement);
+  write_error(group, "displacement", estimate.displacement);
+  write_error(group, "moment", estimate.moment);
+  write_error(group, "energy", estimate.energy);
+  const auto points = hdf5::create_group(group, "points");
+  for (const auto& point : estimate.points) hdf5::write_dataset(points, point.name, point.components, 1);
+}
+
+void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) {
+  if (modes.empty()) return;
+  const auto buckling = hdf5::create_group(file, "buckling");
+  int number = 0;
+  for (const auto& mode : modes) {
+    const auto group = hdf5::create_group(buckling, std::to_string(number++));
+    hdf5::write_attribute(group, "load_factor", mode.load_factor);
+    hdf5::write_attribute(group, "residual", mode.residual);
+    hdf5::write_attribute(group, "confirmed", mode.confirmed);
+  }
+}
+
+/// The time series that every run has are what a step tells of itself.
+void write_monitor(hid_t file, const StepRecord& record) {
+  const auto monitor = hdf5::open_group(file, "monitor");
+  visit_step(record, [&](const std::string& name, auto value) {
+    hdf5::append_rows(monitor, name, {static_cast<double>(value)}, 1);
+  });
+  for (const auto& quantity : record.monitored)
+    hdf5::append_rows(monitor, quantity.name, quantity.components, quantity.components.size());
+}
+
+RecordedCriticalPoint read_critical_point(hid_t group) {
+  RecordedCriticalPoint point;
+  visit_critical_point(point, Reading{group});
+  if (hdf5::has_attribute(group, "load_factor_error"))
+    hdf5::read_attribute(group, "load_factor_error", point.load_factor_error);
+  point.state = whole(read_state(group));
+  return point;
+}
+
+}  // namespace
+
+void write_step(hid_t file, const StepRecord& record) {
+  write_buckling(file, record.buckling);
+  const auto steps = hdf5::open_group(file, "steps");
+  const auto group = hdf5::create_group(steps, step_group_name(record.step));
+  visit_step(record, Writing{group});
+  write_reactions(group, record);
+  write_history(group, record.history);
+  write_stability(group, record);
+  if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
+  if (!record.state.empty()) {
+    const auto state = write_state(group, record.state);
+    visit_point(record.point, Writing{state});
+    visit_point_along_path(record.point, Writing{state});
+  }
+  write_monitor(file, record);
+}
+
+std::vector<std::string> step_groups(hid_t file) {
+  std::vector<std::string> groups = hdf5::link_names(hdf5::open_group(file, "steps"));
+  std::stable_sort(groups.begin(), groups.end(),  // numbers: names of more than six digits come out of order
+                   [](const std::string& a, const std::string& b) { return a.size() < b.size(); });
+  return groups;
+}
+
+PathPoint read_point(hid_t step) {
+  const auto state = hdf5::open_group(step, "state");
+  PathPoint point;
+  hdf5::read_attribute(step, "step", point.step);
+  hdf5::read_attribute(step, "load_factor", point.load_factor);
+  visit_point(point, Reading{state});
+  // What files of versions that followed no path by its length do not tell keeps its default.
+  point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
+  if (hdf5::has_attribute(state, "path_length")) visit_point_along_path(point, Reading{state});
+  return point;
+}
+
+RecordedStability read_stability(hid_t step) {
+  RecordedStability stability;
+  if (hdf5::has_attribute(step, "stable")) hdf5::read_attribute(step, "stable", stability.stable);
+  if (hdf5::has_attribute(step, "stable_held")) hdf5::read_attribute(step, "stable_held", stability.held);
+  if (hdf5::has_attribute(step, "negative_eigenvalues"))
+    hdf5::read_attribute(step, "negative_eigenvalues", stability.negative);
+  stability.has_potential = !hdf5::has_attribute(step, "has_potential");
+  return stability;
+}
+
+StateSnapshot read_state(hid_t group) {
+  const auto state = hdf5::open_group(group, "state");
+  StateSnapshot snapshot{hdf5::read_dataset(state, "vertex_displacement"), hdf5::read_dataset(state, "vertex_rotation"),
+                         hdf5::read_dataset(state, "element_triad"), hdf5::read_dataset(state, "interior"), false};
+  if (hdf5::has_attribute(state, "in_plane")) hdf5::read_attribute(state, "in_plane", snapshot.in_plane);
+  return snapshot;
+}
+
+std::vector<RecordedCriticalPoint> read_critical_points(hid_t step) {
+  std::vector<RecordedCriticalPoint> points;
+  const auto names = hdf5::link_names(step);
+  if (std::find(names.begin(), names.end(), "critical_points") == names.end()) return points;
+  const auto group = hdf5::open_group(step, "critical_points");
+  const std::size_t count = hdf5::count_links(group);
+  for (std::size_t i = 0; i < count; ++i)
+    points.push_back(read_critical_point(hdf5::open_group(group, std::to_string(i))));
+  return points;
+}
+
+}  // namespace mixbeam

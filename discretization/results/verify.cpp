@@ -1,0 +1,154 @@
+#include "discretization/results/records.hpp"
+#include "discretization/results/stored_run.hpp"
+#include "discretization/text/errors.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostNames = 6;  // of damaged objects in a message
+
+/// Bytes from `first` to `end` are not what was written.
+struct Damage {
+  std::uint64_t first = 0, end = 0;
+};
+
+std::vector<Damage> damages(const SealedFile& file) {
+  std::vector<Damage> found;
+  const Seal& seal = file.seal();
+  std::vector<std::byte> buffer(seal.block);
+  for (std::uint64_t i = 0; i < seal.blocks(); ++i) {
+    read_block(file.disk(), seal, i, buffer.data());
+    if (seal.holds(i, buffer.data())) continue;
+    const std::uint64_t first = i * seal.block, end = first + seal.bytes_of(i);
+    if (!found.empty() && found.back().end == first)
+      found.back().end = end;
+    else
+      found.push_back({first, end});
+  }
+  return found;
+}
+
+/// Looks at every object of a file.
+class Walk {
+ public:
+  explicit Walk(const std::vector<Damage>& damages) : damages_(damages) {}
+
+  void visit_group(hid_t parent, const std::string& name, const std::string& path) {
+    try {
+      const auto group = hdf5::open_group(parent, name);
+      hdf5::read_attributes(group);
+      for (const std::string& child : hdf5::link_names(group)) {
+        const std::string below = path + "/" + child;
+        if (hdf5::is_group(group, child))
+          visit_group(group, child, below);
+        else
+          visit_dataset(group, child, below);
+      }
+    } catch (const hdf5::Error& error) {
+      note(path.empty() ? "/" : path, error);
+    }
+  }
+
+  const std::vector<std::string>& damaged() const { return damaged_; }
+  const std::string& first_reason() const { return reason_; }
+
+ private:
+  void visit_dataset(hid_t group, const std::string& name, const std::string& path) {
+    try {
+      const auto [first, bytes] = hdf5::data_place(group, name);
+      if (first == 0 || damages_.empty()) {
+        hdf5::read_all(group, name);
+        return;
+      }
+      for (const Damage& damage : damages_)
+        if (damage.first < first + bytes && first < damage.end)
+          throw hdf5::Error(text_of_damage(damage.first, damage.end));
+    } catch (const hdf5::Error& error) {
+      note(path, error);
+    }
+  }
+  void note(const std::string& path, const hdf5::Error& error) {
+    damaged_.push_back(path);
+    if (reason_.empty()) reason_ = error.what();
+  }
+
+  const std::vector<Damage>& damages_;
+  std::vector<std::string> damaged_;
+  std::string reason_;
+};
+
+bool begins_with(const std::string& text, const std::string& begin) { return text.rfind(begin, 0) == 0; }
+
+/// A step is whole if it is and all that do not belong to a step are, and those before it.
+std::optional<int> last_whole_step(const std::vector<std::string>& groups, const std::vector<std::string>& damaged) {
+  for (const std::string& path : damaged)
+    if (!begins_with(path, "/steps/")) return {};
+  std::optional<int> last;
+  for (const std::string& group : groups) {
+    const std::string path = "/steps/" + group;
+    const auto belongs = [&](const std::string& other) { return other == path || begins_with(other, path + "/"); };
+    if (std::any_of(damaged.begin(), damaged.end(), belongs)) return last;
+    last = std::atoi(group.c_str());
+  }
+  return last;
+}
+
+std::string text_of_all(const std::vector<Damage>& found, const std::vector<std::string>& damaged) {
+  std::string text;
+  if (!found.empty()) {
+    text = text_of_damage(found.front().first, found.front().end);
+    if (found.size() > 1) text += " (and " + std::to_string(found.size() - 1) + " more places)";
+    text += damaged.empty() ? "; no object lies in them" : "; in them ";
+  }
+  for (std::size_t i = 0; i < std::min(kMostNames, damaged.size()); ++i) text += (i == 0 ? "" : ", ") + damaged[i];
+  if (damaged.size() > kMostNames) text += " and " + std::to_string(damaged.size() - kMostNames) + " more objects";
+  return text;
+}
+
+/// What the library can tell of a file whose bytes have been checked.
+void look_inside(SealedFile& file, const fs::path& path, const std::vector<Damage>& found, FileReport& report) {
+  Walk walk(found);
+  std::vector<std::string> groups;
+  try {
+    const hdf5::File results(file.content(), hdf5::FileUse::read);
+    const bool is_table = file.is_sealed() && !holds_run(results);
+    if (!is_table) require_known_format(results, path.string(), file.is_sealed());
+    if (!found.empty() || !file.is_sealed()) walk.visit_group(results, "/", "");
+    if (!is_table) groups = step_groups(results);
+  } catch (const hdf5::Error& error) {
+    report.damage = found.empty() ? error.what() : text_of_all(found, {"the structure of the file"});
+    return;
+  }
+  for (const std::string& group : groups) report.steps.push_back(std::atoi(group.c_str()));
+  report.last_whole_step = last_whole_step(groups, walk.damaged());
+  if (!found.empty())
+    report.damage = text_of_all(found, walk.damaged());
+  else if (!walk.damaged().empty())
+    report.damage = text_of_all({}, walk.damaged()) + ": " + walk.first_reason();
+}
+
+}  // namespace
+
+FileReport verify_results(const fs::path& path) {
+  require_result_file(path);
+  const hdf5::QuietScope quiet;
+  FileReport report;
+  try {
+    SealedFile file(path);
+    report.is_sealed = file.is_sealed();
+    const std::vector<Damage> found = file.is_sealed() ? damages(file) : std::vector<Damage>{};
+    look_inside(file, path, found, report);
+  } catch (const DamageError& error) {
+    report.damage = error.what();
+  } catch (const DiskError& error) {
+    throw InputError(path.string() + ": " + error.what());
+  }
+  return report;
+}
+
+}  // namespace mixbeam

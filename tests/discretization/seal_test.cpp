@@ -1,0 +1,238 @@
+/// Damage of every kind is seen: flipped bits, zeroed and stale pages, cut files, and what is not damaged is read.
+#include "discretization/results/guarded_file.hpp"
+#include "discretization/results/result_file.hpp"
+#include "discretization/text/errors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <random>
+
+namespace mixbeam::seal_test {
+namespace {
+
+namespace fs = std::filesystem;
+using Bytes = std::vector<char>;
+
+constexpr std::size_t kPage = 4096;  // what a disk loses at a time
+
+class Seals : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string folder = (fs::temp_directory_path() / "mixbeam_seal_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+    file_ = folder_ / "run.h5";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Bytes read() const {
+    std::ifstream stream(file_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  void write(const Bytes& bytes) const {
+    std::ofstream(file_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  fs::path folder_, file_;
+};
+
+StepRecord step_of(int number, std::size_t samples) {
+  StepRecord record;
+  record.step = number;
+  record.load_factor = 0.25 * number;
+  MemberSamples member;
+  member.name = "beam";
+  member.resize(samples);
+  for (std::size_t i = 0; i < samples; ++i) {
+    member.arc_length[i] = 0.5 * static_cast<double>(i);
+    member.position[i] = {0.1 * static_cast<double>(i), 1.0 + number, 2.0};
+    member.displacement[i] = {1.0 / (1.0 + static_cast<double>(i)), 0.5 * number, 3.0};
+  }
+  record.members = {member};
+  record.monitored = {{"tip.displacement", {1.0, 2.0, 0.5 * number}}};
+  StateSnapshot state;
+  state.vertex_displacement = {1, 2, 3, 4, 5, 0.5 * number};
+  state.vertex_rotation = {1, 0, 0, 0, 1, 0, 0, 0};
+  state.element_triad = {1, 0, 0, 0};
+  state.interior = {0.25, 0.5, 0.75};
+  record.state = whole(state);
+  record.point.step = number;
+  record.point.step_size = 0.25;
+  return record;
+}
+
+void write_run(const fs::path& file, int steps, std::size_t samples = 40) {
+  ResultFile results(file, {"scene", "<ParameterList/>", "1", {{"program", "mixbeam"}}});
+  for (int step = 1; step <= steps; ++step) results.append_step(step_of(step, samples));
+  results.close();
+}
+
+/// Everything that resuming reads.
+void read_run(const fs::path& file) {
+  const StoredRun run(file);
+  for (std::size_t i = 0; i < run.steps().size(); ++i) {
+    run.state(i);
+    run.critical_points(i);
+  }
+}
+
+TEST_F(Seals, AWholeFileIsWhole) {
+  write_run(file_, 3);
+  const FileReport report = verify_results(file_);
+  EXPECT_TRUE(report.is_sealed);
+  EXPECT_EQ(report.damage, "");
+  EXPECT_EQ(report.steps, (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(report.last_whole_step, 3);
+  EXPECT_NO_THROW(read_run(file_));
+}
+
+TEST_F(Seals, DamageOfEveryKindIsSeen) {
+  write_run(file_, 2);
+  const Bytes earlier = read();
+  write_run(file_, 3);
+  const Bytes whole = read();
+  std::mt19937 random(20261122);
+  const auto below = [&](std::size_t end) { return std::uniform_int_distribution<std::size_t>(0, end - 1)(random); };
+  const auto page_of = [&](Bytes& bytes, const std::function<char(std::size_t)>& value) {
+    const std::size_t first = below(bytes.size() / kPage) * kPage;
+    for (std::size_t i = first; i < std::min(first + kPage, bytes.size()); ++i) bytes[i] = value(i);
+  };
+  const std::vector<std::function<void(Bytes&)>> kinds = {
+      [&](Bytes& bytes) { bytes[below(bytes.size())] ^= static_cast<char>(1 << below(8)); },
+      [&](Bytes& bytes) { bytes.resize(below(bytes.size())); },
+      [&](Bytes& bytes) { page_of(bytes, [](std::size_t) { return '\0'; }); },
+      [&](Bytes& bytes) { page_of(bytes, [&](std::size_t i) { return i < earlier.size() ? earlier[i] : '\0'; }); },
+      [&](Bytes& bytes) { page_of(bytes, [&](std::size_t i) { return whole[(i + kPage) % whole.size()]; }); }};
+  constexpr int kEach = 60;
+  int refused = 0, same = 0;
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind)
+    for (int i = 0; i < kEach; ++i) {
+      Bytes bytes = whole;
+      kinds[kind](bytes);
+      if (bytes == whole) {
+        ++same;
+        continue;
+      }
+      write(bytes);
+      std::string damage;
+      try {
+        damage = verify_results(file_).damage;
+      } catch (const InputError& error) {  // nothing is left of it
+        damage = error.what();
+      }
+      EXPECT_NE(damage, "") << "kind " << kind << ", case " << i;
+      ++refused;
+    }
+  EXPECT_GT(refused, 4 * kEach) << same << " pages were the same";
+}
+
+/// Where a number stands in a file, from `begin` on.
+std::size_t place_of(const Bytes& bytes, double number, std::size_t begin = 0) {
+  const auto* first = reinterpret_cast<const char*>(&number);
+  const auto from = bytes.begin() + static_cast<std::ptrdiff_t>(begin);
+  return static_cast<std::size_t>(std::search(from, bytes.end(), first, first + sizeof number) - bytes.begin());
+}
+
+TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
+  constexpr std::size_t kSamples = 4000;  // tables of many blocks
+  constexpr double kMarker = 1.2345678901234567;
+  {
+    ResultFile results(file_, {"scene", "<ParameterList/>", "1", {{"program", "mixbeam"}}});
+    for (int step = 1; step <= 3; ++step) {
+      StepRecord record = step_of(step, kSamples);
+      if (step == 2) record.members[0].material_force[kSamples / 2] = {kMarker, 0, 0};
+      results.append_step(record);
+    }
+    results.close();
+  }
+  Bytes bytes = read();
+  const std::size_t place = place_of(bytes, kMarker);
+  ASSERT_LT(place, bytes.size());
+  bytes[place] ^= 1;
+  write(bytes);
+  const FileReport report = verify_results(file_);
+  EXPECT_NE(report.damage.find("/steps/000002/material_force"), std::string::npos) << report.damage;
+  EXPECT_EQ(report.damage.find("/steps/000003"), std::string::npos) << report.damage;
+  EXPECT_EQ(report.last_whole_step, 1);
+
+  {
+    const StoredRun run(file_, 1);
+    EXPECT_EQ(run.steps().size(), 1u);
+    ResultFile results(run);
+    results.append_step(step_of(2, kSamples));
+    results.append_step(step_of(3, kSamples));
+    results.close();
+  }
+  const FileReport mended = verify_results(file_);
+  EXPECT_EQ(mended.damage, "");
+  EXPECT_EQ(mended.steps, (std::vector<int>{1, 2, 3}));
+  EXPECT_THROW(StoredRun(file_, 7), InputError);
+}
+
+TEST_F(Seals, DamagedStatesAreNotResumedFrom) {
+  write_run(file_, 2);
+  const Bytes whole = read();
+  Bytes bytes = whole;
+  const std::size_t place = place_of(bytes, 0.75);
+  ASSERT_LT(place, bytes.size());
+  bytes[place + 7] ^= 1;
+  write(bytes);
+  EXPECT_THROW(read_run(file_), InputError);
+  EXPECT_THROW(ResultFile{StoredRun(file_)}, std::exception);
+  EXPECT_EQ(read(), bytes) << "the file is left as it is";
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
+  write(whole);
+  EXPECT_NO_THROW(read_run(file_));
+}
+
+TEST_F(Seals, FilesWithoutSealAreRefusedUnlessTheirFormatHasNone) {
+  write_run(file_, 1);
+  Bytes bytes = read();
+  bytes.resize(read_seal(DiskFile(file_, DiskAccess::read))->bytes);
+  write(bytes);
+  EXPECT_THROW(read_run(file_), InputError);
+  EXPECT_THROW(verify_results(file_), InputError);
+}
+
+TEST_F(Seals, AnotherFileOfTheNameIsLeftAsItIs) {
+  ResultFile results(file_, {"scene", "<ParameterList/>", "1", {}});
+  results.append_step(step_of(1, 4));
+  fs::rename(file_, folder_ / "kept.h5");
+  std::ofstream(file_) << "of another program";
+  EXPECT_THROW(results.append_step(step_of(2, 4)), ResultFileError);
+  EXPECT_THROW(results.append_step(step_of(3, 4)), ResultFileError) << "takes no more steps";
+  const Bytes bytes = read();
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "of another program");
+  EXPECT_EQ(verify_results(folder_ / "kept.h5").steps, std::vector<int>{1});
+}
+
+TEST(RunningSum, OfPiecesIsThatOfTheWhole) {
+  std::mt19937 random(20261122);
+  Bytes bytes(10 * kSmallBlock + 100);
+  for (char& byte : bytes) byte = static_cast<char>(random());
+  std::uniform_int_distribution<std::size_t> length(1, 3 * kSmallBlock);
+  for (int attempt = 0; attempt < 50; ++attempt) {
+    RunningSums sums(kSmallBlock);
+    const std::size_t begin = attempt % 3 == 0 ? 0 : length(random);
+    for (std::size_t i = begin; i < bytes.size();) {
+      const std::size_t part = std::min(length(random), bytes.size() - i);
+      sums.add(i, bytes.data() + i, part);
+      i += part;
+    }
+    const std::uint64_t first = (begin + kSmallBlock - 1) / kSmallBlock;
+    ASSERT_EQ(sums.complete().size(), 10 - first);
+    for (const BlockSum& known : sums.complete())
+      EXPECT_EQ(known.sum, checksum(bytes.data() + known.block * kSmallBlock, kSmallBlock));
+  }
+  RunningSums gap(kSmallBlock);
+  gap.add(0, bytes.data(), 100);
+  gap.add(200, bytes.data() + 200, kSmallBlock);
+  EXPECT_TRUE(gap.complete().empty()) << "a part of the block was not seen";
+}
+
+}  // namespace
+}  // namespace mixbeam::seal_test
