@@ -1,4 +1,5 @@
 // mixbeam: any structure from one scene file.
+#include "apps/common/session/standard_output.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
@@ -14,10 +15,9 @@ namespace {
 
 using Command = int (*)(const Arguments&);
 
-const std::map<std::string, Command> kCommands = {{"run", run_command},       {"batch", batch_command},
-                                                  {"check", check_command},   {"parameters", parameters_command},
-                                                  {"resume", resume_command}, {"plot", plot_command},
-                                                  {"verify", verify_command}};
+const std::map<std::string, Command> kCommands = {
+    {"run", run_command},       {"batch", batch_command}, {"check", check_command},  {"parameters", parameters_command},
+    {"resume", resume_command}, {"plot", plot_command},   {"verify", verify_command}};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;
@@ -60,7 +60,9 @@ int dispatch(const std::vector<const char*>& words) {
 
 }  // namespace mixbeam
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   try {
     return mixbeam::dispatch({argv, argv + argc});
   } catch (const mixbeam::InputError& error) {
@@ -70,4 +72,11 @@ int main(int argc, char** argv) {
     std::cerr << "mixbeam: unforeseen error: " << error.what() << "\n";
     return 1;
   }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  mixbeam::StandardOutput output;
+  return output.exit_code(run(argc, argv), "mixbeam");
 }

@@ -345,6 +345,43 @@ TEST_F(Disturbed, ASecondRunIsRefusedAndTouchesNothing) {
   EXPECT_EQ(differences(whole_, *contents), "");
 }
 
+TEST_F(Disturbed, DamagedFilesAreRefusedByNameAndGoOnFromAWholeStep) {
+  const fs::path file = folder_ / "whole" / "scene.h5";
+  const std::string whole = text_of(file);
+  std::string damaged = whole;
+  damaged[whole.size() * 9 / 10] ^= 1;  // among the last steps
+  write_text(file, damaged);
+  for (const char* command : {"verify", "resume", "plot"}) {
+    const Ended ended = run({command, file.string()});
+    EXPECT_EQ(ended.exit_code, kBadInput) << command << ended.out;
+    expect_in(ended.err, {"whole/scene.h5: damaged: bytes ", "; in them /steps/", "--from "});
+  }
+  const std::string advice = run({"verify", file.string()}).err;
+  const std::size_t place = advice.find("--from ") + 7;
+  const std::string step = advice.substr(place, advice.find(' ', place) - place);
+  EXPECT_EQ(run({"verify", file.string(), "--from", step}).exit_code, kOk);
+  const Ended resumed = run({"resume", file.string(), "--from", step, "--quiet"});
+  EXPECT_EQ(resumed.exit_code, kOk) << resumed.err;
+  expect_in(resumed.out, {"Resuming behind step " + step + ","});
+  const auto contents = contents_of(file);
+  ASSERT_TRUE(contents);
+  EXPECT_EQ(differences(whole_, *contents), "");
+  EXPECT_EQ(run({"verify", file.string()}).exit_code, kOk);
+  EXPECT_EQ(run({"resume", file.string(), "--from", "9999"}).exit_code, kBadInput);
+}
+
+TEST_F(Mixbeam, LostOutputIsNoticed) {
+  const std::string command = program("mixbeam").string() + " --help 2> " + (folder_ / "err").string();
+  const auto code_of = [](const std::string& shell) {
+    return WEXITSTATUS(std::system(("bash -c '" + shell + "'").c_str()));
+  };
+  EXPECT_EQ(code_of(command + " > /dev/full"), kBadInput);
+  expect_in(text_of(folder_ / "err"), {"standard output cannot be written: No space left"});
+  EXPECT_EQ(code_of(command + " > >(exec true); exit $?"), kOk) << "a reader that has gone";
+  EXPECT_EQ(code_of(command + " >&-"), kOk);
+  EXPECT_EQ(code_of(command + " > /dev/null"), kOk);
+}
+
 TEST_F(Disturbed, CtrlCFinishesTheStepAndSaysHowToResume) {
   for (const int signal : {SIGINT, SIGTERM}) {
     fs::remove_all(folder_ / "cut");

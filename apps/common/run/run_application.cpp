@@ -3,6 +3,7 @@
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/mpi_session.hpp"
+#include "apps/common/session/standard_output.hpp"
 #include "discretization/parameters/print.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -83,7 +84,9 @@ int run(Application& app, const CommandLine& line, const ApplicationDefinition& 
 
 }  // namespace
 
-int run_application(int argc, char** argv, const ApplicationDefinition& definition) {
+namespace {
+
+int run_with(int argc, char** argv, const ApplicationDefinition& definition) {
   CommandLine line;
   try {
     line = read_command_line(argc, argv);
@@ -100,6 +103,13 @@ int run_application(int argc, char** argv, const ApplicationDefinition& definiti
     app.communicator = session.communicator();
     return run(app, line, definition);
   });
+}
+
+}  // namespace
+
+int run_application(int argc, char** argv, const ApplicationDefinition& definition) {
+  StandardOutput output;
+  return output.exit_code(run_with(argc, argv, definition), definition.name);
 }
 
 }  // namespace mixbeam
