@@ -3,6 +3,7 @@
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/monitor_table.hpp"
 #include "apps/common/session/progress.hpp"
+#include "apps/common/session/sleeping_threads.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 
@@ -58,9 +59,11 @@ std::string machine() {
 // Threads that wait for each other after every loop cost a small scene more than they give, above all on a machine that
 // has other things to do: then a loop of microseconds waits for a thread that is not running.
 int Application::threads_for(const Scene& solved, const SolverParameters& parameters) const {
-  if (parameters.threads > 0) return parameters.threads;
-  if (std::getenv("OMP_NUM_THREADS") != nullptr) return summary.threads;
-  return work_of(solved) < kWorkForThreads ? 1 : summary.threads;
+  int threads = work_of(solved) < kWorkForThreads ? 1 : summary.threads;
+  if (std::getenv("OMP_NUM_THREADS") != nullptr) threads = summary.threads;
+  if (parameters.threads > 0) threads = parameters.threads;
+  if (threads > 1) let_waiting_threads_sleep();
+  return threads;
 }
 
 std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
