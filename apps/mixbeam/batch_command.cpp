@@ -68,7 +68,7 @@ class BatchRun {
         batch_(read_batch(app.xml.list->sublist("Batch"), app.xml.source)),
         quantities_(app, batch_.output, load_case),
         case_scenes_(app, batch_, load_case),
-        solver_(app, quantities_, batch_.size()) {}
+        solver_(app, quantities_, batch_.size(), [&app] { return interrupt_requested(app.communicator); }) {}
 
   void solve();
   void write(const std::filesystem::path& stem) {
@@ -120,7 +120,9 @@ void BatchRun::solve() {
     for (const std::size_t i : groups_[g]) scenes.push_back(std::move(scenes_[i]));
     solver_.solve(groups_[g], scenes);
     report_group(groups_[g], g, groups_.size(), stopwatch.seconds() - before);
-    interrupted_ = g + 1 < groups_.size() && interrupt_requested(app_.communicator);
+    const auto& results = solver_.results();
+    const bool asked = interrupt_requested(app_.communicator);
+    interrupted_ = asked && std::any_of(results.begin(), results.end(), [](const CaseResult& r) { return !r.solved; });
   }
 }
 
@@ -242,6 +244,7 @@ int batch_command(const Arguments& arguments) {
     watch_for_interrupts();
     BatchRun run(app, chosen_case(app.scene, line.load_case));
     run.solve();
+    finish_in_order();  // the table is written as a whole
     run.write(app.output / name);
     run.check_expected();
     return conclude(app, line, run);

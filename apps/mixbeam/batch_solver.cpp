@@ -39,9 +39,11 @@ std::string cause_of(const LoadPathResult& result) {
 
 }  // namespace
 
-BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases)
+BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
+                         std::function<bool()> stop)
     : app_(app),
       quantities_(quantities),
+      stop_(std::move(stop)),
       may_merge_(!has_path_of_its_own(app.solver.analysis) && !app.scene.accuracy),
       results_(cases) {}
 
@@ -52,6 +54,7 @@ void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector
 }
 
 void BatchSolver::solve_range(const Range& range) {
+  if (stop_()) return;
   const std::size_t count = range.second - range.first;
   const bool together = may_merge_ && count > 1;
   if (together && solve_together(range)) {
@@ -59,6 +62,7 @@ void BatchSolver::solve_range(const Range& range) {
       if (!results_[(*cases_)[i]].converged) solve_alone(i);
     return;
   }
+  if (stop_()) return;
   if (!together || count <= kFewCases) {
     for (std::size_t i = range.first; i < range.second; ++i) solve_alone(i);
     return;
@@ -79,6 +83,7 @@ bool BatchSolver::solve_together(const Range& range) {
   Simulation simulation(merged.scene, parameters, app_.communicator);
   PathControl control;
   control.step_failed = [](const StepFailure&) { throw StepFailed(); };
+  control.stop = stop_;
   try {
     simulation.run({}, control);
   } catch (const StepFailed&) {
@@ -100,6 +105,7 @@ void BatchSolver::solve_accurately(std::size_t place) {
   const Scene& scene = (*scenes_)[place];
   CaseResult& result = results_[(*cases_)[place]];
   AccurateRunObserver observer;
+  observer.stop = stop_;
   observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
   const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, false, observer);
   for (const MeshRound& round : run.rounds) {
@@ -107,6 +113,10 @@ void BatchSolver::solve_accurately(std::size_t place) {
     app_.summary.newton_iterations += round.iterations;
   }
   for (const auto& [phase, seconds] : run.simulation.times()) app_.summary.seconds[phase] += seconds;
+  if (run.end == AccuracyEnd::interrupted) {
+    result = {};
+    return;
+  }
   if (!run.simulation.result().finished) {
     result.cause = cause_of(run.simulation.result());
     return;
@@ -123,9 +133,16 @@ void BatchSolver::solve_alone(std::size_t place) {
   const Scene& scene = (*scenes_)[place];
   CaseResult& result = results_[(*cases_)[place]];
   result = {};
+  if (stop_()) return;
   result.solved = result.alone = true;
   if (scene.accuracy) return solve_accurately(place);
-  const Simulation simulation = app_.try_to_solve(scene, app_.solver);
+  PathControl control;
+  control.stop = stop_;
+  const Simulation simulation = app_.try_to_solve(scene, app_.solver, {}, control);
+  if (simulation.result().interrupted) {
+    result = {};
+    return;
+  }
   result.iterations = simulation.result().newton_iterations;
   if (!simulation.result().finished) {
     result.cause = cause_of(simulation.result());

@@ -3,6 +3,7 @@
 
 #include "apps/mixbeam/case_quantities.hpp"
 
+#include <functional>
 #include <map>
 
 namespace mixbeam {
@@ -21,7 +22,8 @@ struct CaseResult {
 
 class BatchSolver {
  public:
-  BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases);
+  /// `stop`: asked between iterations; cases that are not solved by then stay so.
+  BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases, std::function<bool()> stop);
 
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
@@ -38,6 +40,7 @@ class BatchSolver {
 
   Application& app_;
   const CaseQuantities& quantities_;
+  std::function<bool()> stop_;
   bool may_merge_;
   std::vector<CaseResult> results_;
   const std::vector<std::size_t>* cases_ = nullptr;

@@ -1,4 +1,5 @@
 // mixbeam: any structure from one scene file.
+#include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/standard_output.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/text/errors.hpp"
@@ -53,6 +54,7 @@ int dispatch(const std::vector<const char*>& words) {
     std::cout << help_text(word);
     return 0;
   }
+  leave_on_interrupts();
   return command->second(arguments);
 }
 

@@ -73,8 +73,9 @@ class Application {
 
   /// As solve(), for runs that may fail: result() of what is returned tells how it ended, nothing is written or thrown
   /// but InputError.
-  Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {}) {
-    return walk(solved, parameters, "", {}, {}, observer);
+  Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {},
+                          const PathControl& control = {}) {
+    return walk(solved, parameters, "", control, {}, observer);
   }
 
   /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report

@@ -13,7 +13,7 @@ namespace {
 
 volatile std::sig_atomic_t requested = 0;
 
-/// A factorisation inside a library cannot be asked to stop: then the program leaves. The last step is on disk.
+/// What cannot be asked to stop, or takes longer to: then the program leaves. The last step is on disk.
 constexpr unsigned kPatience = 2;  // seconds
 
 void leave(int) { _exit(kInterruptedExitCode); }
@@ -29,21 +29,26 @@ void on_signal(int signal) {
   [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
 }
 
-}  // namespace
-
-void watch_for_interrupts() {
+void handle_both(void (*handler)(int)) {
   struct sigaction action;
   std::memset(&action, 0, sizeof action);
-  action.sa_handler = on_signal;
+  action.sa_handler = handler;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }
 
+}  // namespace
+
+void leave_on_interrupts() { handle_both(leave); }
+
+void watch_for_interrupts() { handle_both(on_signal); }
+
+void finish_in_order() { alarm(0); }
+
 bool interrupt_requested(const Communicator& communicator) {
   const int here = requested;
-  if (here != 0) alarm(0);  // the end is an orderly one
   if (communicator->getSize() == 1) return here != 0;
   int anywhere = 0;
   Teuchos::reduceAll(*communicator, Teuchos::REDUCE_MAX, here, Teuchos::outArg(anywhere));

@@ -1,5 +1,7 @@
-/// Ctrl-C (SIGINT) and SIGTERM ask for an orderly end at the last completed step, within the iteration; where nobody
-/// asks for two seconds (inside a library) the program leaves with the same exit code. A second one ends it at once.
+/// Ctrl-C (SIGINT) and SIGTERM end the program within two seconds, with one exit code: at once before anything is
+/// computed; then in order at the last completed step, within the iteration, as long as that takes no longer (a
+/// factorisation inside a library, samples of a large structure), else at once with that step on disk. A second one
+/// ends it at once.
 #pragma once
 
 #include "discretization/mesh/tpetra_types.hpp"
@@ -9,8 +11,14 @@ namespace mixbeam {
 /// What shells expect of a program that Ctrl-C ended.
 inline constexpr int kInterruptedExitCode = 130;
 
-/// Watches for both signals from now to the end of the program.
+/// From now on both signals end the program at once: nothing is lost yet.
+void leave_on_interrupts();
+
+/// From now on to the end of the program they ask for an orderly end.
 void watch_for_interrupts();
+
+/// Takes the limit of two seconds away from an orderly end that would lose its results, which are written as a whole.
+void finish_in_order();
 
 /// True on every rank as soon as one of them was asked to stop. Collective.
 bool interrupt_requested(const Communicator& communicator);
