@@ -1,3 +1,4 @@
+#include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
@@ -48,6 +49,7 @@ std::string chosen_case(const Scene& scene, const std::optional<std::string>& wa
 
 void set_up_batch(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
+  app.force = line.force;
   if (app.communicator->getSize() > 1)
     throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
   if (line.summary) prepare_summary(app, *line.summary);
@@ -99,8 +101,20 @@ class BatchRun {
   bool interrupted_ = false;
 };
 
+/// All scenes are read before the first group is solved. `scene`: of the first case.
+void require_memory_of_cases(const Application& app, const Scene& scene, std::size_t cases) {
+  constexpr double kBytesOfCase = 2600.0;  // values, likeness and result, as measured
+  const double count = static_cast<double>(cases);
+  int elements = 0;
+  for (const Member& member : scene.members) elements += member.elements;
+  const double together = std::clamp(static_cast<double>(kElementsPerGroup) / elements, 1.0, count);
+  require_memory(app, count * (bytes_of(scene) + kBytesOfCase) + together * needs_of(scene, app.solver).memory,
+                 std::to_string(cases) + " cases");
+}
+
 void BatchRun::read_scenes() {
   const Stopwatch stopwatch(app_, "batch set-up");
+  if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
   std::vector<CaseLikeness> likeness;
   likeness.reserve(batch_.size());
   scenes_.reserve(batch_.size());
@@ -232,7 +246,7 @@ int conclude(Application& app, const CommandLine& line, BatchRun& run) {
 int batch_command(const Arguments& arguments) {
   const CommandLine line =
       read_command_line(arguments.count(), arguments.values.data(),
-                        {"--output", "--case", "--threads", "--summary", "--quiet", "--help"}, "scene file");
+                        {"--output", "--case", "--threads", "--summary", "--quiet", "--force", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam batch SCENE.xml");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {

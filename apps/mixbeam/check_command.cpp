@@ -1,6 +1,8 @@
+#include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/machine_room.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
@@ -18,34 +20,25 @@ namespace mixbeam {
 
 namespace {
 
-/// Bytes of the arrays that grow with the model: element equations and responses, states and vectors of an iteration,
-/// the matrix, and its factors.
-double memory_estimate(const Simulation& simulation) {
-  constexpr double kStatesAlive = 6, kVectorsAlive = 12;  // groups of NOX and LOCA: two each, their copies, our own
-  constexpr double kFactorEntries = 3;  // per entry of the matrix: seen for chains and frames of moderate branching
-  constexpr double kBytesPerEntry = 12;
-  const Structure& structure = simulation.model().structure();
-  const double elements = structure.local_elements(), vertices = structure.local_vertices();
-  const double interior = static_cast<double>(structure.interior_size);
-  const double entries = static_cast<double>(whole_matrix(simulation.model()).matrix()->getNodeNumEntries());
-  const double state = 7 * vertices + 4 * elements + interior;
-  const double vector = 6 * vertices + interior;
-  const double numbers =
-      168 * elements + static_cast<double>(structure.response_size) + kStatesAlive * state + kVectorsAlive * vector;
-  return 8 * numbers + kBytesPerEntry * entries * (1 + kFactorEntries);
+/// Extent and loads of larger scenes are those of a mesh of so many elements: their sums differ by rounding.
+constexpr long long kElementsForCheck = 20'000;
+
+/// "0.35 s", "12 h".
+std::string duration_text(double seconds) {
+  constexpr double kMinute = 60.0, kHour = 3600.0;
+  if (seconds >= 2 * kHour) return text_of("%.2g h", seconds / kHour);
+  if (seconds >= 2 * kMinute) return text_of("%.2g min", seconds / kMinute);
+  return text_of("%.2g s", seconds);
 }
 
-void print_size(std::ostream& out, const Simulation& simulation) {
-  const Mesh& mesh = simulation.model().mesh();
-  const Structure& structure = simulation.model().structure();
-  const size_t condensed = 6 * static_cast<size_t>(mesh.vertices());
-  out << text_of("  members %zu, elements %zu, vertices %d\n", mesh.members.size(), mesh.elements.size(),
-                 mesh.vertices());
-  out << text_of("  unknowns %zu, of which %zu inside the elements; equations to solve %zu\n",
-                 condensed + structure.increment_size, structure.increment_size, condensed);
-  out << text_of("  matrix entries %zu, memory about %.3g MB\n",
-                 static_cast<size_t>(whole_matrix(simulation.model()).matrix()->getGlobalNumEntries()),
-                 memory_estimate(simulation) / 1e6);
+void print_needs(std::ostream& out, const Needs& needs) {
+  out << text_of("  members %lld, elements %lld, vertices %lld\n", needs.members, needs.elements, needs.vertices);
+  out << text_of("  unknowns %lld, of which %lld inside the elements; equations to solve %lld\n", needs.unknowns(),
+                 needs.interior, needs.unknowns() - needs.interior);
+  out << "  memory of a run about " << bytes_text(needs.memory) << ", of which factors " << bytes_text(needs.factors)
+      << "; Newton iteration about " << duration_text(needs.seconds) << " on one thread\n";
+  out << "  result file about " << bytes_text(needs.file) << " and " << bytes_text(needs.file_per_step)
+      << " for each step\n";
 }
 
 /// Box around the samples of all undeformed members.
@@ -88,6 +81,15 @@ void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
       << "xyz"[control.component] << " (a thousandth of the present one)\n";
 }
 
+/// All that needs a mesh.
+void print_simulation(Application& app, const Scene& scene) {
+  const Scene coarse = coarse_scene(scene, kElementsForCheck);
+  Simulation simulation(coarse, app.solver, app.communicator);
+  print_extent(app.out(), simulation);
+  print_loads(app.out(), simulation);
+  warn_of_unmoved_control(app, simulation);
+}
+
 void print_check(Application& app, const std::string& load_case) {
   Scene scene = scene_of_case(app.scene, load_case);
   MeshChoice start;
@@ -95,20 +97,18 @@ void print_check(Application& app, const std::string& load_case) {
     start = start_mesh(scene, *scene.accuracy);
     scene = on_mesh(scene, start);
   }
-  Simulation simulation(scene, app.solver, app.communicator);
   std::ostream& out = app.out();
   out << (scene.name.empty() ? "scene" : scene.name) << (load_case.empty() ? "" : ", load case " + load_case) << "\n";
   if (scene.accuracy) {
     out << text_of("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));
   }
-  print_size(out, simulation);
-  print_extent(out, simulation);
+  print_needs(out, needs_of(scene, app.solver));
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
                  scene.distributed_loads.size(), scene.eigenstrains.size());
-  print_loads(out, simulation);
-  warn_of_unmoved_control(app, simulation);
+  require_memory(app, scene, app.solver);
+  print_simulation(app, scene);
 }
 
 }  // namespace

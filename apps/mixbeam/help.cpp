@@ -41,7 +41,10 @@ const std::map<std::string, const char*>& texts() {
        "  --durable            every step waits until it is on the disk: a power cut loses none. Without it only "
        "steps\n"
        "                       do that take 30 times as long as the waiting, and the last one\n"
-       "  --quiet              no line for each step\n\n"
+       "  --quiet              no line for each step\n"
+       "  --force              run what seems not to fit into memory or onto the disk; without it, that ends with "
+       "exit\n"
+       "                       code 2 before anything is written\n\n"
        "Ctrl-C ends the run after the present step, a second one at once; mixbeam resume goes on.\n"},
       {"batch",
        "usage: mixbeam batch SCENE.xml [options]\n\n"
@@ -53,14 +56,14 @@ const std::map<std::string, const char*>& texts() {
        "  DIR/NAME-batch.h5      as columns\n\n"
        "  --output DIR         folder for results; default: results/NAME\n"
        "  --case NAME          the load case, where the scene has some\n"
-       "  --threads N, --summary FILE.json, --quiet    as for mixbeam run\n\n"
+       "  --threads N, --summary FILE.json, --quiet, --force    as for mixbeam run\n\n"
        "With cases that did not converge the exit code is 3; the others are in the table.\n"},
       {"check",
        "usage: mixbeam check SCENE.xml [--case NAME]\n\n"
-       "Reads and validates a scene and prints its size: members, elements, unknowns, matrix, memory, lengths, loads "
-       "of\n"
-       "each stage, supports, warnings. Solves nothing (but whether the load moves what \"Control\" drives), writes "
-       "nothing.\n\n"},
+       "Reads and validates a scene and prints its size (members, elements, unknowns), what a run will take of\n"
+       "memory, disk and time, lengths, loads of each stage, supports, warnings. Exit code 2 where a run would not "
+       "fit\n"
+       "into memory. Solves nothing (but whether the load moves what \"Control\" drives), writes nothing.\n\n"},
       {"parameters",
        "usage: mixbeam parameters [--markdown]\n\n"
        "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"
@@ -71,7 +74,7 @@ const std::map<std::string, const char*>& texts() {
        "any number of threads. The scene is the one in the file. Appends to the file, and writes NAME.xdmf and\n"
        "NAME-monitor.csv beside it.\n\n"
        "  --from STEP          goes on behind this step; later ones are dropped. For files that are damaged behind it\n"
-       "  --threads N, --summary FILE.json, --durable, --quiet    as for mixbeam run\n\n"},
+       "  --threads N, --summary FILE.json, --durable, --quiet, --force    as for mixbeam run\n\n"},
       {"verify",
        "usage: mixbeam verify RESULTS.h5 [--from STEP]\n\n"
        "Reads a result file and compares its checksums. Names the bytes and objects that are damaged, and the last "

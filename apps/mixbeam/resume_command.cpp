@@ -21,6 +21,7 @@ std::string property(const StoredRun& run, const std::string& name) {
 
 void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.quiet = line.quiet;
+  app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
   XmlParameters xml = parse_xml(run.header().scene_xml, run.path().string() + " (scene)");
   xml.source.set_files(run.header().imported);  // the tables as they were, even if they are gone or changed
@@ -49,9 +50,9 @@ void say_where(const Application& app, const StoredRun& run) {
 }  // namespace
 
 int resume_command(const Arguments& arguments) {
-  const CommandLine line =
-      read_command_line(arguments.count(), arguments.values.data(),
-                        {"--from", "--threads", "--summary", "--durable", "--quiet", "--help"}, "result file");
+  const CommandLine line = read_command_line(
+      arguments.count(), arguments.values.data(),
+      {"--from", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
   require_whole(*line.scene_file, line.last_step);
   const MpiSession session;

@@ -24,6 +24,7 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
 
 void set_up(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
+  app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
@@ -41,7 +42,7 @@ void set_up(Application& app, const CommandLine& line) {
 int run_command(const Arguments& arguments) {
   const CommandLine line = read_command_line(
       arguments.count(), arguments.values.data(),
-      {"--output", "--case", "--threads", "--summary", "--durable", "--quiet", "--help"}, "scene file");
+      {"--output", "--case", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {

@@ -144,10 +144,6 @@ int smooth_points(int order) {
 
 namespace {
 
-/// More smooth curves than this are no better to look at: the elements of larger structures are sampled at both ends
-/// only.
-constexpr size_t kMostSmoothSamples = 1'000'000;
-
 /// Place of the first sample of every element in the order of the mesh, and the number of all samples behind them.
 std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
   const auto places = [&](const auto& points_of_order) {

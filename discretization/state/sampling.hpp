@@ -29,8 +29,12 @@ PointSample sample_member(const Model& model, const State& state, int member, do
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.
 int smooth_points(int order);
 
+/// More smooth curves than this are no better to look at: the elements of larger structures are sampled at both ends
+/// only.
+inline constexpr size_t kMostSmoothSamples = 1'000'000;
+
 /// In place of a number of points for each element: smooth_points() of its order, or both ends alone where that would
-/// make more than a million samples.
+/// make more than kMostSmoothSamples.
 inline constexpr int kPointsByOrder = 0;
 
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends

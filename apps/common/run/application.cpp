@@ -2,6 +2,7 @@
 
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/run/monitor_table.hpp"
+#include "apps/common/run/room_check.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/session/sleeping_threads.hpp"
 #include "kernels/execution/execution_space.hpp"
@@ -142,6 +143,7 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
 
 Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                               const RunObserver& observer) {
+  require_memory(*this, solved, parameters);
   StepReport last;
   Simulation simulation =
       walk(solved, parameters, label, {}, {}, [&](const Simulation& running, const StepReport& report) {
@@ -298,6 +300,8 @@ class Application::Recorder {
 };
 
 Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+  require_memory(*this, solved, parameters);
+  require_disk(*this, solved, parameters, recording.file);
   Recorder recorder(*this, solved, parameters, recording);
   const auto prepare = [&](Simulation& simulation) {
     if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
@@ -335,7 +339,11 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   };
   observer.stop = recording.stop;
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
-  observer.threads = [&](const Scene& on_mesh) { return threads_for(on_mesh, parameters); };
+  observer.threads = [&](const Scene& on_mesh) {
+    require_memory(*this, on_mesh, parameters);
+    require_disk(*this, on_mesh, parameters, recording.file);
+    return threads_for(on_mesh, parameters);
+  };
   AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
   recorder->close();
   for (const MeshRound& round : run.rounds) {

@@ -50,6 +50,7 @@ class Application {
   std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
+  bool force = false;            ///< runs what seems not to fit into memory or onto the disk
   Summary summary;
   SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
   Communicator communicator;

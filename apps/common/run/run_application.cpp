@@ -22,6 +22,7 @@ std::string default_scene_file(const std::string& name) {
 
 void set_up(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
   app.quiet = line.quiet;
+  app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(line.scene_file ? *line.scene_file : default_scene_file(definition.name)), definition);
   describe_run(app, definition.name, line.threads);

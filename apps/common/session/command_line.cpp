@@ -57,6 +57,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.single = true;
   else if (name == "--quiet")
     line.quiet = true;
+  else if (name == "--force")
+    line.force = true;
   else if (name == "--markdown")
     line.markdown = true;
   else if (name == "--durable")
@@ -76,8 +78,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
 }  // namespace
 
 const std::vector<std::string>& benchmark_options() {
-  static const std::vector<std::string> options = {"--help",   "--print-parameters", "--single", "--quiet",
-                                                   "--output", "--summary",          "--threads"};
+  static const std::vector<std::string> options = {"--help",  "--print-parameters", "--single",  "--quiet",
+                                                   "--force", "--output",           "--summary", "--threads"};
   return options;
 }
 
@@ -109,6 +111,7 @@ void print_help(std::ostream& out, const std::string& program, const std::string
       << "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
       << "                       processors for scenes that are large enough to profit\n"
       << "  --quiet              no progress lines\n"
+      << "  --force              run what seems not to fit into memory or onto the disk\n"
       << "  --print-parameters   all parameters of the scene file with type, default, range and meaning\n"
       << "  --help               this text\n\n"
       << "exit code: 0 all checks passed, 1 a check failed, 2 bad input, 3 no convergence\n"

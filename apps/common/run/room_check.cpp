@@ -1,0 +1,87 @@
+#include "apps/common/run/room_check.hpp"
+
+#include "apps/common/session/guarded_run.hpp"
+#include "apps/common/session/machine_room.hpp"
+#include "discretization/text/errors.hpp"
+
+#include <mpi.h>
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+/// Runs of fewer elements and members fit into what the program itself takes.
+constexpr long long kSmall = 2000;
+
+bool is_small(const Scene& scene) {
+  long long elements = 0;
+  for (const Member& member : scene.members) elements += member.elements;
+  return elements <= kSmall && static_cast<long long>(scene.members.size()) <= kSmall;
+}
+
+/// Of all ranks, those that share this machine.
+double share_of_this_machine(const Communicator& communicator) {
+  if (communicator->getSize() == 1) return 1.0;
+  MPI_Comm here = MPI_COMM_NULL;
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  int ranks = 1;
+  MPI_Comm_size(here, &ranks);
+  MPI_Comm_free(&here);
+  return static_cast<double>(ranks) / communicator->getSize();
+}
+
+std::string counts_of(const Needs& needs) {
+  return std::to_string(needs.elements) + " elements, " + std::to_string(needs.unknowns()) + " unknowns";
+}
+
+[[noreturn]] void refuse(const Application& app, const std::string& problem, const std::string& allowed) {
+  const std::string text = problem + "; allowed: " + allowed + ", or --force to try it all the same";
+  if (app.xml.source.line({"Scene"}) > 0) throw app.xml.source.error({"Scene"}, text);
+  throw InputError(text);
+}
+
+}  // namespace
+
+void require_memory(const Application& app, double bytes, const std::string& what) {
+  if (app.force) return;
+  const double wanted = bytes * share_of_this_machine(app.communicator);
+  const Room room = memory_left();
+  const double lacking = wanted - room.bytes;
+  double most_lacking = lacking;
+  Teuchos::reduceAll(*app.communicator, Teuchos::REDUCE_MAX, lacking, Teuchos::outArg(most_lacking));
+  if (most_lacking <= 0.0) return;
+  refuse(app,
+         "needs about " + bytes_text(wanted) + " of memory for " + what + ", " +
+             bytes_text(std::max(0.0, wanted - most_lacking)) + " available (" + room.limit + ")",
+         "fewer elements, lower orders, fewer cases, or more memory");
+}
+
+void require_memory(const Application& app, const Scene& scene, const SolverParameters& parameters) {
+  if (app.force || is_small(scene)) return;
+  const Needs needs = needs_of(scene, parameters);
+  require_memory(app, needs.memory, counts_of(needs));
+}
+
+void require_disk(const Application& app, const Scene& scene, const SolverParameters& parameters,
+                  const std::filesystem::path& file) {
+  if (app.force || is_small(scene)) return;
+  constexpr double kCopies = 2.0;
+  const Needs needs = needs_of(scene, parameters);
+  const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
+  on_first_rank(app.communicator, [&] {
+    std::error_code none;
+    const auto present = std::filesystem::file_size(file, none);  // replaced by the first copy
+    const double room = disk_left(file.parent_path()) + (none ? 0.0 : static_cast<double>(present));
+    if (wanted <= room) return;
+    refuse(app,
+           "needs about " + bytes_text(wanted) + " of disk for the result file " + file.string() + ", " +
+               std::to_string(needs.steps) + " or more steps in two copies, " + bytes_text(room) + " available",
+           "fewer elements, lower orders, fewer steps, or another folder (--output)");
+  });
+}
+
+}  // namespace mixbeam

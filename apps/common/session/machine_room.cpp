@@ -1,0 +1,116 @@
+#include "apps/common/session/machine_room.hpp"
+
+#include <sys/resource.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace mixbeam {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
+
+/// The number behind a word at the begin of a line of a file; none: neither file nor word.
+std::optional<double> number_behind(const fs::path& file, const std::string& word) {
+  std::ifstream stream(file);
+  std::string first;
+  double number = 0.0;
+  for (std::string line; std::getline(stream, line);)
+    if (std::istringstream text(line); text >> first && first == word && text >> number) return number;
+  return std::nullopt;
+}
+
+/// The only number of a file; none where it says "max".
+std::optional<double> number_in(const fs::path& file) {
+  std::ifstream stream(file);
+  double number = 0.0;
+  if (stream >> number) return number;
+  return std::nullopt;
+}
+
+void lower(Room& room, double bytes, const std::string& limit) {
+  if (bytes < room.bytes) room = {bytes, limit};
+}
+
+/// How the two versions of cgroups name their files.
+struct CgroupFiles {
+  const char *root, *most, *used, *inactive;
+};
+constexpr CgroupFiles kVersion1{"/sys/fs/cgroup/memory", "memory.limit_in_bytes", "memory.usage_in_bytes",
+                                "total_inactive_file"};
+constexpr CgroupFiles kVersion2{"/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
+
+/// A cgroup and all above it. Pages of files that nobody uses count as free: the system takes them back.
+void lower_by_cgroups(Room& room, const CgroupFiles& files, fs::path group) {
+  for (;; group = group.parent_path()) {
+    const fs::path folder = files.root + (group == "/" ? "" : group.string());
+    const std::optional<double> most = number_in(folder / files.most), used = number_in(folder / files.used);
+    if (most && used)
+      lower(room, *most - *used + number_behind(folder / "memory.stat", files.inactive).value_or(0.0),
+            "left to the cgroup " + group.string());
+    if (group == group.parent_path()) return;
+  }
+}
+
+void lower_by_cgroups(Room& room) {
+  std::ifstream stream("/proc/self/cgroup");  // lines "4:memory:/path" of version 1, "0::/path" of version 2
+  for (std::string line; std::getline(stream, line);) {
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1), group = line.substr(second + 1);
+    if (group.empty() || group[0] != '/') continue;
+    if (controllers.empty()) lower_by_cgroups(room, kVersion2, group);
+    if ((',' + controllers + ',').find(",memory,") != std::string::npos) lower_by_cgroups(room, kVersion1, group);
+  }
+}
+
+/// Place among the numbers of /proc/self/statm, which counts pages.
+enum Statm { kAddressSpace = 0, kData = 5 };
+
+void lower_by_limit(Room& room, decltype(RLIMIT_AS) resource, Statm place, const std::string& name) {
+  rlimit limit{};
+  if (getrlimit(resource, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0.0;
+  for (int i = 0; i <= place; ++i) statm >> pages;
+  lower(room, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)), name);
+}
+
+}  // namespace
+
+Room memory_left() {
+  Room room{kUnlimited, "no limit"};
+  if (const auto kilobytes = number_behind("/proc/meminfo", "MemAvailable:"))
+    lower(room, 1024.0 * *kilobytes, "memory of the machine");
+  lower_by_cgroups(room);
+  lower_by_limit(room, RLIMIT_AS, kAddressSpace, "limit of the address space, ulimit -v");
+  lower_by_limit(room, RLIMIT_DATA, kData, "limit of the data, ulimit -d");
+  if (room.bytes < 0.0) room.bytes = 0.0;
+  return room;
+}
+
+double disk_left(const fs::path& folder) {
+  struct statvfs disk {};
+  if (statvfs(folder.empty() ? "." : folder.c_str(), &disk) != 0) return kUnlimited;
+  return static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
+}
+
+std::string bytes_text(double bytes) {
+  constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
+  std::size_t unit = 0;
+  for (; unit + 1 < kUnits.size() && bytes >= 999.5; bytes /= 1000.0) ++unit;
+  std::array<char, 48> text{};
+  std::snprintf(text.data(), text.size(), "%.3g %s", bytes, kUnits[unit]);
+  return text.data();
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,24 @@
+/// What the machine has left of memory and disk. Linux; elsewhere everything counts as unlimited.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace mixbeam {
+
+struct Room {
+  double bytes = 0.0;
+  std::string limit{};  ///< whose it is: "memory of the machine", "address space (ulimit -v)", ...
+};
+
+/// The least of MemAvailable, of what is left to every cgroup that this process is in, and of the limits on its address
+/// space and data.
+Room memory_left();
+
+/// Bytes that may be written to a file in this folder.
+double disk_left(const std::filesystem::path& folder);
+
+/// "1.53 GB", "12.4 MB".
+std::string bytes_text(double bytes);
+
+}  // namespace mixbeam
