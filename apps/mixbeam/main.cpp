@@ -70,6 +70,9 @@ int run(int argc, char** argv) {
   } catch (const mixbeam::InputError& error) {
     std::cerr << "mixbeam: bad input: " << error.what() << "\n";
     return mixbeam::kInputErrorExitCode;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "mixbeam: not enough memory to begin\n";
+    return mixbeam::kInputErrorExitCode;
   } catch (const std::exception& error) {
     std::cerr << "mixbeam: unforeseen error: " << error.what() << "\n";
     return 1;

@@ -1,6 +1,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include "discretization/mesh/mixed_vector.hpp"
+#include "discretization/text/memory_error.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/network_factors.hpp"
 #include "nonlinear/linear/root_copy.hpp"
@@ -107,6 +108,7 @@ class DirectSolver : public LinearSolver {
       }
       factors_->factorize();
     } catch (const std::exception& error) {
+      if (is_out_of_memory(error)) throw;  // no fault of the matrix: another factorisation would need as much
       return error.what();
     }
     return "";

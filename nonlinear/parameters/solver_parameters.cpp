@@ -3,6 +3,7 @@
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/text/memory_error.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <NOX_StatusTest_Generic.H>
@@ -266,6 +267,7 @@ std::string problem_of_status_tests(const ParameterList& tests) {
   try {
     NOX::StatusTest::buildStatusTests(tried, silent);
   } catch (const std::exception& error) {
+    if (is_out_of_memory(error)) throw;
     return one_line(error.what());
   } catch (const char* error) {  // NOX throws texts too
     return error;

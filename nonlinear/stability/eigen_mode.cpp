@@ -1,5 +1,6 @@
 #include "nonlinear/stability/eigen_mode.hpp"
 
+#include "discretization/text/memory_error.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include <algorithm>
@@ -57,6 +58,7 @@ void on_root(const RootCopy& root, const std::function<void()>& action) {
     try {
       action();
     } catch (const std::exception& error) {
+      if (is_out_of_memory(error)) throw;  // no fault of the step, which would be repeated smaller
       problem = error.what();
     }
   }

@@ -2,15 +2,54 @@
 
 #include "discretization/results/result_file.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/memory_error.hpp"
 
 #include <mpi.h>
 
 #include <Teuchos_CommHelpers.hpp>
 
+#include <algorithm>
+#include <cstdlib>
+#include <exception>
 #include <iostream>
 #include <stdexcept>
 
+#include <unistd.h>
+
 namespace mixbeam {
+
+namespace {
+
+constexpr const char* kNoMemory = "not enough memory";
+
+/// Kokkos tells the view and its size, in several lines.
+std::string what_was_wanted(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "a part of the program's own data does not fit";
+  std::string text = error.what();
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+std::terminate_handler other_handler = nullptr;
+
+/// Where nobody can catch it: before main, in a destructor, on a thread. Nothing here allocates.
+[[noreturn]] void end_without_memory() {
+  try {
+    if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);
+  } catch (const std::bad_alloc&) {
+    static constexpr char kText[] = "not enough memory to go on; every completed step is on disk\n";
+    [[maybe_unused]] const auto written = write(STDERR_FILENO, kText, sizeof kText - 1);
+    _exit(kInputErrorExitCode);
+  } catch (...) {
+  }
+  if (other_handler != nullptr) other_handler();
+  std::abort();
+}
+
+/// Before the objects at namespace scope, some of which allocate (constructors of lower numbers run first).
+[[gnu::constructor(101)]] void watch_for_lack_of_memory() { other_handler = std::set_terminate(end_without_memory); }
+
+}  // namespace
 
 int guarded_run(const Communicator& communicator, const std::string& program, const std::function<int()>& action) {
   const auto complain = [&](const char* kind, const char* what, int code) {
@@ -37,6 +76,9 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
   } catch (const std::invalid_argument& error) {
     return complain_alone("bad input", error.what(), kInputErrorExitCode);
   } catch (const std::exception& error) {
+    if (is_out_of_memory(error))
+      return complain_alone(kNoMemory, (what_was_wanted(error) + "; every completed step is on disk").c_str(),
+                            kInputErrorExitCode);
     return complain_alone("unforeseen error", error.what(), kFailedExitCode);
   } catch (const char* error) {  // NOX and LOCA throw texts
     return complain_alone("unforeseen error", error, kFailedExitCode);

@@ -12,8 +12,8 @@ namespace mixbeam {
 inline constexpr int kFailedExitCode = 1;
 
 /// Runs `action`, which returns an exit code, once MPI has started. Errors are reported on stderr, once for all ranks:
-/// `<program>: bad input: ...` (exit code 2), `no convergence` (3), `results cannot be written` (2), `unforeseen error`
-/// (1).
+/// `<program>: bad input: ...` (exit code 2), `no convergence` (3), `results cannot be written` (2), `not enough memory`
+/// (2), `unforeseen error` (1).
 int guarded_run(const Communicator& communicator, const std::string& program, const std::function<int()>& action);
 
 /// An InputError of rank 0 is thrown on every rank; otherwise the others would wait for it for ever.
