@@ -358,7 +358,7 @@ def sampled(cases, number, seed):
     draw = random.Random(seed)
     for group in groups.values():
         draw.shuffle(group)
-    turns = [case for turn in range(max(map(len, groups.values()))) for group in groups.values()
+    turns = [case for turn in range(max(map(len, groups.values()), default=0)) for group in groups.values()
              if turn < len(group) for case in (group[turn],)]
     return turns[:number]
 
@@ -376,8 +376,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", help="mixbeam")
     parser.add_argument("library", help="faults.c as a shared library")
-    parser.add_argument("--all", action="store_true", help="every call (half an hour)")
-    parser.add_argument("--sample", type=int, metavar="N", help="so many cases")
+    chosen = parser.add_mutually_exclusive_group(required=True)
+    chosen.add_argument("--all", action="store_true", help="every call (half an hour)")
+    chosen.add_argument("--sample", type=int, metavar="N", help="so many cases, and all power cuts")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="", metavar="TEXT", help="cases as 'run write full 12', by their beginning")
     parser.add_argument("--ranks-sample", type=int, default=6, metavar="N", help="calls of each class on two ranks")
@@ -389,10 +390,10 @@ def main():
     violations, kills, number = [], collections.defaultdict(list), 0
     try:
         subjects = harness.subjects(options.only)
-        cases = list(harness.cases(subjects, options.ranks_sample))
-        if not options.all and options.sample:
+        cases = [case for case in harness.cases(subjects, options.ranks_sample)
+                 if label(case, True).startswith(options.only)]
+        if options.sample:
             cases = sampled(cases, options.sample, options.seed)
-        cases = [case for case in cases if label(case, True).startswith(options.only)]
         with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
             for case, (problems, steps) in zip(cases, pool.map(harness.check_case, cases)):
                 number += 1
