@@ -34,7 +34,7 @@ for target; do
     -ltrilinos_teuchosparameterlist -ltrilinos_teuchosparser -ltrilinos_teuchoscomm -ltrilinos_teuchoscore -lxml2 -lmuparser -lgsl -lgslcblas
   corpus=$folder/corpus_$target; mkdir -p "$corpus"
   case $target in
-    scene) cp "$root"/apps/*/*.xml "$corpus" ;;
+    scene) for xml in "$root"/apps/*/*.xml; do cp "$xml" "$corpus/$(basename "$(dirname "$xml")")-$(basename "$xml")"; done ;;
     table) { cat "$root/tests/faults/points.csv"; echo =====; cat "$root/tests/faults/members.csv"; } >"$corpus/column" ;;
     formula) grep -oh 'value="[^"{}]*[*/^(][^"{}]*"' "$root"/apps/*/*.xml | sort -u | cut -d'"' -f2 | split -l 1 - "$corpus/" ;;
     batch) for xml in "$root"/apps/batch/*.xml "$root"/tests/faults/column.xml; do
@@ -42,6 +42,7 @@ for target; do
            done ;;
   esac
   grep -oh '"[^"\\]*"' "$root"/apps/{gallery,verification,batch}/*.xml | sort -u | awk 'length($0) > 3 && length($0) < 40' >"$folder/words"
+  printf '"%s"\n' 'sin(' 'sqrt(' 'atan2(' 'exp(' 'rint(' 'avg(' 'sum(' 'pi' '?' ':' '&&' '==' '1e308' '^' >>"$folder/words"
   (cd "$folder" && nice "./fuzz_$target" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=4096 -max_len=20000 -dict=words \
     -print_final_stats=1 -verbosity=0 -detect_leaks=0 -artifact_prefix="$folder/" "$corpus") || found=1
 done
