@@ -2,27 +2,25 @@
 
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <libxml/SAX2.h>
 #include <libxml/parserInternals.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+#include <exception>
 #include <memory>
-#include <optional>
+#include <new>
 #include <unordered_map>
 #include <utility>
 
 namespace mixbeam {
 namespace {
 
-constexpr std::size_t kMaximumBytes = std::size_t{256}
-                                      << 20U;  // some million members; keeps a wrong file from eating memory
-constexpr std::size_t kMaximumDepth = 64;      // nested lists; real files need less than ten
+constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;  // as of files
+constexpr std::size_t kMaximumDepth = 64;                       // nested lists; real files need less than ten
 
 const std::vector<std::string> kTags = {"ParameterList", "Parameter"};
 // Teuchos writes the last four of each itself; they say nothing that is needed here.
@@ -45,7 +43,8 @@ class ListBuilder {
  public:
   ListBuilder(xmlParserCtxtPtr parser, XmlParameters& result) : parser_(parser), result_(result) {}
 
-  const std::optional<InputError>& error() const { return error_; }
+  /// The first one; empty while there is none.
+  const std::exception_ptr& error() const { return error_; }
   bool has_root() const { return has_root_; }
 
   template <typename Event>
@@ -53,10 +52,12 @@ class ListBuilder {
     if (error_) return;
     try {
       event();
-    } catch (const InputError& error) {
-      stop(error);
+    } catch (const InputError&) {
+      stop(std::current_exception());
+    } catch (const std::bad_alloc&) {
+      stop(std::current_exception());
     } catch (const std::exception& error) {
-      stop(result_.source.error(path_, error.what()));
+      stop(std::make_exception_ptr(result_.source.error(path_, error.what())));
     }
   }
 
@@ -95,7 +96,7 @@ class ListBuilder {
   }
 
  private:
-  void stop(const InputError& error) {
+  void stop(const std::exception_ptr& error) {
     error_ = error;
     xmlStopParser(parser_);
   }
@@ -193,7 +194,7 @@ class ListBuilder {
 
   xmlParserCtxtPtr parser_;
   XmlParameters& result_;
-  std::optional<InputError> error_;
+  std::exception_ptr error_;
   std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
   ParameterPath path_;
   bool has_root_ = false;
@@ -280,27 +281,9 @@ class SilentParsing {
   void* context_;
 };
 
-std::string read_text(const std::string& file) {
-  std::error_code unreadable;
-  const auto status = std::filesystem::status(file, unreadable);
-  if (!std::filesystem::exists(status)) throw InputError(file + ": no such file");
-  if (std::filesystem::is_directory(status)) throw InputError(file + ": is a directory; allowed: an XML file");
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file + ": cannot be opened: " + std::strerror(errno));
-  std::string text;
-  for (char block[1U << 16U]; stream.read(block, sizeof block), stream.gcount() > 0;) {
-    text.append(block, static_cast<std::size_t>(stream.gcount()));
-    if (text.size() > kMaximumBytes) {
-      throw InputError(file + ": larger than " + std::to_string(kMaximumBytes >> 20U) + " MiB");
-    }
-  }
-  return text;
-}
-
 }  // namespace
 
-XmlParameters read_xml(const std::string& file) { return parse_xml(read_text(file), file); }
+XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(file, "an XML file"), file); }
 
 XmlParameters parse_xml(const std::string& text, const std::string& file) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
@@ -315,7 +298,7 @@ XmlParameters parse_xml(const std::string& text, const std::string& file) {
   // NOENT: `&amp;` arrives as `&`; entities of the file's own cannot exist because a DOCTYPE is refused.
   xmlCtxtUseOptions(parser.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
   xmlParseDocument(parser.get());
-  if (builder.error()) throw InputError(*builder.error());
+  if (builder.error()) std::rethrow_exception(builder.error());
   if (parser->wellFormed == 0 || !builder.has_root()) throw InputError(file + ":1: not well-formed XML");
   return result;
 }

@@ -6,6 +6,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -169,7 +170,7 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
     if (!list.isParameter(parameter)) continue;
     const auto& name = list.get<std::string>(parameter);
     if (texts.count(name) == 0)
-      texts[name] = text_of_table(resolved(list, parameter, InputPlace(source, path)["Import"]));
+      texts[name] = text_of_file(resolved(list, parameter, InputPlace(source, path)["Import"]), "a table");
   }
   return texts;
 }

@@ -1,19 +1,15 @@
 #include "discretization/text/csv_file.hpp"
 
-#include "discretization/text/message_text.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <libxml/xmlstring.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 namespace mixbeam {
 namespace {
 
-constexpr std::uintmax_t kMaximumBytes = std::uintmax_t{256} << 20U;  // as for scenes; keeps slips from eating memory
 const std::string kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
@@ -135,18 +131,7 @@ class CsvScanner {
 
 }  // namespace
 
-std::string text_of_table(const std::string& path) {
-  std::error_code failure;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, failure);  // fails for a folder
-  if (failure) throw InputError(path + ": cannot be read: " + failure.message());
-  if (bytes > kMaximumBytes) throw InputError(path + ": larger than 256 MiB; allowed: smaller files");
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file.good() && !file.eof()) throw InputError(path + ": cannot be read");
-  return text;
-}
-
-CsvFile::CsvFile(const std::string& path) : path_(path), text_(text_of_table(path)) { prepare(); }
+CsvFile::CsvFile(const std::string& path) : path_(path), text_(text_of_file(path, "a table")) { prepare(); }
 
 CsvFile::CsvFile(std::string path, std::string text) : path_(std::move(path)), text_(std::move(text)) { prepare(); }
 

@@ -17,9 +17,6 @@ struct CsvRecord {
   std::vector<int> columns{};        ///< where each cell begins: characters from 1
 };
 
-/// The whole file. Throws InputError if it cannot be read or is too large for a table.
-std::string text_of_table(const std::string& path);
-
 /// A file of records, one per line. Cells may stand in double quotes (a quote inside is doubled); empty lines and lines
 /// that begin with # do not count; a byte order mark and any line ends are understood. The separator is the first of
 /// semicolon, tabulator, comma that the first record contains.

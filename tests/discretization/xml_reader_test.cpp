@@ -167,6 +167,8 @@ TEST(XmlReader, ReadsAFileAndNamesTheFilesItCannotRead) {
   std::remove(file.c_str());
   expect_in(message_of([&] { read_xml(file); }), {file, "no such file"});
   expect_in(message_of([] { read_xml(testing::TempDir()); }), {"is a directory"});
+  // Linux lets this file be opened, and its first bytes are no memory: as a disk that fails.
+  expect_in(message_of([] { read_xml("/proc/self/mem"); }), {"/proc/self/mem", "cannot be read"});
 }
 
 }  // namespace
