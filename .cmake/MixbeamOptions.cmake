@@ -24,7 +24,8 @@ target_compile_options(mixbeam_options INTERFACE "$<$<CONFIG:Release>:${mixbeam_
 
 if(MIXBEAM_SANITIZE)
   set(mixbeam_sanitizer_flags -fsanitize=address,undefined -fno-omit-frame-pointer)
-  target_compile_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags} -fno-sanitize-recover=undefined)
+  # With its checks inlined, one instance of the element takes the compiler 100 s and more; without, 13 s.
+  target_compile_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags} -fno-sanitize-recover=undefined -fno-inline)
   target_link_options(mixbeam_options INTERFACE ${mixbeam_sanitizer_flags})
 endif()
 
