@@ -58,6 +58,7 @@ TEST(Needs, CountsWhatTheMeshHas) {
 TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   Scene scene = two_members({1, 2, 3});
   scene.members[0].elements = 100'000;
+  scene.members[0].order = 1;
   SolverParameters plain;
   plain.analysis.stability = false;
   plain.analysis.error_estimate = ErrorEstimation::off;
