@@ -55,6 +55,7 @@ void set_up_batch(Application& app, const CommandLine& line) {
   if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
+  warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error({"Batch"}, "missing ParameterList; needed: the cases, by \"Table\" or \"Vary\"");
   const std::filesystem::path scene(*line.scene_file);
@@ -257,7 +258,11 @@ int batch_command(const Arguments& arguments) {
     const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
     watch_for_interrupts();
     BatchRun run(app, chosen_case(app.scene, line.load_case));
-    run.solve();
+    try {
+      run.solve();
+    } catch (const MemberError& error) {
+      throw placed(app, error);
+    }
     finish_in_order();  // the table is written as a whole
     run.write(app.output / name);
     run.check_expected();

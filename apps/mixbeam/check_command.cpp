@@ -126,8 +126,12 @@ int check_command(const Arguments& arguments) {
     if (line.load_case) cases = {*line.load_case};
     if (cases.empty()) cases = {""};
     require_reachable(app, cases);
-    for (const std::string& load_case : cases) print_check(app, load_case);
-    for (const std::string& text : warnings(app.scene)) app.out() << "warning: " << text << "\n";
+    try {
+      for (const std::string& load_case : cases) print_check(app, load_case);
+    } catch (const MemberError& error) {
+      throw placed(app, error);
+    }
+    warn_of_scene(app);
     const std::string skipped = check_supports(app.scene, app.xml.source);
     if (!skipped.empty()) app.out() << "warning: " << skipped << "\n";
     app.out() << *line.scene_file << ": in order\n";

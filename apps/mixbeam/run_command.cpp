@@ -28,6 +28,7 @@ void set_up(Application& app, const CommandLine& line) {
   if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
+  warn_of_scene(app);
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });

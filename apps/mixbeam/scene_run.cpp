@@ -1,5 +1,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 
+#include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/studies/asked_path.hpp"
@@ -116,6 +117,8 @@ int finish_runs(Application& app, const CommandLine& line, const std::function<R
   RunEnd end = RunEnd::arrived;
   try {
     end = cases();
+  } catch (const MemberError& error) {
+    throw placed(app, error);
   } catch (const ConvergenceError& error) {
     app.summary.failure = error.what();
     finish();

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <unordered_set>
 
 namespace mixbeam {
 namespace {
@@ -239,6 +240,16 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
   for (const Section& section : scene.sections)
     if (used.count(section.name) == 0)
       list.add("unused sections", place("Sections", section.name) + "no member has it; usually a name is misspelt");
+  std::unordered_set<std::string> touched;
+  for (const Member& member : scene.members) {
+    touched.insert({member.start_point, member.end_point});
+    for (const InnerPoint& inner : member.inner_points) touched.insert(inner.point);
+  }
+  for (const Point& point : scene.points)  // imported ones: others are refused
+    if (touched.count(point.name) == 0)
+      list.add("unused points",
+               place("Points", point.name) +
+                   "imported, but no member starts, ends or passes there; usually members are missing");
   std::set<std::string> cases;
   for (const PointLoad& load : scene.point_loads) cases.insert(load.load_case);
   for (const DistributedLoad& load : scene.distributed_loads) cases.insert(load.load_case);

@@ -1,7 +1,7 @@
 #include "discretization/mesh/structure.hpp"
 
 #include "discretization/mesh/reference_element.hpp"
-#include "discretization/text/errors.hpp"
+#include "discretization/text/member_error.hpp"
 #include "kernels/element/kinematics.hpp"
 
 #include <algorithm>
@@ -88,7 +88,7 @@ void fill_element(const GeneralSectionLayout& layout, const ComplianceAt& compli
 }
 
 [[noreturn]] void refuse_member(const Member& member, const std::string& what) {
-  throw InputError("member \"" + member.name + "\": " + what);
+  throw MemberError(member.name, "", what);
 }
 
 MemberLaws member_laws(const Scene& scene) {
@@ -181,9 +181,10 @@ void fill_block(ElementBlock& block, const Structure& structure, const Scene& sc
       fill_reference(reference_element(mesh, element, block), mesh.element_length(element), block.reference_layout,
                      &block.reference(e, 0));
     } catch (const std::invalid_argument& error) {
-      throw InputError("member \"" + scene.members[element.member].name + "\", element " +
-                       std::to_string(element.index + 1) + " of " + std::to_string(mesh.member_of(element).elements) +
-                       ": " + error.what());
+      throw MemberError(
+          scene.members[element.member].name,
+          ", element " + std::to_string(element.index + 1) + " of " + std::to_string(mesh.member_of(element).elements),
+          error.what());
     }
     for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
     block.member(e) = element.member;

@@ -281,6 +281,56 @@ class SilentParsing {
   void* context_;
 };
 
+/// Reads tags and what is between quotes in them, nothing else: what is not well-formed is left to the parser.
+class TagScanner {
+ public:
+  explicit TagScanner(const std::string& text) : text_(text) {}
+
+  /// The line of the first tag with more attributes than that, 0 where there is none.
+  int line_of_tag_with_more(int most) {
+    for (at_ = 0; at_ < text_.size(); ++at_) {
+      const char c = text_[at_];
+      if (c == '\n') ++line_;
+      if (c == '<') {  // also where a quote is missing
+        begin_tag();
+      } else if (in_tag_ && quote_ != '\0') {
+        if (c == quote_) quote_ = '\0';
+      } else if (in_tag_ && c == '>') {
+        in_tag_ = false;
+      } else if (in_tag_ && (c == '"' || c == '\'')) {
+        quote_ = c;
+        if (++attributes_ > most) return line_;
+      }
+    }
+    return 0;
+  }
+
+ private:
+  void begin_tag() {
+    in_tag_ = true;
+    quote_ = '\0';
+    attributes_ = 0;
+    for (const auto& [begin, end] : {std::pair{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}})
+      if (text_.compare(at_, std::strlen(begin), begin) == 0) return skip_to(end);
+  }
+  void skip_to(const char* end) {
+    const std::size_t found = std::min(text_.find(end, at_), text_.size());
+    line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
+                                         text_.begin() + static_cast<std::ptrdiff_t>(found), '\n'));
+    at_ = found;
+    in_tag_ = false;
+  }
+
+  const std::string& text_;
+  std::size_t at_ = 0;
+  int line_ = 1, attributes_ = 0;
+  bool in_tag_ = false;
+  char quote_ = '\0';
+};
+
+/// The parser compares each attribute of a tag with each.
+constexpr int kMostAttributes = 100;
+
 }  // namespace
 
 XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(file, "an XML file"), file); }
@@ -288,6 +338,9 @@ XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(
 XmlParameters parse_xml(const std::string& text, const std::string& file) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
   if (text.size() > kMaximumBytes) throw InputError(file + ": too large");
+  if (const int line = TagScanner(text).line_of_tag_with_more(kMostAttributes); line > 0)
+    throw InputError(file + ":" + std::to_string(line) + ": a tag with more than " + std::to_string(kMostAttributes) +
+                     " attributes; allowed: " + quoted_list(kParameterAttributes));
   XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList), ParameterSource(file), text};
   const SilentParsing silence;
   const std::unique_ptr<xmlParserCtxt, FreeParser> parser(

@@ -275,7 +275,10 @@ class PatternScene {
       copy.name = label.name();
       const Ends ends = {work.image[ends_[m][0]], work.image[ends_[m][1]]};
       if (ends[0] == ends[1] && ends_[m][0] != ends_[m][1])
-        throw error(work, "member \"" + excerpt(copy.name) + "\" would have no length");
+        throw error(
+            work,
+            "member \"" + excerpt(copy.name) +
+                "\" would have no length: both of its ends fall on one point; allowed: copies whose ends are apart");
       if (copy.curve.shape == CurveShape::parametric) placed(copy, ends).curve();  // formulas grow with every copy
       if (is_there(copy, ends, before, work)) continue;
       if (!member_names_.insert(copy.name).second) {

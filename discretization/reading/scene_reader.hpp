@@ -79,6 +79,7 @@ class SceneReader {
   void check_curve(std::size_t member) const;
   void check_formula_start(std::size_t member) const;
   void check_line(std::size_t member) const;
+  void check_taper_values(std::size_t member) const;
   void check_second_axis(std::size_t member) const;
 
   InputError member_error(std::size_t member, const ParameterPath& parameter, const std::string& problem) const;

@@ -4,6 +4,7 @@
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/scene_reader.hpp"
+#include "discretization/scene/section_law.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
@@ -99,7 +100,8 @@ ReferenceCurve SceneReader::reference_curve_of(std::size_t index) const {
   try {
     return make_reference_curve(member, start, end == point_index_.end() ? start : scene_.points[end->second].position);
   } catch (const std::invalid_argument& problem) {
-    throw member_error(index, {"Curve"}, problem.what());
+    throw member_error(index, {"Curve"},
+                       std::string(problem.what()) + "; allowed: a smooth curve that never stops or turns back");
   }
 }
 
@@ -205,9 +207,23 @@ void SceneReader::check_members() {
       throw unknown(i, "Section", "section", member.section, section_index_);
     if (!member.end_section.empty() && section_index_.count(member.end_section) == 0)
       throw unknown(i, "End Section", "section", member.end_section, section_index_);
+    if (!member.end_section.empty()) check_taper_values(i);
     if (member.curve.shape == CurveShape::line) check_line(i);
     if (member.curve.shape == CurveShape::spline) reference_curve_of(i);
     if (!is_zero(member.second_axis)) check_second_axis(i);
+  }
+}
+
+/// At the vertices and the samples of the elements; between them the elements look themselves.
+void SceneReader::check_taper_values(std::size_t index) const {
+  constexpr int kMostPlaces = 20'000;  // of a member: a hundredth of a second
+  const Member& member = scene_.members[index];
+  const int places = std::min(kMostPlaces, member.elements) * std::max(4, 2 * member.order);
+  try {
+    const SectionLaw law(scene_, member);
+    for (int i = 0; i <= places; ++i) law.compliance(static_cast<double>(i) / places);
+  } catch (const std::invalid_argument& problem) {
+    throw member_error(index, {member.taper.empty() ? "End Section" : "Taper"}, problem.what());
   }
 }
 

@@ -244,7 +244,8 @@ Section SectionLaw::section(double x) const {
   if (!tapered_) return start_;
   const double weight = weight_(x);
   if (!std::isfinite(weight))
-    throw std::invalid_argument("taper \"" + weight_.text() + "\" is not a finite number at x = " + shortest(x));
+    throw std::invalid_argument("taper \"" + weight_.text() + "\" is not a finite number at x = " + shortest(x) +
+                                "; allowed: a formula that is finite from x = 0 to 1");
   return by_shape_ ? mixed_shape(weight, start_, end_) : mixed_stiffness(weight, start_, end_);
 }
 

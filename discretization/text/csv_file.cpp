@@ -38,11 +38,14 @@ class CsvScanner {
   bool at_end() const { return at_ == text_.size(); }
   bool at_line_end() const { return at_end() || is_line_end(text_[at_]); }
 
-  /// Characters of UTF-8, not bytes.
-  int column() const {
-    const auto begin = text_.begin() + static_cast<std::ptrdiff_t>(line_begin_);
-    const auto here = text_.begin() + static_cast<std::ptrdiff_t>(at_);
-    return 1 + static_cast<int>(std::count_if(begin, here, [](char c) { return (c & 0xC0) != 0x80; }));
+  /// Characters of UTF-8, not bytes. Counts on from where it was asked last.
+  int column() {
+    if (counted_to_ < line_begin_ || counted_to_ > at_) {
+      counted_to_ = line_begin_;
+      counted_ = 0;
+    }
+    for (; counted_to_ < at_; ++counted_to_) counted_ += (text_[counted_to_] & 0xC0) != 0x80 ? 1 : 0;
+    return 1 + counted_;
   }
 
   void end_line() {
@@ -125,6 +128,8 @@ class CsvScanner {
   const CsvFile& file_;
   const std::string& text_;
   std::size_t at_ = 0, line_begin_ = 0;
+  std::size_t counted_to_ = 0;  ///< characters of the line before it: counted_
+  int counted_ = 0;
   int line_ = 1;
   char separator_ = '\0';
 };

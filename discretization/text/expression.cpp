@@ -16,6 +16,15 @@ constexpr std::size_t kLongestFormula = 10000;  // a formula longer than that is
 
 double two_argument_arctangent(double y, double x) { return std::atan2(y, x); }
 
+/// muParser would change its variables.
+void refuse_assignments(const std::string& text) {
+  for (std::size_t i = text.find('='); i != std::string::npos; i = text.find('=', i + 1)) {
+    const bool follows = i > 0 && std::string("<>!=").find(text[i - 1]) != std::string::npos;
+    if (follows || (i + 1 < text.size() && text[i + 1] == '=')) continue;
+    throw std::invalid_argument("it has an assignment; a comparison is written ==");
+  }
+}
+
 }  // namespace
 
 struct Expression::Formula {
@@ -29,6 +38,7 @@ Expression::Expression() : Expression("0", {}) {}
 Expression::Expression(const std::string& text, const std::vector<std::string>& variables)
     : formula_(std::make_shared<Formula>()) {
   if (text.size() > kLongestFormula) throw std::invalid_argument("the formula is longer than 10000 characters");
+  refuse_assignments(text);
   formula_->text = text;
   formula_->values.assign(variables.size(), 0.0);
   try {

@@ -1,4 +1,5 @@
-// Memory is known before it is taken, threads that wait leave their cores to others, and signals end a run in time.
+// What a run takes of the machine is known before, threads that wait leave their cores to others, signals end a run in
+// time, and what is unusual is said.
 #include "mixbeam_files.hpp"
 #include "tests/support/text.hpp"
 
@@ -152,6 +153,46 @@ TEST_F(Room, ThreadsThatWaitLeaveTheProcessorToOthers) {
   EXPECT_LT(asleep, 0.5 * spinning) << spinning;
 }
 
+TEST_F(Room, ManyThreadsAreLimitedAndSaidSo) {
+  const std::string path = scene(cantilever(4, 2, "{0, 1, 0}")), output = folder_.path().string();
+  const Ended many = mixbeam({"run", path, "--output", output, "--threads", "1024", "--quiet"});
+  EXPECT_EQ(many.exit_code, kOk) << many.err;
+  expect_in(many.out, {"warning: 1024 threads on "});
+  EXPECT_EQ(mixbeam({"run", path, "--output", output, "--threads", "2", "--quiet"}).out.find("threads on"),
+            std::string::npos);
+}
+
+TEST_F(Room, RunWarnsOfTheSceneAsCheckDoes) {
+  const std::string path = scene(cantilever(2, 1, "{0, 1, 0}")), summary = (folder_ / "summary.json").string();
+  const Ended checked = mixbeam({"check", path});
+  const Ended ended = mixbeam({"run", path, "--output", folder_.path().string(), "--summary", summary, "--quiet"});
+  for (const std::string& text : {checked.out, ended.out, text_of(folder_ / "summary.json")})
+    expect_in(text, {"Members / rod: 2 element(s) of order 1 are coarse"});
+  const Ended sound =
+      mixbeam({"run", scene(cantilever(8, 2, "{0, 1, 0}")), "--output", folder_.path().string(), "--quiet"});
+  EXPECT_EQ(sound.out.find("are coarse"), std::string::npos);
+}
+
+/// A member that turns too far in its elements shows when these are made.
+TEST_F(Room, ErrorsOfElementsHaveFileLineAndPath) {
+  const auto wave = [&](const std::string& waves) {
+    return changed(changed(cantilever(4, 2, "{0, 1, 0}"), "{1, 0, 0}", "{1, 0, 1}"), "<Parameter name=\"Order\"",
+                   "<ParameterList name=\"Curve\"><Parameter name=\"Shape\" type=\"string\" value=\"parametric\"/>"
+                   "<Parameter name=\"Formula\" type=\"Array(string)\" value=\"{t, sin(" +
+                       waves +
+                       "*2*pi*t), t}\"/></ParameterList>"
+                       "<Parameter name=\"Order\"");
+  };
+  for (const char* command : {"check", "run"}) {
+    const Ended ended = mixbeam({command, scene(wave("50"))});
+    EXPECT_EQ(ended.exit_code, kBadInput) << ended.err;
+    expect_in(ended.err,
+              {"scene.xml:9: XML path \"Scene / Members / rod\"", "turns too far", "more elements are needed"});
+  }
+  EXPECT_EQ(mixbeam({"check", scene(wave("0.1"))}).exit_code, kBadInput) << "it ends elsewhere";
+  EXPECT_EQ(mixbeam({"check", scene(wave("0.5"))}).exit_code, kOk);
+}
+
 /// As many moments as the environment variable MIXBEAM_SIGNALS says.
 int number_of_signals() {
   const char* given = std::getenv("MIXBEAM_SIGNALS");
@@ -169,11 +210,11 @@ std::string problem_of_end(const Ended& ended, int signal, double seconds) {
 
 TEST_F(Room, SignalsEndARunInEveryPhase) {
   const std::string path = scene(cantilever(
-      40'000, 3, "{0.3, 1, 0.7}",
+      20'000, 3, "{0.3, 1, 0.7}",
       R"xml(<ParameterList name="Analysis"><Parameter name="Buckling Modes" type="int" value="2"/></ParameterList>)xml"));
   const fs::path results = folder_ / "results";
   const int moments = number_of_signals();
-  const double longest = 6.0;
+  const double longest = 3.0;
   for (int i = 0; i < moments; ++i) {
     fs::remove_all(results);
     const int signal = i % 2 == 0 ? SIGINT : SIGTERM;

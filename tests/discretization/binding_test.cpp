@@ -98,7 +98,7 @@ TEST(Binding, WordsDecideWhichParametersAreAllowed) {
   const std::string price = entry("Price", "double", "1");
   EXPECT_NO_THROW(tool_with(price));
   expect_in(refusal(price + entry("Finish", "string", "plain")),
-               {"Price\": given, but has no meaning for \"Finish\" = \"plain\"", "none of \"Price\""});
+            {"Price\": given, but has no meaning for \"Finish\" = \"plain\"", "none of \"Price\""});
   expect_in(refusal(entry("Axis", "Array(double)", "{0, 0, 0}")), {"Axis\": value {0, 0, 0} has no direction"});
 }
 
@@ -108,6 +108,18 @@ TEST(Binding, MembersAreComparedUnlessGeometrySaysIt) {
   for (const BoundParameter<Member>& parameter : member_parameters().parameters)
     if (!parameter.is_compared) not_compared.push_back(parameter.spec.name);
   EXPECT_EQ(not_compared, (std::vector<std::string>{"Start", "End", "Stations", "Second Axis"}));
+}
+
+/// The parser would compare each of them with each: 40 s for 200,000.
+TEST(XmlReader, RefusesATagWithManyAttributesAtOnce) {
+  const auto with = [](int attributes) {
+    std::string tag = "<!-- \"quotes\" -->\n<ParameterList name=\"s\"><Parameter";
+    for (int i = 0; i < attributes; ++i) tag += " a" + std::to_string(i) + "=\"1\"";
+    return tag + "/></ParameterList>";
+  };
+  expect_in(message_of([&] { parse_xml(with(200'000), "s.xml"); }),
+            {"s.xml:2: a tag with more than 100", "allowed: \"name\""});
+  expect_in(message_of([&] { parse_xml(with(50), "s.xml"); }), {"s.xml:2", "unknown attribute \"a0\""});
 }
 
 }  // namespace

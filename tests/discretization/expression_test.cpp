@@ -35,6 +35,12 @@ TEST(Expression, TellsWhatIsWrongWithAText) {
   EXPECT_THROW(Expression(std::string(20000, '1'), {}), std::invalid_argument);
 }
 
+TEST(Expression, AssignmentsAreRefusedAndComparisonsAreNot) {
+  for (const char* text : {"x = 3", "x*(x=0.1)", "x>0 ? x=1 : 2"})
+    EXPECT_THROW(Expression(text, {"x"}), std::invalid_argument) << text;
+  for (const char* text : {"x==3", "x<=3", "x>=3", "x!=3"}) EXPECT_NO_THROW(Expression(text, {"x"})) << text;
+}
+
 TEST(Expression, DivisionByZeroIsANumberForTheCallerToJudge) {
   EXPECT_FALSE(std::isfinite(Expression("1/x", {"x"})(0.0)));
 }

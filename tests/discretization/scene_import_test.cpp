@@ -147,6 +147,21 @@ TEST_F(SceneImport, ManyMembersTakeLinearTime) {
   EXPECT_LT(seconds, kMostSeconds);
 }
 
+/// Columns count characters, and a line of many cells is read in time that grows with them.
+TEST(CsvFile, ColumnsOfALongLine) {
+  constexpr int kCells = 200'000;
+  std::string line = "\xC3\xA4";  // one character, two bytes
+  for (int i = 1; i < kCells; ++i) line += ",1";
+  const auto begin = std::chrono::steady_clock::now();
+  const CsvFile file("t.csv", line);
+  file.for_each([&](const CsvRecord& record) {
+    ASSERT_EQ(record.columns.size(), static_cast<std::size_t>(kCells));
+    EXPECT_EQ(record.columns[1], 3);
+    EXPECT_EQ(record.columns.back(), 2 * kCells - 1);
+  });
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 5.0);
+}
+
 TEST(CsvFile, RecordsKeepTheirPlaces) {
   const CsvFile file("t.csv", "a, b ,\"c,\"\"d\"\n\n  # no\rlast");
   std::vector<CsvRecord> records;

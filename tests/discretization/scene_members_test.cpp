@@ -179,7 +179,9 @@ TEST(SceneMembers, Stations) {
 }
 
 TEST(SceneMembers, TwistAndTaper) {
-  const std::string wide = list("wide", kFlatSection);
+  const std::string thin = number("EA", "5") + number("GA2", "2") + number("GA3", "2.5") + number("GIt", "0.5") +
+                           number("EI2", "1") + number("EI3", "1.5");
+  const std::string wide = list("wide", kFlatSection) + list("thin", thin);
   const auto text = [&](const std::string& more) {
     return scene_text(kPoints, member("m", "A", "B", more), "", "A", wide);
   };
@@ -191,6 +193,10 @@ TEST(SceneMembers, TwistAndTaper) {
   expect_text_refused(text(word("Taper", "x")), {"m / Taper", "without \"End Section\""});
   expect_text_refused(text(word("End Section", "wide") + word("Taper", "1/x")), {"m / Taper", "1/x", "x = 0"});
   expect_text_refused(text(word("End Section", "wide") + word("Taper", "s")), {"m / Taper", "no formula"});
+  expect_text_refused(text(word("End Section", "wide") + word("Taper", "x = 1")), {"m / Taper", "assignment", "=="});
+  expect_text_refused(text(word("End Section", "thin") + word("Taper", "2*x")),
+                      {"m / Taper", "at x = 1 of the taper", "allowed: a positive number"});
+  EXPECT_NO_THROW(scene_from(text(word("End Section", "thin") + word("Taper", "1.9*x"))));
 }
 
 }  // namespace

@@ -183,6 +183,17 @@ TEST(SceneWarnings, OfWhatActs) {
               {"Sections / spare", "no member has it"});
 }
 
+TEST(SceneWarnings, OfPointsThatNoMemberTouches) {
+  expect_only(frame_with([](Scene& scene) {
+                scene.points.push_back({"far", {9, 9, 9}});
+              }),
+              {"Points / far", "no member"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& scene) {
+                scene.points.push_back({"far", {9, 0, 5}});
+                scene.members.push_back(line("more", "end", "far"));
+              })).empty());
+}
+
 TEST(SceneWarnings, OfAKindAreCounted) {
   Scene scene = frame();
   for (int i = 0; i < 20; ++i) {

@@ -1,6 +1,7 @@
 #include "apps/common/run/scene_file.hpp"
 
 #include "apps/common/session/guarded_run.hpp"
+#include "discretization/checks/scene_warnings.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <thread>
 
 namespace mixbeam {
 
@@ -64,12 +66,45 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   check_critical_points_are_found(app);
 }
 
+namespace {
+
+void warn(Application& app, const std::string& text) {
+  app.summary.warnings.push_back(text);
+  app.out() << "warning: " << text << "\n";
+}
+
+}  // namespace
+
+void warn_of_scene(Application& app) {
+  for (const std::string& text : warnings(app.scene)) warn(app, text);
+}
+
+InputError placed(const Application& app, const MemberError& error) {
+  return app.xml.source.error({"Scene", "Members", error.member()}, error.what());
+}
+
+namespace {
+
+/// More threads than that on each processor take the time of starting them.
+constexpr int kMostThreadsPerProcessor = 8;
+
+void limit_threads(Application& app) {
+  const int processors = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (app.solver.threads <= kMostThreadsPerProcessor * processors) return;
+  warn(app, std::to_string(app.solver.threads) + " threads on " + std::to_string(processors) + " processor(s); " +
+                std::to_string(processors) + " are used, results are the same");
+  app.solver.threads = processors;
+}
+
+}  // namespace
+
 void describe_run(Application& app, const std::string& name, const std::optional<int>& threads) {
   app.name = app.summary.program = name;
   app.summary.version = kVersion;
   app.summary.compiler = kCompiler;
   app.summary.ranks = app.communicator->getSize();
   if (threads) app.solver.threads = *threads;
+  limit_threads(app);
   if (app.solver.threads > 0) set_number_of_threads(app.solver.threads);
   app.summary.threads = number_of_threads();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/common/run/application.hpp"
+#include "discretization/text/member_error.hpp"
 
 namespace mixbeam {
 
@@ -12,6 +13,12 @@ ListSpec root_spec(const ApplicationDefinition& definition);
 /// unless its source has them already. Warns of parameters that no longer exist. Throws InputError with file, line and
 /// XML path.
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
+
+/// Prints what is unusual in the scene, and counts it in the summary.
+void warn_of_scene(Application& app);
+
+/// The error with file, line and XML path of the member.
+InputError placed(const Application& app, const MemberError& error);
 
 /// Name, version, compiler, ranks, threads. `threads`: of the command line, overrides the scene.
 void describe_run(Application& app, const std::string& name, const std::optional<int>& threads);
