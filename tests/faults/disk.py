@@ -1,12 +1,84 @@
-"""A disk that keeps only what was synced: the calls that faults.c has recorded are played to it.
+"""What is on the disk: result files, read in a process of its own, and a disk that keeps only what was synced, to which the
+calls that faults.c has recorded are played.
 
-Contents of a file survive as they were when it was last synced. Names (new files, renames, removals) survive either all of
+On that disk contents of a file survive as they were when it was last synced. Names (new files, renames, removals) survive either all of
 them, as a journal may have written them before the data, or only those before the last sync of their folder.
 """
 import collections
+import concurrent.futures
+import hashlib
+import multiprocessing
 import os
 
+PATIENCE = 120  # seconds to read a file
+
 Call = collections.namedtuple("Call", "name process file place data path other")
+
+
+def digest(path):
+    """Every dataset and attribute of an HDF5 file: name -> hash. Runs in a process of its own: HDF5 crashes on some files."""
+    import h5py
+    found = {}
+
+    def visit(name, thing):
+        for key, value in thing.attrs.items():
+            found[f"{name}@{key}"] = hashlib.sha1(repr(value).encode()).hexdigest()
+        if isinstance(thing, h5py.Dataset):
+            data = thing[()]
+            data = data if isinstance(data, bytes) else repr((data.shape, data.dtype)).encode() + data.tobytes()
+            found[name] = hashlib.sha1(data).hexdigest()
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+class Reader:
+    """Digests of files, kept by their bytes."""
+
+    def __init__(self):
+        self.known = {}
+        self.pool = None
+
+    def read(self, path):
+        data = hashlib.sha1(path.read_bytes()).hexdigest()
+        if data not in self.known:
+            self.known[data] = self.fresh(path)
+        return data, self.known[data]
+
+    def fresh(self, path):
+        if self.pool is None:
+            self.pool = concurrent.futures.ProcessPoolExecutor(1, multiprocessing.get_context("spawn"))
+        try:
+            return self.pool.submit(digest, path).result(timeout=PATIENCE)
+        except (OSError, RuntimeError, KeyError, ValueError, concurrent.futures.TimeoutError) as error:
+            self.pool = None  # which has perhaps crashed
+            return f"{type(error).__name__}: {error}"
+
+    def close(self):
+        if self.pool is not None:
+            self.pool.shutdown()
+
+
+def steps_of(content):
+    return {name.split("/")[1].split("@")[0] for name in content if name.startswith("steps/")}
+
+
+def same_bits(content, whole, complete):
+    """What differs from the undisturbed file, else ''. `complete`: all of it is there, not only its first steps."""
+    if isinstance(content, str):
+        return f"cannot be read: {content[:80]}"
+    steps, all_steps = steps_of(content), sorted(steps_of(whole))
+    if steps != set(all_steps[:len(steps)]) or (complete and len(steps) < len(all_steps)):
+        return f"has the steps {sorted(steps)} of {all_steps}"
+    fixed = ("scene", "version", "imported", "members", "supports", "polyline")
+    for name, value in whole.items():
+        top, inside = name.split("/")[0], name.split("/")[1].split("@")[0] if "/" in name else ""
+        wanted = inside in steps if top == "steps" else bool(steps) and top in fixed or complete and top in (
+            "monitor", "buckling", "columns", "causes")
+        if wanted and content.get(name) != value:
+            return f"{name} {'differs' if name in content else 'is missing'}"
+    return ""
 
 
 class Node:
