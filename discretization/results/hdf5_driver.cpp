@@ -1,5 +1,7 @@
 #include "discretization/results/hdf5_writer.hpp"
 
+#include "discretization/text/memory_error.hpp"
+
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -49,7 +51,8 @@ struct Driver {
       content.read(address, buffer, there);
       return 0;
     } catch (const std::exception& error) {
-      H5Epush2(H5E_DEFAULT, __FILE__, __func__, __LINE__, H5E_ERR_CLS, H5E_IO, H5E_READERROR, "%s", error.what());
+      H5Epush2(H5E_DEFAULT, __FILE__, __func__, __LINE__, H5E_ERR_CLS, H5E_IO, H5E_READERROR, "%s",
+               reason_of(error).c_str());
       return -1;
     }
   }

@@ -2,6 +2,7 @@
 
 #include "discretization/results/disk_file.hpp"
 #include "discretization/results/hdf5_writer.hpp"
+#include "discretization/text/memory_error.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>
@@ -20,7 +21,7 @@ std::string first_problem(const Teuchos::Comm<int>& communicator, const std::fun
     action();
   } catch (const std::exception& error) {
     failed = true;
-    problem = error.what();
+    problem = reason_of(error);
     if (problem.empty()) problem = "no reason given";
   }
   if (ranks == 1) return problem;
@@ -43,7 +44,7 @@ void FileRanks::together(const std::function<void()>& action) const {
     } catch (const ResultFileError&) {
       throw;
     } catch (const std::exception& error) {
-      throw ResultFileError(prefix_ + error.what());
+      throw ResultFileError(prefix_ + reason_of(error));
     }
   });
   if (!problem.empty()) throw ResultFileError(problem);

@@ -1,6 +1,7 @@
 #include "discretization/results/table_file.hpp"
 
 #include "discretization/results/hdf5_writer.hpp"
+#include "discretization/text/memory_error.hpp"
 
 namespace mixbeam {
 
@@ -40,7 +41,7 @@ void write_table_file(const std::filesystem::path& path, const std::vector<Table
     const bool durable = true;
     replacement.publish(durable);
   } catch (const std::exception& error) {
-    throw ResultFileError("result file " + path.string() + ": " + error.what());
+    throw ResultFileError("result file " + path.string() + ": " + reason_of(error));
   }
 }
 

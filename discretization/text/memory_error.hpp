@@ -4,6 +4,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 
 namespace mixbeam {
 
@@ -12,6 +13,11 @@ inline bool is_out_of_memory(const std::exception& error) {
   return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ||
          std::strstr(error.what(), "failed to allocate memory") != nullptr ||
          std::strstr(error.what(), "insufficient memory") != nullptr;
+}
+
+/// What to tell of an error: its text, but of std::bad_alloc, which has none.
+inline std::string reason_of(const std::exception& error) {
+  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "not enough memory" : error.what();
 }
 
 }  // namespace mixbeam
