@@ -132,6 +132,9 @@ struct InertiaSolver::Mumps {
   std::vector<int> entry;        ///< where their values stand in the matrix
   std::vector<double> value;
   std::vector<int> order;  ///< see dissection_order()
+  Signs signs;             ///< of the factors, while there are any
+  bool has_factors = false;
+  int factorizations = 0;
 
   Mumps(Kind k, const SparseMatrix& structure) : kind(k), order(dissection_order(structure)) {
     use_serial_blas();
@@ -202,9 +205,17 @@ InertiaSolver::~InertiaSolver() = default;
 
 InertiaSolver::Signs InertiaSolver::factorize(const SparseMatrix& matrix) {
   Mumps& m = *mumps_;
-  for (size_t k = 0; k < m.entry.size(); ++k) m.value[k] = matrix.value[m.entry[k]];
+  bool same = m.has_factors;
+  for (size_t k = 0; k < m.entry.size(); ++k) {
+    const double value = matrix.value[m.entry[k]];
+    same = same && value == m.value[k];
+    m.value[k] = value;
+  }
+  if (same) return m.signs;
+  m.has_factors = false;
   if (!std::all_of(m.value.begin(), m.value.end(), [](double a) { return std::isfinite(a); }))
     throw LinearSolverError("the tangent holds numbers that are not finite");
+  ++m.factorizations;
   int code = m.try_call(kFactorize);
   while ((code == kWorkspaceTooSmall || code == kIntegerWorkspaceTooSmall) &&
          m.control(kMoreWorkspace) < kLargestWorkspace) {
@@ -214,13 +225,17 @@ InertiaSolver::Signs InertiaSolver::factorize(const SparseMatrix& matrix) {
   if (code < 0)
     throw LinearSolverError("MUMPS could not factorise the tangent, code " + std::to_string(code) + ", " +
                             std::to_string(m.info(2)));
-  Signs signs;
+  Signs& signs = m.signs;
+  signs = Signs();
   if (m.kind == Kind::symmetric) signs.negative = m.info(12);
   signs.null = m.info(28);
   const double mantissa = m.data.rinfog[12 - 1];
   signs.determinant_sign = signs.null > 0 || mantissa == 0.0 ? 0 : (mantissa > 0.0 ? 1 : -1);
+  m.has_factors = true;
   return signs;
 }
+
+int InertiaSolver::factorizations() const { return mumps_->factorizations; }
 
 void InertiaSolver::solve(double* block, int columns, bool transposed) {
   Mumps& m = *mumps_;

@@ -44,8 +44,11 @@ class InertiaSolver {
   InertiaSolver(const InertiaSolver&) = delete;
   InertiaSolver& operator=(const InertiaSolver&) = delete;
 
-  /// Throws LinearSolverError when MUMPS gives up. `matrix`: the structure given above with values.
+  /// Throws LinearSolverError when MUMPS gives up. `matrix`: the structure given above with values. Those factorised
+  /// last keep their factors: under dead loads the tangent at the end of a load step is the first one of the next.
   Signs factorize(const SparseMatrix& matrix);
+  /// How often values were not those factorised last.
+  int factorizations() const;
   /// Replaces each column of `block` (column-major, one after the other) by A^-1 times it, or by A^-T.
   void solve(double* block, int columns, bool transposed = false);
 

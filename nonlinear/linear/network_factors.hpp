@@ -27,6 +27,7 @@ class NetworkFactors : public LocalFactors {
   void solve(const DofVector& b, DofVector& x) override;
   /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
   int unknowns() const { return remaining_.rows(); }
+  int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
   bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
 
  private:
