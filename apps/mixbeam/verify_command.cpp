@@ -59,9 +59,12 @@ void limit_process(std::uintmax_t file_bytes) {
   const rlimit memory{most, most};
   setrlimit(RLIMIT_AS, &memory);
 #endif
-  constexpr std::uintmax_t kSlowestDisk = 5'000'000;  // bytes a second
-  constexpr unsigned kPatience = 15;                  // seconds
-  alarm(kPatience + static_cast<unsigned>(file_bytes / kSlowestDisk));
+  constexpr rlim_t kBytesInASecond = 50'000'000;  // that it reads and checks, at the least
+  const rlim_t seconds = 10 + file_bytes / kBytesInASecond;
+  const rlimit processor{seconds, seconds};
+  setrlimit(RLIMIT_CPU, &processor);
+  constexpr unsigned kSlowness = 8;  // of a busy machine and its disk
+  alarm(kSlowness * static_cast<unsigned>(seconds));
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
 }

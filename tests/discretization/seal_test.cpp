@@ -1,15 +1,22 @@
 /// Damage of every kind is seen: flipped bits, zeroed and stale pages, cut files, and what is not damaged is read.
 #include "discretization/results/guarded_file.hpp"
 #include "discretization/results/result_file.hpp"
+#include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <csignal>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <random>
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace mixbeam::seal_test {
 namespace {
@@ -208,6 +215,38 @@ TEST_F(Seals, AnotherFileOfTheNameIsLeftAsItIs) {
   const Bytes bytes = read();
   EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "of another program");
   EXPECT_EQ(verify_results(folder_ / "kept.h5").steps, std::vector<int>{1});
+}
+
+// A limit on the file size stands for a full disk.
+TEST_F(Seals, ATableThatDoesNotFitLeavesTheEarlierOne) {
+  const std::vector<TableColumn> small = {{"a/b", {1, 2, 3}}}, large = {{"a", std::vector<double>(100000, 0.5)}};
+  write_table_file(file_, small, {{"scene", "text"}});
+  EXPECT_EQ(verify_results(file_).damage, "");
+  const Bytes before = read();
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{300000, 300000};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    int failures = 0;
+    const auto fails = [&](const std::function<void()>& action) {
+      try {
+        action();
+      } catch (const std::exception& error) {
+        failures += std::string(error.what()).find("File too large") != std::string::npos ? 1 : 0;
+      }
+    };
+    fails([&] { write_table_file(file_, large, {}); });
+    fails([&] { replace_file(folder_ / "text", std::string(400000, 'x'), false); });
+    std::exit(failures);  // exit handlers of the HDF5 library run
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status);
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_EQ(read(), before);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
 TEST(RunningSum, OfPiecesIsThatOfTheWhole) {
