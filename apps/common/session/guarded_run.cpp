@@ -30,6 +30,18 @@ std::string what_was_wanted(const std::exception& error) {
   return text;
 }
 
+/// Whether every rank has come here within this time. They fail alike, as a rule; but a file may be missing or
+/// unreadable on one machine only, and the others would wait for its rank for ever.
+bool all_ranks_fail() {
+  constexpr double kPatience = 5.0;  // seconds
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Ibarrier(MPI_COMM_WORLD, &request);
+  int all = 0;
+  for (const double start = MPI_Wtime(); all == 0 && MPI_Wtime() - start < kPatience; usleep(1000))
+    MPI_Test(&request, &all, MPI_STATUS_IGNORE);
+  return all != 0;
+}
+
 std::terminate_handler other_handler = nullptr;
 
 /// Where nobody can catch it: before main, in a destructor, on a thread. Nothing here allocates.
@@ -66,6 +78,8 @@ int guarded_run(const Communicator& communicator, const std::string& program, co
   try {
     return action();
   } catch (const InputError& error) {
+    if (communicator->getSize() > 1 && !all_ranks_fail())
+      return complain_alone("bad input", error.what(), kInputErrorExitCode);
     return complain("bad input", error.what(), kInputErrorExitCode);
   } catch (const ConvergenceError& error) {
     return complain("no convergence", error.what(), kConvergenceErrorExitCode);
