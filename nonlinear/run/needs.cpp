@@ -7,6 +7,7 @@
 #include "kernels/chains/level.hpp"
 #include "kernels/loops/planar_block.hpp"
 #include "nonlinear/accuracy/error_estimate.hpp"
+#include "nonlinear/run/junction_factor.hpp"
 
 #include <Teuchos_DefaultSerialComm.hpp>
 
@@ -26,11 +27,15 @@ constexpr double kStatesAlive = 10.5, kVectorsAlive = 10.5;
 /// Mesh, adjacency, rows of vertices and numbering of chains. [byte per element]
 constexpr double kPlainBytes = 340.0;
 /// Names, curve, samples and their places in a file. [byte per member]
-constexpr double kBytesOfMember = 6000.0;
+constexpr double kBytesOfMember = 10000.0;
 /// Numbers of each element beside its tangent and response while stability is looked at.
 constexpr double kStabilityNumbers = 127.0;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
 constexpr double kShareDuringEstimate = 0.5;
+
+/// Factors of networks, with the fronts from which MUMPS makes them; matrix, its copies and what gathers it; time of a
+/// multiplication in them. [byte, byte, s]
+constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 100.0, kSecondsOfOperation = 2e-10;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
@@ -208,19 +213,21 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     sums.add(kind, needs.planar, smooth_samples <= kMostSmoothSamples ? smooth_points(kind.order) : 2);
   const double vertices = static_cast<double>(needs.vertices), elements = static_cast<double>(needs.elements),
                members = static_cast<double>(needs.members);
-  const bool counts = looks_at_stability(
-      parameters.analysis, static_cast<int>(std::min<long long>(needs.vertices, kVerticesForStability + 1)));
+  // critical points are looked for in smaller structures even if nobody asks for the stability of steps
+  const bool counts = needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false);
   const double samples = kSampleBytes * sums.samples, stability = counts ? sums.stability : 0.0;
   needs.memory = sums.run + samples + stability;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
     needs.memory = std::max(needs.memory, kShareDuringEstimate * sums.run + sums.estimate + stability);
-  needs.memory += kBytesOfMember * members;
-  needs.factors = sizeof(double) * chain_factor(needs.planar) * elements;
+  const JunctionFactor junctions = junction_factor(scene);
+  needs.memory +=
+      kBytesOfMember * members + kBytesOfFactorEntry * junctions.entries + kBytesOfMatrixEntry * junctions.matrix;
+  needs.factors = sizeof(double) * (chain_factor(needs.planar) * elements + junctions.entries);
   needs.file = kFileBytesOfPlace * sums.samples + kFileBytesOfMember * members;
   needs.file_per_step =
       kFileBytesOfSample * sums.samples + sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
-  needs.seconds = sums.seconds;
+  needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation;
   return needs;
 }
 

@@ -13,7 +13,7 @@ struct Needs {
   long long interior = 0;      ///< unknowns inside the elements, eliminated there
   bool planar = false;         ///< solved in a plane
   double memory = 0.0;         ///< most that a run holds at a time
-  double factors = 0.0;        ///< thereof the factors of the chains
+  double factors = 0.0;        ///< thereof the factors of the chains and of what they leave
   double file = 0.0;           ///< result file without steps [byte]
   double file_per_step = 0.0;  ///< what a step adds [byte]
   int steps = 0;               ///< that a path takes at least, the state at its start included

@@ -1,11 +1,14 @@
 #include "nonlinear/run/needs.hpp"
 
+#include "nonlinear/run/junction_factor.hpp"
 #include "nonlinear/run/simulation.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/scenes.hpp"
 
 #include <gtest/gtest.h>
+
 #include <Tpetra_Core.hpp>
+#include <cmath>
 
 namespace mixbeam {
 namespace {
@@ -70,6 +73,36 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   EXPECT_GT(needs_of(scene, asked).memory, needs_of(scene, plain).memory);
   scene.members[0].order = 4;
   EXPECT_GT(needs_of(scene, plain).memory, 1.5 * 2.0 * small);
+}
+
+/// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
+TEST(JunctionFactor, OfJunctionsThatAreAllConnected) {
+  Scene scene;
+  scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
+  constexpr int kPoints = 6;
+  for (int i = 0; i < kPoints; ++i) {
+    scene.points.push_back({std::to_string(i), {std::cos(1.0 * i), std::sin(1.0 * i), 0.1 * i * i}});
+    for (int j = 0; j < i; ++j) {
+      const std::string a = std::to_string(i), b = std::to_string(j);
+      scene.members.push_back(test::line(a + " " + b, a, b, 2, 3));
+    }
+  }
+  const auto triangle_of = [](int points) { return 3.0 * points * (6.0 * points + 1.0); };
+  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints));
+  scene.supports = {test::clamp("2")};
+  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints - 1)) << "prescribed unknowns are taken out";
+  scene.members.resize(scene.members.size() - (kPoints - 2));
+  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints - 2) + 36.0 + 21.0) << "the last hangs on one other";
+}
+
+TEST(JunctionFactor, OfAChainIsThatOfItsEnds) {
+  Scene scene = two_members({1, 2, 3});
+  scene.points.push_back({"d", {3, 1, 0}});
+  scene.members.push_back(test::line("third", "c", "d", 2, 2));
+  scene.point_loads[0].point = "d";
+  EXPECT_EQ(junction_factor(scene).entries, 21.0) << "the loaded end; the other one is clamped, the rest eliminated";
+  scene.point_loads[0].point = "b";
+  EXPECT_EQ(junction_factor(scene).entries, 21.0 + 36.0 + 21.0) << "a loaded point within, and the free end";
 }
 
 TEST(Needs, ACoarseSceneHasFewElementsAndTheSamePoints) {
