@@ -151,8 +151,8 @@ TEST_F(Mixbeam, WarnsOfForcesThatRoundingErrorsShare) {
   };
   const Ended fine = run_bar("1e6");
   EXPECT_EQ(fine.exit_code, kOk) << fine.err;
-  EXPECT_EQ(fine.out.find("warning"), std::string::npos) << fine.out;
-  EXPECT_EQ(text_of(summary).find("warnings"), std::string::npos);
+  EXPECT_EQ(fine.out.find("rounding errors"), std::string::npos) << fine.out;
+  EXPECT_EQ(text_of(summary).find("rounding errors"), std::string::npos);
   const Ended doubtful = run_bar("1e15");
   EXPECT_EQ(doubtful.exit_code, kOk) << doubtful.err;
   expect_in(doubtful.out, {"warning: member", "rounding errors"});
