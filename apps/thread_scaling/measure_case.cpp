@@ -69,7 +69,8 @@ class IterationTimer {
   /// The same iteration's matrix gathered, factorised, solved and checked by the sparse solver alone, which is built
   /// when it is first asked for (memory).
   double time_sparse_solver() {
-    if (sparse_solver_ == nullptr) sparse_solver_ = make_tangent_solver(problem_.model, sparse_method_, tolerance_);
+    if (sparse_solver_ == nullptr)
+      sparse_solver_ = make_direct_tangent_solver(problem_.model, sparse_method_, tolerance_);
     DofVector x(problem_.model.map());
     const RunWatch watch;
     sparse_solver_->factorize(*tangent_);

@@ -122,8 +122,12 @@ bool CondensedSystem::condense(const Tangent& tangent) {
       note(chains_.factorize(tangents));
   }
   PhaseTimer timer(model_.times(), "assemble");
-  tangent.gather(*remaining_, planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangents));
+  tangent.gather(*remaining_, link_matrices());
   return smallest >= kSmallestPivot;
+}
+
+LinkMatrices<kSpatialDofs> CondensedSystem::link_matrices() const {
+  return planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangent_->elements().condensed_tangent);
 }
 
 void CondensedSystem::condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x) {
@@ -165,8 +169,7 @@ double CondensedSystem::measure(const DofVector& b, const DofVector& x, const Ke
   PhaseTimer timer(model_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);
   const KernelView<double*> run_forces = run_forces_;
-  const LinkMatrices<kSpatialDofs> links =
-      planar_ != nullptr ? planar_->remaining() : chains_.matrices(tangent_->elements().condensed_tangent);
+  const LinkMatrices<kSpatialDofs> links = link_matrices();
   remaining_->run_forces(links, arrived(), model_.structure().local_elements(), values, run_forces);
   const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const LargestParts sizes = largest_parts(comm, values);

@@ -17,6 +17,10 @@ class CondensedSystem {
   int eliminated_vertices() const { return structure_.eliminated_vertices(); }
   const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }
   const VertexMatrix& remaining() const { return *remaining_; }
+  /// Links of the matrix; their vertices are local ones.
+  const std::vector<RemainingLink>& links() const { return structure_.remaining(); }
+  /// Their matrices, before loads, supports and joints take part; of the tangent that was condensed last.
+  LinkMatrices<kSpatialDofs> link_matrices() const;
 
   /// Eliminates the chains of a tangent, to which all that follows refers: it must not be gone by then. False where a
   /// pivot is so small that nothing can be relied on.

@@ -50,12 +50,14 @@ class WholeSolver : public TangentSolver {
 
 }  // namespace
 
-ChainSolver::ChainSolver(const Model& model, const std::string& method, double residual_tolerance)
+ChainSolver::ChainSolver(const Model& model, const std::string& method, double residual_tolerance,
+                         const RemainingSolver& solver)
     : model_(model),
       method_(method),
       tolerance_(residual_tolerance),
       system_(model),
-      remaining_(make_direct_solver(system_.matrix(), method, residual_tolerance, model.times())),
+      remaining_(solver ? solver(system_)
+                        : make_direct_solver(system_.matrix(), method, residual_tolerance, model.times())),
       diagonal_(Teuchos::rcp(new DofVector(system_.matrix()->getRowMap()))),
       remaining_b_(Teuchos::rcp(new DofVector(system_.matrix()->getRangeMap()))),
       remaining_x_(Teuchos::rcp(new DofVector(system_.matrix()->getDomainMap()))),
@@ -63,6 +65,8 @@ ChainSolver::ChainSolver(const Model& model, const std::string& method, double r
       correction_(Teuchos::rcp(new DofVector(model.map()))) {}
 
 void ChainSolver::factorize_whole() {
+  if (iterates())
+    throw LinearSolverError("a chain or a junction has no stiffness, and the tangent is too large for factors");
   if (whole_ == nullptr) whole_ = std::make_unique<WholeSolver>(model_, method_, tolerance_);
   uses_whole_ = true;
   ++fallback_factorizations_;
@@ -78,6 +82,7 @@ void ChainSolver::factorize(const Tangent& tangent) {
   try {
     remaining_->factorize();
   } catch (const LinearSolverError&) {
+    if (iterates()) throw;
     factorize_whole();
   }
 }
@@ -87,6 +92,7 @@ void ChainSolver::solve_once(const DofVector& b, DofVector& x, double& remaining
   try {
     remaining_error = remaining_->solve(*remaining_b_, *remaining_x_);
   } catch (const LinearSolverError&) {  // the whole matrix may be solvable all the same
+    if (iterates()) throw;
     remaining_error = std::numeric_limits<double>::infinity();
   }
   if (!(response(*diagonal_, *remaining_b_, *remaining_x_) <= kResponseOfRounding))
@@ -118,9 +124,10 @@ double ChainSolver::solve(const DofVector& b, DofVector& x) {
   return whole_->solve(b, x);
 }
 
-std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
-                                                   double residual_tolerance) {
-  if (method == kChains) return std::make_unique<ChainSolver>(model, kSparseSolver, residual_tolerance);
+std::unique_ptr<TangentSolver> make_direct_tangent_solver(const Model& model, const std::string& method,
+                                                          double residual_tolerance) {
+  if (method == kChains || method == kAutomatic || method == kIterative)
+    return std::make_unique<ChainSolver>(model, kSparseSolver, residual_tolerance);
   return std::make_unique<WholeSolver>(model, method, residual_tolerance);
 }
 

@@ -5,6 +5,8 @@
 #include "discretization/assembly/condensed_system.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 
+#include <functional>
+
 namespace mixbeam {
 
 /// Solves with the tangents of one model.
@@ -15,17 +17,24 @@ class TangentSolver {
   virtual void factorize(const Tangent& tangent) = 0;
   /// As LinearSolver::solve.
   virtual double solve(const DofVector& b, DofVector& x) = 0;
+  /// As LinearSolver::iterates.
+  virtual bool iterates() const { return false; }
 };
 
-/// Where a chain has a pivot too small to rely on, what remains looks
-/// singular, or a solution does not pass its check, the tangent is solved as a whole instead. `method`: an Amesos2 name
-/// for both.
+/// Solves what chains leave.
+using RemainingSolver = std::function<std::unique_ptr<LinearSolver>(const CondensedSystem& system)>;
+
+/// Where a chain has a pivot too small to rely on, what remains looks singular, or a solution does not pass its check,
+/// the tangent is solved as a whole instead, unless it is too large for factors. `method`: an Amesos2 name for both.
 class ChainSolver : public TangentSolver {
  public:
-  ChainSolver(const Model& model, const std::string& method, double residual_tolerance);
+  /// `solver`: in place of the direct one that belongs to `method`.
+  ChainSolver(const Model& model, const std::string& method, double residual_tolerance,
+              const RemainingSolver& solver = {});
 
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x) override;
+  bool iterates() const override { return remaining_->iterates(); }
 
   /// Tangents that had to be factorised as a whole.
   int fallback_factorizations() const { return fallback_factorizations_; }
@@ -49,13 +58,17 @@ class ChainSolver : public TangentSolver {
 };
 
 /// The solver for the tangents of a model: "chains", or an Amesos2 name for the whole matrix.
-std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
-                                                   double residual_tolerance);
+std::unique_ptr<TangentSolver> make_direct_tangent_solver(const Model& model, const std::string& method,
+                                                          double residual_tolerance);
 
 /// Name of the method that condenses chains, and the solver of what they leave.
 inline constexpr const char* kChains = "chains";
 inline constexpr const char* kSparseSolver = kAutomatic;
+/// Name of the method that iterates: see multilevel/network_solver.hpp.
+inline constexpr const char* kIterative = "iterative";
 /// The direct solver that belongs to a method.
-inline std::string sparse_solver_of(const std::string& method) { return method == kChains ? kSparseSolver : method; }
+inline std::string sparse_solver_of(const std::string& method) {
+  return method == kChains || method == kIterative ? kSparseSolver : method;
+}
 
 }  // namespace mixbeam

@@ -26,6 +26,9 @@ class LinearSolver {
   /// Solves A x = b and checks the result: its backward error must not exceed the tolerance, else one step of iterative
   /// refinement is tried, then LinearSolverError is thrown. Returns that error.
   virtual double solve(const DofVector& b, DofVector& x) = 0;
+
+  /// Whether it solves without factors because they would be too large.
+  virtual bool iterates() const { return false; }
 };
 
 /// Method that suits the graph of the matrix: KLU2 for chains and trees, in which elimination fills in little, and for

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "discretization/assembly/tangent.hpp"
-#include "nonlinear/linear/chain_solver.hpp"
+#include "nonlinear/multilevel/network_solver.hpp"
 #include "nonlinear/newton/attempt_log.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
@@ -34,6 +34,9 @@ class BeamProblem {
     solvers_.push_back(make_tangent_solver(model, linear_.method, linear_.residual_tolerance));
     return solvers_.back();
   }
+
+  /// Whether tangents are too large for factors: then nobody counts eigenvalues.
+  bool iterates() const { return solvers_.front()->iterates(); }
 
   const Model model;
   WorkCount work;

@@ -71,11 +71,13 @@ BoundList<NewtonParameters> newton_parameters() {
 BoundList<LinearSolverParameters> linear_parameters() {
   BoundList<LinearSolverParameters> linear("Solution of the linear systems.");
   linear.bind(
-      &LinearSolverParameters::method, choice("Method", {"chains", "KLU2"}).by_default(),
-      "chains: elements in a row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 "
-      "where it has few loops, as L D L^T by MUMPS where it is a network; KLU2: sparse direct solver of Amesos2 for "
-      "the "
-      "whole matrix. Both work on rank 0 whatever the number of ranks.");
+      &LinearSolverParameters::method, choice("Method", {"automatic", "chains", "iterative", "KLU2"}).by_default(),
+      "automatic: chains, and iterative where factors of a network would take too much memory; chains: elements in a "
+      "row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 where it has few "
+      "loops, "
+      "as L D L^T by MUMPS where it is a network; iterative: what is left is solved by conjugate gradients with coarse "
+      "spaces, on one rank, and stability is unknown; KLU2: sparse direct solver of Amesos2 for the whole matrix. "
+      "Factors are made on rank 0 whatever the number of ranks.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
               "A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger.");

@@ -39,7 +39,7 @@ struct NewtonParameters {
 };
 
 struct LinearSolverParameters {
-  std::string method = "chains";
+  std::string method = "automatic";
   double residual_tolerance = 1e-8;  ///< |b - A x| / (|A| |x| + |b|), checked after every solve
   double force_stiffness_cap =
       1e5;  ///< times max(EI/L^2, largest force): limits the force stiffness of the tangent only

@@ -7,8 +7,9 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
   is_controlled_ = parameters.analysis.control.has_value();
   const int vertices = problem->model.mesh().vertices();
-  reports_stability_ = looks_at_stability(parameters.analysis, vertices);
-  if (reports_stability_ || vertices <= kVerticesForStability) stability_ = std::make_unique<Stability>(*problem);
+  reports_stability_ = !problem->iterates() && looks_at_stability(parameters.analysis, vertices);
+  if (!problem->iterates() && (reports_stability_ || vertices <= kVerticesForStability))
+    stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
   started_ = true;
   result.steps = control.resume->step;

@@ -104,7 +104,7 @@ const std::vector<Folder>& folders() {
       {"discretization",
        {"text", "parameters", "geometry", "scene", "mesh", "checks", "reading", "constraints", "linear_system",
         "assembly", "state", "results"}},
-      {"nonlinear", {"parameters", "linear", "newton", "stability", "diagnosis", "path", "accuracy", "run"}},
+      {"nonlinear", {"parameters", "linear", "multilevel", "newton", "stability", "diagnosis", "path", "accuracy", "run"}},
       {"apps/common", {"tables", "session", "run", "studies"}}};
   return all;
 }

@@ -45,7 +45,7 @@ class MovedScene {
     return x;
   }
   DofVector solution_of_the_whole() const {
-    const auto solver = make_tangent_solver(model, "KLU2", kCheckTolerance);
+    const auto solver = make_direct_tangent_solver(model, "KLU2", kCheckTolerance);
     return solution(*solver);
   }
   /// The largest difference of displacements and of rotations, each relative to the largest of its kind.
@@ -203,7 +203,7 @@ TEST(ChainSolver, AWrongTangentWouldBeNoticed) {
   ChainSolver chains(moved.model, kSparseSolver, kCheckTolerance);
   const DofVector x = moved.solution(chains);
   moved.tangent.elements().condensed_tangent(5, 0) *= 1.01;
-  const auto whole = make_tangent_solver(moved.model, kSparseSolver, kCheckTolerance);
+  const auto whole = make_direct_tangent_solver(moved.model, kSparseSolver, kCheckTolerance);
   EXPECT_GT(moved.difference(x, moved.solution(chains)), 1e3 * kAgreement);
 }
 

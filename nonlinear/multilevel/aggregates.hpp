@@ -1,0 +1,24 @@
+/// Groups of neighbouring nodes of a network, groups of those, and so on: what the coarse spaces of hierarchy.hpp are
+/// made of.
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace mixbeam {
+
+/// Two nodes for each link.
+using LinkEnds = std::vector<std::array<int, 2>>;
+
+/// Nodes of each level are numbered so that those of an aggregate follow each other, and neighbours lie close in memory
+/// on every level.
+struct Nesting {
+  std::vector<int> order;               ///< (place on the finest level): number of the node
+  std::vector<std::vector<int>> first;  ///< (level)(aggregate, and one more): place of its first node
+};
+
+/// Aggregates of about `kAggregateSize` nodes by graph partition (METIS), level by level until the graph is small or
+/// coarsens no more. Deterministic.
+Nesting nest(int nodes, const LinkEnds& ends);
+
+}  // namespace mixbeam

@@ -1,0 +1,64 @@
+/// Products of small dense blocks, column-major, in loops that compilers turn into vector instructions.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+
+namespace mixbeam::dense {
+
+/// C (m x n) += A (m x k) B (k x n); A and C have contiguous columns `a_stride` and `c_stride` apart, B any strides.
+template <int Rows = 0>
+inline void add_product(int m, int k, int n, const double* a, int a_stride, const double* b, int b_row, int b_column,
+                        double* c, int c_stride) {
+  if constexpr (Rows == 0)
+    if (m == 6) return add_product<6>(m, k, n, a, a_stride, b, b_row, b_column, c, c_stride);
+  const int rows = Rows > 0 ? Rows : m;
+  for (int j = 0; j < n; ++j) {
+    double* __restrict__ to = c + static_cast<size_t>(c_stride) * j;
+    for (int p = 0; p < k; ++p) {
+      const double factor = b[static_cast<size_t>(b_row) * p + static_cast<size_t>(b_column) * j];
+      const double* __restrict__ from = a + static_cast<size_t>(a_stride) * p;
+#pragma GCC ivdep
+      for (int i = 0; i < rows; ++i) to[i] += from[i] * factor;
+    }
+  }
+}
+
+/// y (m) += A x, A (m x n) with contiguous columns.
+template <int Rows = 0>
+inline void add_times_vector(int m, int n, const double* __restrict__ a, const double* __restrict__ x,
+                             double* __restrict__ y) {
+  const int rows = Rows > 0 ? Rows : m, columns = Rows > 0 ? Rows : n;
+  for (int j = 0; j < columns; ++j)
+#pragma GCC ivdep
+    for (int i = 0; i < rows; ++i) y[i] += a[rows * j + i] * x[j];
+}
+
+/// Inverse of the Cholesky factor L of a (m x m, lower triangle read); false where a is not positive definite.
+inline bool inverse_cholesky(int m, double* a, double* inverse) {
+  for (int j = 0; j < m; ++j) {
+    double pivot = a[m * j + j];
+    for (int p = 0; p < j; ++p) pivot -= a[m * p + j] * a[m * p + j];
+    if (!(pivot > 0.0)) return false;
+    pivot = std::sqrt(pivot);
+    a[m * j + j] = pivot;
+    for (int i = j + 1; i < m; ++i) {
+      double entry = a[m * j + i];
+      for (int p = 0; p < j; ++p) entry -= a[m * p + i] * a[m * p + j];
+      a[m * j + i] = entry / pivot;
+    }
+  }
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) {
+      if (i < j) {
+        inverse[m * j + i] = 0.0;
+        continue;
+      }
+      double entry = i == j ? 1.0 : 0.0;
+      for (int p = j; p < i; ++p) entry -= a[m * p + i] * inverse[m * j + p];
+      inverse[m * j + i] = entry / a[m * i + i];
+    }
+  return true;
+}
+
+}  // namespace mixbeam::dense

@@ -1,0 +1,46 @@
+/// Multilevel preconditioner for the tangents of networks: spectral coarse spaces, theory (63), and the symmetric
+/// V-cycle over them, theory (64).
+#pragma once
+
+#include "nonlinear/linear/inertia_solver.hpp"
+#include "nonlinear/multilevel/level.hpp"
+
+#include <memory>
+
+namespace mixbeam {
+
+/// Symmetric matrix over the nodes of a network, six unknowns each.
+struct NetworkMatrix {
+  KernelView<double*> self;  ///< (node, 36)
+  LinkSource links;
+};
+
+class Hierarchy {
+ public:
+  /// Aggregates of the network, kept for all values.
+  Hierarchy(int nodes, const LinkEnds& ends);
+
+  /// (place): number of the node; vectors of a Hierarchy are in this order.
+  const std::vector<int>& order() const { return order_; }
+  /// New spaces and matrices. Throws NegativeCurvature, LinearSolverError.
+  void set(const NetworkMatrix& matrix);
+  const Level& finest() const { return *levels_.front(); }
+  /// z = M^-1 r, M symmetric positive definite.
+  void precondition(const LevelVector& r, const LevelVector& z);
+
+ private:
+  void factorize_coarsest();
+  void cycle(size_t level);
+
+  std::vector<int> order_;
+  std::vector<std::unique_ptr<Level>> levels_;
+  size_t used_ = 0;  ///< levels that are in use, the coarsest of them solved directly
+  struct Vectors {
+    LevelVector residual, x, step, other;
+  };
+  std::vector<Vectors> vectors_;
+  SparseMatrix coarsest_;
+  std::unique_ptr<InertiaSolver> direct_;
+};
+
+}  // namespace mixbeam

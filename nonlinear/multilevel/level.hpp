@@ -1,0 +1,115 @@
+/// One level of a multilevel preconditioner for networks, theory (62): a symmetric positive definite block matrix
+///
+///   A = S + sum of links,   A^ = L^-1 A L^-T,   L L^T = blocks of A on the diagonal,
+///
+/// kept in scaled unknowns x^ = L^T x, in which the blocks on the diagonal are one and all eigenvalues lie between 0
+/// and 2. S are blocks of nodes alone, a link is a matrix over two nodes. Each row is summed in one order by one
+/// thread, and sums over all rows in fixed pieces: results do not depend on the number of threads.
+#pragma once
+
+#include "kernels/loops/block.hpp"
+#include "nonlinear/multilevel/aggregates.hpp"
+
+#include <functional>
+#include <stdexcept>
+#include <vector>
+
+namespace mixbeam {
+
+/// A block or a direction was met that says that the matrix has an eigenvalue below zero.
+class NegativeCurvature : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Blocks of a link, column-major, with the distance between columns.
+struct LinkBlocks {
+  const double *first, *coupling, *second;  ///< K00, K01 (rows of the first node), K11
+  int first_stride, coupling_stride, second_stride;
+};
+/// Blocks of a link; `room` (as many numbers as a full link has) is for those that are not kept.
+using LinkSource = std::function<LinkBlocks(int link, double* room)>;
+
+/// Scaled vectors of a level.
+using LevelVector = KernelView<double*>;
+
+class Level {
+ public:
+  /// `first`: as Nesting::first of this level; empty: no aggregates.
+  Level(int nodes, LinkEnds ends, std::vector<int> first);
+
+  int nodes() const { return nodes_; }
+  int unknowns() const { return unknown_.back(); }
+  int aggregates() const { return static_cast<int>(first_.size()) - 1; }
+  const LinkEnds& ends() const { return ends_; }
+  /// Links between aggregates.
+  const LinkEnds& coarse_ends() const { return coarse_ends_; }
+
+  /// New values. `unknown`: (node, and one more) first unknown; `self`: S, column-major, one block after the other.
+  /// Throws NegativeCurvature.
+  void set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links);
+  /// Modes of each aggregate with eigenvalue below `tau`, and the next level's blocks from them.
+  struct Coarse {
+    std::vector<int> unknown;
+    std::vector<size_t> block;  ///< (link): of its first number in `links`
+    KernelView<double*> self, links;
+    LinkSource source() const;
+    LinkEnds ends;
+  };
+  Coarse coarsen(double tau, const KernelView<double*>& self, const LinkSource& links);
+  /// The modes span what the next level's scaled unknowns stand for; its factors.
+  void set_coarse_scale(const Level& coarse);
+
+  /// y = A^ x
+  void apply(const LevelVector& x, const LevelVector& y) const;
+  /// x += p(A^) r with Chebyshev's polynomial of degree 3 for eigenvalues from 0.1 to 2. `residual` belongs to x
+  /// before, and afterwards to x without `step`, the last change. `other`: scratch.
+  void smooth(const LevelVector& residual, const LevelVector& x, const LevelVector& step, const LevelVector& other,
+              bool starts_at_zero) const;
+  /// x += step
+  void add(const LevelVector& step, const LevelVector& x) const;
+  /// residual -= A^ x
+  void subtract_product(const LevelVector& x, const LevelVector& residual) const;
+  void restrict_to(const LevelVector& fine, const LevelVector& coarse) const;
+  void prolong(const LevelVector& coarse, const LevelVector& fine) const;
+
+  /// Unscaled to scaled right-hand side, L^-1 b; scaled to unscaled solution, L^-T x.
+  void scale_rows(const KernelView<const double*>& b, const LevelVector& scaled) const;
+  void unscale(const LevelVector& scaled, const KernelView<double*>& x) const;
+
+  /// Row-wise access for the direct solver of the coarsest level: (i, j, block of A^, rows x columns column-major).
+  void each_block(const std::function<void(int, int, const double*)>& action) const;
+  const std::vector<int>& first_unknown() const { return unknown_; }
+
+ private:
+  void build_rows();
+  void build_coarse_links();
+  template <int Size, class Finish>
+  void for_each_row(const LevelVector& x, const Finish& finish) const;
+  template <class Finish>
+  void multiply(const LevelVector& x, const Finish& finish) const;
+  std::vector<double> modes_of(int aggregate, double tau, const KernelView<double*>& self, const LinkSource& links,
+                               std::vector<double>& eigenvalues) const;
+
+  int nodes_;
+  LinkEnds ends_;
+  std::vector<int> first_;      ///< (aggregate, and one more)
+  std::vector<int> aggregate_;  ///< (node)
+  std::vector<int> unknown_;    ///< (node, and one more)
+  std::vector<size_t> square_;  ///< (node, and one more): first number of its block
+  // rows
+  std::vector<int> row_;                  ///< (node, and one more): first slot
+  std::vector<std::array<int, 3>> slot_;  ///< link, its end here, node at the other end
+  std::vector<size_t> block_;             ///< (slot): first number of its block in value_
+  KernelView<double*> value_;             ///< blocks of A^ off the diagonal
+  KernelView<double*> inverse_;           ///< L^-1 of the nodes
+  // coarse links
+  LinkEnds coarse_ends_;
+  std::vector<int> crossing_start_, crossing_;  ///< (coarse link, and one more); 2 * link + 1 where it is turned round
+  // modes of aggregates, transposed: (mode, unknown of the aggregate), column-major
+  std::vector<int> mode_;           ///< (aggregate, and one more): first coarse unknown
+  std::vector<size_t> mode_block_;  ///< (aggregate, and one more)
+  KernelView<double*> modes_;
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,237 @@
+// Lattices solved by conjugate gradients with coarse spaces: as many iterations as were measured by an independent
+// program, the solution of the direct solver, the same bits for any number of threads, and refusals.
+#include "nonlinear/multilevel/network_solver.hpp"
+
+#include "kernels/execution/execution_space.hpp"
+#include "tests/support/ranks.hpp"
+#include "tests/support/same_bits.hpp"
+#include "tests/support/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <random>
+
+namespace mixbeam::test {
+namespace network_solver_test {
+
+/// A block of struts on a clamped floor, pushed aside at the top; cell 1, EI = 1.
+struct Block {
+  std::vector<std::array<int, 3>> points, directions;  ///< points on a grid; struts lead along the directions
+  double cell = 1.0;
+  double slenderness = 20.0, displaced = 0.0, removed = 0.0;
+  int floor_direction = 2;
+};
+
+std::vector<std::array<int, 3>> grid(int nx, int ny, int nz) {
+  std::vector<std::array<int, 3>> points;
+  for (int i = 0; i < nx; ++i)
+    for (int j = 0; j < ny; ++j)
+      for (int k = 0; k < nz; ++k) points.push_back({i, j, k});
+  return points;
+}
+
+Block cubic(int size, double slenderness) {
+  return {grid(size, size, size), {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, 1.0, slenderness};
+}
+
+Block body_centred(int size, double slenderness) {
+  Block block{{}, {{1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}}, 1.0 / std::sqrt(3.0), slenderness};
+  for (const auto& [i, j, k] : grid(2 * size, 2 * size, 2 * size))
+    if (i % 2 == j % 2 && j % 2 == k % 2) block.points.push_back({i, j, k});
+  return block;
+}
+
+Block octet(int size, double slenderness) {
+  Block block{{}, {{1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1}, {0, 1, -1}}, std::sqrt(0.5), slenderness};
+  for (const auto& p : grid(2 * size, 2 * size, 2 * size))
+    if ((p[0] + p[1] + p[2]) % 2 == 0) block.points.push_back(p);
+  return block;
+}
+
+Block sheet(int size, double slenderness) {
+  Block block{grid(size, size, 1), {{1, 0, 0}, {0, 1, 0}}, 1.0, slenderness};
+  block.floor_direction = 0;
+  return block;
+}
+
+Scene scene_of(const Block& block) {
+  std::mt19937 random(7);
+  const auto share = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  const double axial = block.slenderness * block.slenderness;
+  Scene scene;
+  scene.name = "lattice";
+  scene.sections = {section(axial, 0.35 * axial, 0.8, 1.0)};
+  std::map<std::array<int, 3>, std::string> name;
+  int top = 0;
+  for (const auto& p : block.points) top = std::max(top, p[block.floor_direction]);
+  for (const auto& p : block.points) {
+    name[p] = "p" + std::to_string(name.size());
+    Vector3 position{};
+    for (int c = 0; c < 3; ++c) position[c] = block.cell * p[c] + block.displaced * (2.0 * share() - 1.0);
+    scene.points.push_back({name[p], position});
+    const int height = p[block.floor_direction];
+    if (height == 0) scene.supports.push_back(clamp(name[p]));
+    if (height == top) scene.point_loads.push_back(dead_load(name[p], {0.01, 0.02, 0.005}));
+  }
+  for (const auto& p : block.points)
+    for (const auto& d : block.directions) {
+      const std::array<int, 3> q = {p[0] + d[0], p[1] + d[1], p[2] + d[2]};
+      // along the first direction nothing is missing, so that nothing falls off
+      if (name.count(q) == 0 || (d != block.directions.back() && share() < block.removed)) continue;
+      scene.members.push_back(line("m" + std::to_string(scene.members.size()), name[p], name[q], 1, 1));
+    }
+  return scene;
+}
+
+/// A scene and its tangent where nothing has moved yet.
+struct Tangents {
+  explicit Tangents(const Scene& scene) : model(scene, this_rank(), options()) {
+    MixedVector residual = model.create_vector();
+    point.emplace(mixed_residual(model, model.reference_state(), 1.0, residual));
+    tangent.emplace(model, *point, cap_for(model, point->scales), TangentKind{true});
+    rows = Teuchos::rcp(new DofVector(tangent->condensed_rows(), Teuchos::Copy));
+  }
+  static ModelOptions options() {
+    ModelOptions options;
+    options.force_stiffness_cap = 1e12;  // the struts as they are
+    return options;
+  }
+  DofVector solution(TangentSolver& solver) const {
+    DofVector x(model.map());
+    solver.factorize(*tangent);
+    EXPECT_LE(solver.solve(*rows, x), 1e-8);
+    return x;
+  }
+  const Model model;
+  std::optional<EvaluationPoint> point;
+  std::optional<Tangent> tangent;
+  Teuchos::RCP<DofVector> rows;
+};
+
+/// A chain solver with the iterative one, which can be asked.
+struct Iterative {
+  explicit Iterative(const Model& model, double reduction = NetworkSolver::kReduction)
+      : chains(model, kSparseSolver, 1e-8, [&](const CondensedSystem& system) {
+          auto solver = std::make_unique<NetworkSolver>(system, 1e-8, model.times(), reduction);
+          network = solver.get();
+          return solver;
+        }) {}
+  NetworkSolver* network = nullptr;
+  ChainSolver chains;
+};
+
+double relative_difference(const DofVector& x, const DofVector& y) {
+  DofVector d(x, Teuchos::Copy);
+  d.update(-1.0, y, 1.0);
+  return d.norm2() / y.norm2();
+}
+
+int iterations(const Block& block) {
+  const Tangents tangents(scene_of(block));
+  Iterative solver(tangents.model);
+  tangents.solution(solver.chains);
+  EXPECT_EQ(solver.network->objection(), "");
+  return solver.network->iterations();
+}
+
+/// Most iterations of an independent program (design notes: 16 to 31 at 8,000 to 20,000 junctions) for two levels.
+constexpr int kMostIterations = 32;
+
+TEST(NetworkSolver, IterationsDoNotGrowWithSlenderness) {
+  for (double slenderness : {5.0, 20.0, 1000.0}) {
+    EXPECT_LE(iterations(cubic(11, slenderness)), kMostIterations) << "cubic " << slenderness;
+    EXPECT_LE(iterations(body_centred(8, slenderness)), kMostIterations) << "body-centred " << slenderness;
+    EXPECT_LE(iterations(octet(7, slenderness)), kMostIterations) << "octet " << slenderness;
+    EXPECT_LE(iterations(sheet(40, slenderness)), kMostIterations) << "sheet " << slenderness;
+    Block irregular = cubic(11, slenderness);
+    irregular.displaced = 0.2;
+    EXPECT_LE(iterations(irregular), kMostIterations) << "displaced " << slenderness;
+    irregular.removed = 0.45;
+    EXPECT_LE(iterations(irregular), kMostIterations) << "30 % removed " << slenderness;
+  }
+}
+
+/// Of the solutions: rounding, 1e-16, times the condition, which is the square of slenderness times that of size.
+constexpr double kAgreement = 1e-9;
+
+TEST(NetworkSolver, SolutionOfTheDirectSolver) {
+  for (const Block& block : {cubic(10, 100.0), sheet(40, 20.0)}) {
+    const Tangents tangents(scene_of(block));
+    Iterative solver(tangents.model, 1e-12);
+    const auto direct = make_direct_tangent_solver(tangents.model, kChains, 1e-8);
+    DofVector x = tangents.solution(solver.chains);
+    const DofVector y = tangents.solution(*direct);
+    EXPECT_LE(relative_difference(x, y), kAgreement);
+    EXPECT_GT(solver.network->iterations(), 3) << "it was iterated";
+    x.scale(1.0 + 2.0 * kAgreement);
+    EXPECT_GT(relative_difference(x, y), kAgreement) << "the comparison sees an error";
+  }
+}
+
+TEST(NetworkSolver, SameBitsForAnyNumberOfThreads) {
+  const int before = number_of_threads();
+  Block block = cubic(11, 20.0);
+  block.displaced = 0.1;
+  const Tangents tangents(scene_of(block));
+  std::vector<DofVector> x;
+  for (int threads : {1, 2, 4}) {
+    set_number_of_threads(threads);
+    Iterative solver(tangents.model);
+    x.push_back(tangents.solution(solver.chains));
+    EXPECT_TRUE(same_bits(MixedVector::view_of(x.front()), MixedVector::view_of(x.back()))) << threads;
+  }
+  set_number_of_threads(before);
+}
+
+TEST(NetworkSolver, LoadsThatTurnAreLeftToFactors) {
+  Scene scene = scene_of(cubic(4, 20.0));
+  scene.point_loads.push_back(
+      follower_load(scene.members.back().end_point, scene.members.back().name, {0.5, 0.0, 0.0}, {0.0, 1.0, 0.5}));
+  const Tangents tangents(scene);
+  Iterative solver(tangents.model);
+  const auto direct = make_direct_tangent_solver(tangents.model, kChains, 1e-8);
+  const DofVector x = tangents.solution(solver.chains);
+  EXPECT_NE(solver.network->objection().find("unsymmetric"), std::string::npos) << solver.network->objection();
+  EXPECT_LE(relative_difference(x, tangents.solution(*direct)), kAgreement);
+}
+
+TEST(NetworkSolver, AStructureBeyondBucklingIsToldUnstable) {
+  Scene scene = scene_of(cubic(4, 20.0));
+  const Tangents at_rest(scene);
+  // shortened by a fifth between floor and ceiling, four times what a strut bears
+  MixedVector motion = at_rest.model.create_vector();
+  const auto vertex = motion.vertex();
+  const Mesh& mesh = at_rest.model.mesh();
+  for (int v = 0; v < mesh.vertices(); ++v) vertex(vertex_row(v, 2)) = -0.2 * mesh.vertex_position[v][2];
+  MixedVector residual = at_rest.model.create_vector();
+  State state = at_rest.model.apply(at_rest.model.reference_state(), motion, 1.0);
+  // the strains that belong to it
+  for (int k = 0; k < 2; ++k) {
+    const EvaluationPoint point = mixed_residual(at_rest.model, state, 1.0, residual);
+    Tangent tangent(at_rest.model, point, cap_for(at_rest.model, point.scales), {true});
+    MixedVector interior = at_rest.model.create_vector();
+    tangent.recover(interior);
+    state = at_rest.model.apply(state, interior, k == 0 ? 1.0 : 0.0);
+  }
+  const EvaluationPoint point = mixed_residual(at_rest.model, state, 1.0, residual);
+  const Tangent tangent(at_rest.model, point, cap_for(at_rest.model, point.scales), {true});
+  Iterative solver(at_rest.model);
+  solver.chains.factorize(tangent);
+  DofVector x(at_rest.model.map());
+  EXPECT_LE(solver.chains.solve(*at_rest.rows, x), 1e-8) << "solved by factors";
+  EXPECT_NE(solver.network->objection(), "");
+}
+
+TEST(NetworkSolver, LargeNetworksAreKnownBySeparators) {
+  const Tangents small(scene_of(cubic(5, 20.0)));
+  EXPECT_FALSE(is_large_network(CondensedSystem(small.model)));
+  EXPECT_FALSE(make_tangent_solver(small.model, kAutomatic, 1e-8)->iterates());
+  EXPECT_TRUE(make_tangent_solver(small.model, kIterative, 1e-8)->iterates());
+  const Tangents thin(scene_of(sheet(50, 20.0)));
+  EXPECT_FALSE(is_large_network(CondensedSystem(thin.model)));
+}
+
+}  // namespace network_solver_test
+}  // namespace mixbeam::test
