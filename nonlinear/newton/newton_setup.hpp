@@ -4,6 +4,7 @@
 #include "discretization/state/resume_point.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 
+#include <NOX_Abstract_Group.H>
 #include <NOX_StatusTest_Generic.H>
 #include <NOX_Utils.H>
 #include <Teuchos_ParameterList.hpp>
