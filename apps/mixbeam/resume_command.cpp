@@ -47,6 +47,18 @@ void say_where(const Application& app, const StoredRun& run) {
               << run.steps().back().load_factor << ".\n";
 }
 
+/// Before MPI starts. Under the lock, because a run that goes on writes the copies of its file in turn: who resumes it
+/// meanwhile hears of that run, not of damage. The lock is taken again for the run itself.
+void require_whole_and_free(const std::filesystem::path& results, std::optional<int> last_step) {
+  std::optional<ResultLock> lock;
+  try {
+    if (std::filesystem::is_regular_file(results) && is_first_process()) lock.emplace(results);
+  } catch (const ResultFileError& error) {
+    throw InputError(error.what());
+  }
+  require_whole(results, last_step);
+}
+
 }  // namespace
 
 int resume_command(const Arguments& arguments) {
@@ -54,7 +66,7 @@ int resume_command(const Arguments& arguments) {
       arguments.count(), arguments.values.data(),
       {"--from", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
-  require_whole(*line.scene_file, line.last_step);
+  require_whole_and_free(*line.scene_file, line.last_step);
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;

@@ -11,4 +11,7 @@ namespace mixbeam {
 /// not started MPI or threads yet; of several ranks the first does it.
 void require_whole(const std::filesystem::path& results, std::optional<int> last_step = {});
 
+/// Whether this is the only process or the first rank, also before MPI starts.
+bool is_first_process();
+
 }  // namespace mixbeam

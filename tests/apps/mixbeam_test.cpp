@@ -1,4 +1,5 @@
 /// The program `mixbeam` as a user runs it: every subcommand, exit codes, Ctrl-C, and what is left when it is killed.
+#include "discretization/results/result_lock.hpp"
 #include "mixbeam_files.hpp"
 
 #include <signal.h>
@@ -355,6 +356,13 @@ TEST_F(Disturbed, DamagedFilesAreRefusedByNameAndGoOnFromAWholeStep) {
     const Ended ended = run({command, file.string()});
     EXPECT_EQ(ended.exit_code, kBadInput) << command << ended.out;
     expect_in(ended.err, {"whole/scene.h5: damaged: bytes ", "; in them /steps/", "--from "});
+  }
+  {  // what a run that goes on rewrites looks damaged as well: who resumes it is told of the run
+    const ResultLock lock(file);
+    const Ended second = run({"resume", file.string()});
+    EXPECT_EQ(second.exit_code, kBadInput) << second.out;
+    expect_in(second.err, {"scene.h5", "process " + std::to_string(getpid()) + " on "});
+    EXPECT_EQ(second.err.find("damaged"), std::string::npos) << second.err;
   }
   const std::string advice = run({"verify", file.string()}).err;
   const std::size_t place = advice.find("--from ") + 7;
