@@ -143,10 +143,12 @@ ListSpec batch_spec() {
       "CSV file, relative to the folder of the scene: its first line names parameters of the scene by their paths "
       "(Sections/steel/EI2, Points/tip[0], Expected/deflection/Value), each further line has their values in one "
       "case."));
-  batch.add(choice("Output", {"followed", "expected"})
-                .by_default(std::string("followed"))
-                .means("What is written of each case: displacement and rotation of the points that are held or loaded "
-                       "and the reactions of supports, or the quantities of the list Expected."));
+  batch.add(
+      choice("Output", {"followed", "expected", "quantities"})
+          .by_default(std::string("followed"))
+          .means(
+              "What is written of each case: displacement and rotation of the points that are held or loaded "
+              "and the reactions of supports, the quantities of the list Expected, or those of the list Quantities."));
   batch.add_list("Vary",
                  ListSpec("A grid: every value of one direction with every value of the others.")
                      .with_named_lists("direction", vary_parameters().spec, 1),
@@ -163,7 +165,9 @@ Batch read_batch(const Teuchos::ParameterList& list, const ParameterSource& sour
     read_grid(list.sublist("Vary"), source, batch);
   else
     read_table(list.get<std::string>("Table"), source, batch);
-  if (list.get<std::string>("Output") == "expected") batch.output = BatchOutput::expected;
+  const auto& output = list.get<std::string>("Output");
+  if (output == "expected") batch.output = BatchOutput::expected;
+  if (output == "quantities") batch.output = BatchOutput::quantities;
   return batch;
 }
 

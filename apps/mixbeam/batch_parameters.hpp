@@ -12,8 +12,9 @@
 namespace mixbeam {
 
 enum class BatchOutput {
-  followed,  ///< motion of the points that are held or loaded, reactions of supports
-  expected   ///< the quantities of the list "Expected"
+  followed,   ///< motion of the points that are held or loaded, reactions of supports
+  expected,   ///< the quantities of the list "Expected"
+  quantities  ///< those of the list "Quantities"
 };
 
 /// A parameter that differs from case to case.

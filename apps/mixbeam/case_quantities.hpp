@@ -21,19 +21,18 @@ class CaseQuantities {
   /// Throws InputError for expected values that do not belong to the end of the path.
   CaseQuantities(const Application& app, BatchOutput output, const std::string& load_case);
 
-  /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values.
+  /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
   std::vector<double> of(const SolvedCases& solved, int part) const;
-  /// The expected values behind the names; empty when points are followed.
+  /// The expected values behind the names; empty when other quantities are written.
   const std::vector<ExpectedValue>& expected() const { return expected_; }
 
  private:
-  double present_value(const SolvedCases& solved, int part, const ExpectedValue& wanted) const;
+  void take_followed(const Application& app);
+  void take_expected(const Application& app, const std::string& load_case);
 
   std::vector<std::string> names_;
-  std::vector<std::string> points_;          ///< followed
-  std::vector<std::string> support_points_;  ///< of each support of the scene
-  std::vector<std::string> member_names_;
+  QuantitySet quantities_;
   std::vector<ExpectedValue> expected_;
 };
 

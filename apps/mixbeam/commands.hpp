@@ -28,7 +28,4 @@ std::string help_text(const std::string& command = "");
 /// What mixbeam accepts in a scene file: lists of the benchmark programs included.
 const ApplicationDefinition& mixbeam_definition();
 
-/// Strain energy of the moment strains, a quantity that the list "Expected" may name.
-inline constexpr const char* kMomentEnergyName = "moment energy";
-
 }  // namespace mixbeam

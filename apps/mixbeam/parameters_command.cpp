@@ -18,7 +18,7 @@ const ApplicationDefinition& mixbeam_definition() {
     own.study = ListSpec("Of the benchmark programs; mixbeam ignores it.").without_checks();
     own.batch = batch_spec();
     own.chooses_meshes = true;
-    own.own_quantities = {kMomentEnergyName};
+    own.answers_quantities = true;
     return own;
   }();
   return definition;

@@ -2,6 +2,7 @@
 
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/mixbeam/text_of.hpp"
+#include "discretization/text/result_names.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,8 @@ double elements_of(const StepRecord& record) {
 
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
+/// Those that somebody has asked for.
+constexpr std::size_t kMostQuantities = 100;
 
 bool ends_with(const std::string& text, const std::string& ending) {
   return text.size() >= ending.size() && text.compare(text.size() - ending.size(), ending.size(), ending) == 0;
@@ -75,7 +78,29 @@ double balance_tolerance(double elements) {
          std::numeric_limits<double>::epsilon() * elements;
 }
 
+RunReport::RunReport(const QuantitySet* quantities, const Scene& scene) : quantities_(quantities) {
+  if (quantities == nullptr || quantities->empty()) return;
+  followed_.resize(quantities->columns().size());
+  for (const Member& member : scene.members) member_names_.push_back(member.name);
+}
+
+void RunReport::follow(int step, double load_factor, const double* values) {
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    Followed& one = followed_[i];
+    one.last = values[i];
+    if (std::abs(values[i]) <= one.size) continue;  // keeps what is not a number
+    if (std::isnan(one.size)) continue;
+    one.size = std::abs(values[i]);
+    one.at_size = values[i];
+    one.step_of_size = step;
+    one.load_factor_of_size = load_factor;
+  }
+}
+
 void RunReport::add(const StepRecord& record) {
+  for (const MonitoredQuantity& quantity : record.monitored)
+    if (!followed_.empty() && quantity.name == kQuantitySeries)
+      follow(record.step, record.load_factor, quantity.components.data());
   const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
   balance_tolerance_ = balance_tolerance(elements_of(record));
   force_error_ = larger(force_error_, record.balance.force_error);
@@ -87,7 +112,10 @@ void RunReport::add(const StepRecord& record) {
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
 }
 
-void RunReport::add_critical_points(const StoredRun& run) {
+void RunReport::add(const StoredRun& run) {
+  for (const MonitoredSeries& series : run.monitor())
+    for (std::size_t i = 0; i < run.steps().size() && series.name == kQuantitySeries; ++i)
+      follow(run.steps()[i].step, run.steps()[i].load_factor, series.values.data() + i * series.columns);
   for (std::size_t i = 0; i < run.steps().size(); ++i)
     for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_rows(point));
 }
@@ -164,6 +192,50 @@ void RunReport::print_errors(std::ostream& out) const {
     out << text_of("    %-34s %9.1e %9.1e\n", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
 }
 
+/// "beam at s = 1.25, behind a vertex" of an extreme along members; empty for others.
+std::string RunReport::place_of(std::size_t column) const {
+  const std::vector<QuantitySet::Column>& columns = quantities_->columns();
+  if (column + 1 >= columns.size() || !columns[column + 1].is_member || std::isnan(followed_[column].last)) return "";
+  const auto member = static_cast<std::size_t>(followed_[column + 1].last);
+  const int side = static_cast<int>(followed_[column + 3].last);
+  return member_names_[member] + text_of(" at s = %.6g", followed_[column + 2].last) +
+         (side == 0  ? ""
+          : side < 0 ? ", before a vertex"
+                     : ", behind a vertex");
+}
+
+void RunReport::print_quantities(std::ostream& out) const {
+  std::size_t lines = 0;
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    const QuantitySet::Column& column = quantities_->columns()[i];
+    if (!column.is_value || ++lines > kMostQuantities) continue;
+    if (lines == 1) out << text_of("  %-30s %18s %18s\n", "quantity", "at the end", "largest size");
+    out << text_of("  %-30.60s %18.10g %18.10g at load factor %.6g", column.name.c_str(), followed_[i].last,
+                   followed_[i].at_size, followed_[i].load_factor_of_size);
+    const std::string place = place_of(i);
+    out << (place.empty() ? "" : "; at the end: " + place) << "\n";
+  }
+  if (lines > kMostQuantities) out << "  ... and " << lines - kMostQuantities << " more in the files\n";
+}
+
+void RunReport::add_quantities(Application& app, const std::string& run) const {
+  for (std::size_t i = 0; i < followed_.size(); ++i) {
+    const QuantitySet::Column& column = quantities_->columns()[i];
+    if (!column.is_value) continue;
+    const Followed& one = followed_[i];
+    FollowedQuantity quantity{run, column.name, one.last, one.at_size, one.load_factor_of_size, one.step_of_size};
+    if (!place_of(i).empty()) {
+      quantity.member = member_names_[static_cast<std::size_t>(followed_[i + 1].last)];
+      quantity.arc_length = followed_[i + 2].last;
+      quantity.side = static_cast<int>(followed_[i + 3].last);
+    }
+    app.summary.quantities.push_back(quantity);
+    if (column.limit)
+      app.summary.check_upper_bound(run + ": size of " + column.name + ", every step", one.size, *column.limit,
+                                    "limit of the scene");
+  }
+}
+
 void RunReport::print(std::ostream& out) const {
   print_buckling(out);
   print_critical_points(out);
@@ -188,6 +260,7 @@ void RunReport::print(std::ostream& out) const {
   print_left_out(out, last_.reactions.size());
   out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
                  last_.moment_energy);
+  print_quantities(out);
   print_errors(out);
   const bool balanced = force_error_ <= balance_tolerance_ && moment_error_ <= balance_tolerance_;
   out << text_of("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",

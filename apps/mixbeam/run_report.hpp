@@ -13,10 +13,14 @@ double balance_tolerance(double elements);
 /// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
 class RunReport {
  public:
+  RunReport() = default;
+  /// `quantities`: of the scene; it must outlive this.
+  RunReport(const QuantitySet* quantities, const Scene& scene);
+
   void add(const StepRecord& record);
 
-  /// Critical points that a run passed before it was stopped, when it is resumed.
-  void add_critical_points(const StoredRun& run);
+  /// What a run passed before it was stopped, when it is resumed: critical points, quantities.
+  void add(const StoredRun& run);
 
   /// Adds the checks of the balance to the summary of the run.
   void check_balance(Application& app, const std::string& run) const;
@@ -27,6 +31,9 @@ class RunReport {
   /// Adds the estimated errors of the last step to the summary of the run.
   void add_errors(Application& app, const std::string& run) const;
 
+  /// Adds the quantities to the summary of the run, and a check for each that has a limit.
+  void add_quantities(Application& app, const std::string& run) const;
+
   /// Displacements of points and reactions of supports in the last step (a few of them), energies, estimated errors,
   /// balance.
   void print(std::ostream& out) const;
@@ -35,7 +42,19 @@ class RunReport {
   void print_buckling(std::ostream& out) const;
   void print_critical_points(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
+  void print_quantities(std::ostream& out) const;
+  void follow(int step, double load_factor, const double* values);
+  std::string place_of(std::size_t column) const;
 
+  /// One number of the list "Quantities" over the steps.
+  struct Followed {
+    double last = 0.0, size = -1.0;  ///< the largest size so far, of `at_size`
+    double at_size = 0.0, load_factor_of_size = 0.0;
+    int step_of_size = 0;
+  };
+  const QuantitySet* quantities_ = nullptr;
+  std::vector<std::string> member_names_{};
+  std::vector<Followed> followed_{};             ///< (column of the set)
   StepRecord last_;                              ///< without its members and rows
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without rows
   std::vector<RecordedBucklingMode> buckling_;   ///< without rows

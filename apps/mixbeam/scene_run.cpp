@@ -23,10 +23,6 @@ std::string counted(int number, const std::string& noun) {
   return std::to_string(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
-void check_expected(Application& app, const Simulation& simulation, const StepReport& step) {
-  app.check_expected(simulation, step, [&](const ExpectedValue&) { return simulation.strain_energy().moment; });
-}
-
 void warn_of_uncertain_forces(Application& app, const std::string& run, Simulation& simulation) {
   const std::optional<UncertainForce> force = simulation.uncertain_force();
   if (!force) return;
@@ -69,22 +65,23 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
                 const WritingOptions& writing, const StoredRun* resume) {
   const Scene scene = scene_of_case(app.scene, load_case);
   app.load_case = load_case;
-  RunReport report;
-  if (resume != nullptr) report.add_critical_points(*resume);
+  RunReport report(&app.quantities, scene);
+  if (resume != nullptr) report.add(*resume);
   Recording recording;
   recording.file = file;
   recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
   recording.properties = {{"load_case", load_case}};
+  if (!app.quantities.empty()) recording.quantities = &app.quantities;
   recording.resume = resume;
   recording.writing = writing;
   recording.stop = [&app] { return interrupt_requested(app.communicator); };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
-    check_expected(app, simulation, step);
+    app.check_expected(simulation, step);
   };
   const std::size_t checks = app.summary.checks().size();
   recording.restart = [&app, &report, checks] {
-    report = {};
+    report = RunReport(&app.quantities, app.scene);
     app.summary.keep_checks(checks);
   };
   std::optional<AccurateRun> accurate;
@@ -98,6 +95,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   report.print(app.out());
   warn_of_uncertain_forces(app, file.stem().string(), simulation);
   report.add_errors(app, file.stem().string());
+  report.add_quantities(app, file.stem().string());
   report.check_balance(app, file.stem().string());
   const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;
   if (!simulation.result().interrupted && !between_meshes) {

@@ -218,7 +218,10 @@ class Run:
     def monitor(self):
         """The monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
         group = self._file.get("monitor", {})
-        return {name: group[name][:] for name in group}
+        series = {name: group[name][:] for name in group}
+        asked = series.pop("quantities", None)
+        names = _text(self._file["quantities"][()]).split("\n") if asked is not None else []
+        return {**series, **{name: asked[:, i] for i, name in enumerate(names) if name}}
 
     def scene_text(self):
         """The input of the run, word for word."""

@@ -115,7 +115,6 @@ constexpr double kPreserved = 1e-12;
 constexpr double kSameConfiguration = 1e-11;
 
 /// Quantity of the list "Expected": energy of the moment strains at the end of the run.
-constexpr const char* kMomentEnergy = "moment energy";
 
 constexpr int kPointsPerElement = 9;
 
@@ -184,7 +183,6 @@ int main(int argc, char** argv) {
   definition.name = "superimposed_rotation";
   definition.purpose = "cantilever bent by a moment, then turned with its clamp (objectivity).";
   definition.study = mixbeam::rotation_study_spec();
-  definition.own_quantities = {mixbeam::kMomentEnergy};
   definition.single = mixbeam::run_rotation;
   definition.run_study = mixbeam::run_rotation_study;
   return mixbeam::run_application(argc, argv, definition);

@@ -27,22 +27,31 @@ struct QuantityKind {
 
 const QuantityKind kOfPoint = {{"Point", "Component"}, kSpatial};
 const QuantityKind kOfSection = {{"Member", "Position", "Component"}, kMaterial};
-const std::map<std::string, QuantityKind> kKinds = {{"displacement", kOfPoint},      {"position", kOfPoint},
-                                                    {"rotation", kOfPoint},          {"reaction force", kOfPoint},
-                                                    {"reaction moment", kOfPoint},   {"material force", kOfSection},
-                                                    {"material moment", kOfSection}, {"strain energy", {{}, {}}},
-                                                    {"load factor", {{}, {}}},       {kStableName, {{}, {}}}};
+const std::map<std::string, QuantityKind> kKinds = {
+    {"displacement", kOfPoint},      {"position", kOfPoint},        {"rotation", kOfPoint},
+    {"reaction force", kOfPoint},    {"reaction moment", kOfPoint}, {"material force", kOfSection},
+    {"material moment", kOfSection}, {"strain energy", {{}, {}}},   {"force energy", {{}, {}}},
+    {"moment energy", {{}, {}}},     {"load factor", {{}, {}}},     {kStableName, {{}, {}}}};
 const std::vector<std::string> kVerdicts = {"true", "false", "neutral", "unknown"};
 
 bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Quantities of an application are its own affair.
-void check_description(const Teuchos::ParameterList& list, const std::string& quantity, const InputPlace& place) {
+void check_quantity(std::vector<std::string> known, const std::vector<std::string>& asked,
+                    const ExpectedValue& expected, const InputPlace& place) {
+  if (expected.is_asked || contains(known, expected.quantity)) return;
+  known.insert(known.end(), asked.begin(), asked.end());
+  throw place["Quantity"].error("value \"" + excerpt(expected.quantity) + "\"; allowed: " + quoted_list(known) +
+                                did_you_mean(expected.quantity, known));
+}
+
+/// Quantities of an application are its own affair, one of the list "Quantities" says all of itself.
+void check_description(const Teuchos::ParameterList& list, const ExpectedValue& expected, const InputPlace& place) {
+  const std::string& quantity = expected.quantity;
   const auto found = kKinds.find(quantity);
-  if (found == kKinds.end()) return;
-  const QuantityKind& kind = found->second;
+  if (found == kKinds.end() && !expected.is_asked) return;
+  const QuantityKind kind = expected.is_asked ? QuantityKind{} : found->second;
   for (const std::string parameter : {"Point", "Member", "Position", "Component"}) {
     const bool needed = contains(kind.needs, parameter);
     if (needed == list.isParameter(parameter)) continue;
@@ -84,7 +93,12 @@ BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_q
   std::vector<std::string> quantities = common_quantities();
   quantities.insert(quantities.end(), own_quantities.begin(), own_quantities.end());
   BoundList<ExpectedValue> one("A value that the run must reproduce.");
-  one.bind(&ExpectedValue::quantity, choice("Quantity", quantities).required(), "What is compared.");
+  one.bind(&ExpectedValue::quantity,
+           choice("Quantity", quantities)
+               .required()
+               .or_other("a name of the list \"Quantities\", with .x, .y, .z or "
+                         ".1, .2, .3 for one component of a vector"),
+           "What is compared.");
   one.bind(&ExpectedValue::point, text("Point"),
            "Name of the point, for a quantity of a point; for a reaction: a supported one.");
   one.bind(&ExpectedValue::member, text("Member"), "Name of the member, for a material force or moment.");
@@ -112,10 +126,12 @@ BoundList<ExpectedValue> parameters_of_one(const std::vector<std::string>& own_q
 }
 
 ExpectedValue read_one(const BoundList<ExpectedValue>& parameters, const Teuchos::ParameterList& list,
-                       const std::string& name, const InputPlace& place) {
+                       const std::string& name, const InputPlace& place, const std::vector<std::string>& asked) {
   ExpectedValue expected = parameters.read(list);
   expected.name = name;
-  check_description(list, expected.quantity, place);
+  expected.is_asked = contains(asked, expected.quantity);
+  check_quantity(parameters.spec.find_parameter("Quantity")->choices, asked, expected, place);
+  check_description(list, expected, place);
   if (expected.critical_point && expected.load_factor)
     throw place["Load Factor"].error(R"(given besides "Critical Point", which has its own; allowed: one of them)");
   if (expected.quantity == kStableName) {
@@ -153,8 +169,8 @@ void check_supported(const ExpectedValue& value, const Scene& scene, const Input
 
 const std::vector<std::string>& common_quantities() {
   static const std::vector<std::string> quantities = {
-      "displacement",   "position",        "rotation",      "reaction force", "reaction moment",
-      "material force", "material moment", "strain energy", "load factor",    kStableName};
+      "displacement",    "position",      "rotation",     "reaction force", "reaction moment", "material force",
+      "material moment", "strain energy", "force energy", "moment energy",  "load factor",     kStableName};
   return quantities;
 }
 
@@ -165,13 +181,13 @@ ListSpec expected_values_spec(const std::vector<std::string>& own_quantities) {
 
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities,
-                                                const ParameterPath& path) {
+                                                const ParameterPath& path, const std::vector<std::string>& asked) {
   validate(list, expected_values_spec(own_quantities), source, path);
   const BoundList<ExpectedValue> parameters = parameters_of_one(own_quantities);
   std::vector<ExpectedValue> expected;
   for (auto entry = list.begin(); entry != list.end(); ++entry) {
     const std::string& name = list.name(entry);
-    expected.push_back(read_one(parameters, list.sublist(name), name, InputPlace(source, path)[name]));
+    expected.push_back(read_one(parameters, list.sublist(name), name, InputPlace(source, path)[name], asked));
   }
   return expected;
 }

@@ -36,6 +36,7 @@ struct ExpectedValue {
   std::optional<int> critical_point{};
   /// Of the quantity "stable": "true", "false", "neutral" or "unknown"; empty: a number is expected.
   std::string word{};
+  bool is_asked = false;  ///< `quantity` is a number of the list "Quantities"
 };
 
 struct ExpectationResult {
@@ -54,10 +55,12 @@ const std::vector<std::string>& common_quantities();
 /// Declaration of the list "Expected"; `own_quantities` are those of the application besides common_quantities().
 ListSpec expected_values_spec(const std::vector<std::string>& own_quantities = {});
 
-/// Validates and reads the list. `path`: where it stands below the root of `source`.
+/// Validates and reads the list. `path`: where it stands below the root of `source`; `asked`: the numbers that the list
+/// "Quantities" names.
 std::vector<ExpectedValue> read_expected_values(Teuchos::ParameterList& list, const ParameterSource& source,
                                                 const std::vector<std::string>& own_quantities = {},
-                                                const ParameterPath& path = {"Expected"});
+                                                const ParameterPath& path = {"Expected"},
+                                                const std::vector<std::string>& asked = {});
 
 /// Throws InputError for a value that no run of the scene could be compared with: a point, member or load case that it
 /// does not have, a reaction where nothing is supported, a load factor beyond the end of its path.

@@ -42,6 +42,7 @@ struct ParameterSpec {
   bool empty_allowed = false;        ///< arrays: no value at all is allowed too
   double shortest = 0.0;             ///< vectors: smallest Euclidean norm, below which there is no direction
   std::vector<std::string> choices;  ///< strings and arrays of strings: the only ones allowed; none given: any
+  std::string other_words;           ///< strings: what else they may say, which somebody else checks
   std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) that may stand in their place
   std::string meaning;               ///< one sentence, with units and frame
 
@@ -60,6 +61,7 @@ struct ParameterSpec {
   ParameterSpec or_one_of(const std::vector<std::string>& allowed) const {
     return with(&ParameterSpec::words, allowed);
   }
+  ParameterSpec or_other(const std::string& what) const { return with(&ParameterSpec::other_words, what); }
   ParameterSpec means(const std::string& sentence) const { return with(&ParameterSpec::meaning, sentence); }
 
  private:

@@ -88,7 +88,8 @@ Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec)
   const std::string seen = "value " + excerpt(to_text(value)), allowed = "; allowed: " + described(spec);
   std::set<std::string> earlier;
   for (const std::string& word : words) {
-    if (!contains(spec.choices, word)) return seen + allowed + did_you_mean(word, spec.choices);
+    if (!contains(spec.choices, word) && spec.other_words.empty())
+      return seen + allowed + did_you_mean(word, spec.choices);
     if (!earlier.insert(word).second) return seen + " says \"" + word + "\" twice" + allowed;
   }
   return "";

@@ -1,9 +1,11 @@
 #include "discretization/results/records.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "discretization/text/result_names.hpp"
 
 #include <algorithm>
 #include <array>
+#include <sstream>
 
 namespace mixbeam {
 
@@ -26,6 +28,11 @@ void write_header(hid_t file, const ResultHeader& header) {
     const auto group = hdf5::create_group(imported, std::to_string(hdf5::count_links(imported)));
     hdf5::write_attribute(group, "name", name);
     hdf5::write_text(group, "text", text);
+  }
+  if (!header.quantities.empty()) {
+    std::string names;
+    for (const std::string& name : header.quantities) names += name + "\n";
+    hdf5::write_text(file, kQuantitySeries, names);
   }
   hdf5::create_group(file, "members");
   hdf5::create_group(file, "steps");
@@ -81,6 +88,10 @@ ResultHeader read_header(hid_t file) {
     const auto group = hdf5::open_group(imported, number);
     header.imported[hdf5::read_text_attribute(group, "name")] = hdf5::read_text(group, "text");
   }
+  const auto links = hdf5::link_names(file);
+  if (std::find(links.begin(), links.end(), kQuantitySeries) == links.end()) return header;
+  std::istringstream names(hdf5::read_text(file, kQuantitySeries));
+  for (std::string name; std::getline(names, name);) header.quantities.push_back(name);
   return header;
 }
 
@@ -140,7 +151,7 @@ void copy_steps(hid_t source, hid_t target, std::size_t steps) {
   write_header(target, read_header(source));
   for (const std::string& name : hdf5::link_names(source)) {
     const bool has_own_way = name == "scene" || name == "version" || name == "properties" || name == "imported" ||
-                             name == "steps" || name == "monitor";
+                             name == "steps" || name == "monitor" || name == kQuantitySeries;
     if (has_own_way) continue;
     if (name == "members") hdf5::remove_link(target, name);  // the empty one
     hdf5::copy_link(source, name, target);

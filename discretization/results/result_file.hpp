@@ -6,6 +6,8 @@
 ///     /scene, /version          the input XML and the program's version, as text
 ///     /imported/0, 1, ...       files that the input names: attribute name, dataset text
 ///     /properties               attributes: compiler, threads, ... as the caller names them
+///     /quantities               names of the columns of /monitor/quantities, one to a line; only where the scene asks
+///                               for quantities
 ///     /members/<name>           attributes index, first_sample, samples, points_per_element, order, elements;
 ///                               arc_length, element, reference_position (.,3)
 ///     /supports/0, 1, ...       attribute point

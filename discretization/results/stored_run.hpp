@@ -17,6 +17,7 @@ struct ResultHeader {
   std::string scene_xml;                          ///< the input, word for word
   std::string version;                            ///< of the program
   std::map<std::string, std::string> properties;  ///< compiler, threads, ranks, ...
+  std::vector<std::string> quantities{};          ///< names of the columns of the series of that name
   std::map<std::string, std::string> imported{};  ///< text of every file that the input names, by that name
 };
 

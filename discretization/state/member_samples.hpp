@@ -78,7 +78,7 @@ struct MonitoredQuantity {
   std::vector<double> components;  ///< size 1 (scalar) or 3 (vector)
 };
 
-/// What a support exerts on the structure; spatial.
+/// What a support, springs included, exerts on the structure. Spatial; the moment is that on the vertex itself.
 struct RecordedReaction {
   std::string point{};
   Vector3 force{}, moment{};

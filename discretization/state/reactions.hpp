@@ -2,17 +2,14 @@
 #pragma once
 
 #include "discretization/assembly/residual.hpp"
+#include "discretization/state/member_samples.hpp"
 
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
-/// What a support, springs included, exerts on the structure. Spatial; the moment is that on the vertex itself.
-struct Reaction {
-  std::string point{};
-  Vector3 force{}, moment{};
-};
+using Reaction = RecordedReaction;
 
 /// Sums over everything that acts from outside; all moments about `center`. Spatial.
 struct Balance {

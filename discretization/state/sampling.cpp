@@ -53,13 +53,6 @@ bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
   return block.vertices(e, 0) < structure.owned_vertices;
 }
 
-bool answers_for(const Structure& structure, int mesh_element) {
-  const int local = structure.mesh_element_to_local[mesh_element];
-  if (local < 0) return false;
-  const ElementBlock& block = structure.block_of(local);
-  return answers_for(structure, block, local - block.first_element);
-}
-
 /// (gamma, kappa) = S (N, M)
 void set_strains(const Matrix6& compliance, PointSample& sample) {
   sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
@@ -80,6 +73,13 @@ void sum_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t
 }
 
 }  // namespace
+
+bool answers_for(const Structure& structure, int mesh_element) {
+  const int local = structure.mesh_element_to_local[mesh_element];
+  if (local < 0) return false;
+  const ElementBlock& block = structure.block_of(local);
+  return answers_for(structure, block, local - block.first_element);
+}
 
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi) {
@@ -121,13 +121,26 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   return sample;
 }
 
-PointSample sample_member(const Model& model, const State& state, int member, double position) {
+namespace {
+
+/// Share of a member within which a place is meant to be a vertex: positions are written with few digits.
+constexpr double kAtVertex = 1e-9;
+
+/// Element of a member that holds a place; at a vertex the one behind it, or the one before it.
+int element_at(const MeshMember& member, double s, bool before_vertex) {
+  const double rounding = kAtVertex * member.curve.length * (before_vertex ? -1.0 : 1.0);
+  const auto& ends = member.vertex_arc_length;
+  return static_cast<int>(std::upper_bound(ends.begin() + 1, ends.end() - 1, s + rounding) - ends.begin()) - 1;
+}
+
+}  // namespace
+
+PointSample sample_member(const Model& model, const State& state, int member, double position, bool before_vertex) {
   const Structure& structure = model.structure();
   const MeshMember& m = model.mesh().members[member];
   const double s = position * m.curve.length;
   const auto& ends = m.vertex_arc_length;
-  const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
-  const int index = static_cast<int>(next - ends.begin()) - 1;
+  const int index = element_at(m, s, before_vertex);
   const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
   const int local = structure.mesh_element_to_local[m.first_element + index];
   PointSample sample{};
@@ -135,6 +148,33 @@ PointSample sample_member(const Model& model, const State& state, int member, do
     sample = sample_element(structure, model.mesh(), state, local, xi);
   sum_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;
+}
+
+double deformed_length(const Model& model, const State& state, int member) {
+  constexpr int kPoints = 16;  // 1e-12 of an element that turns by one radian
+  const Structure& structure = model.structure();
+  const MeshMember& m = model.mesh().members[member];
+  double xi[kPoints], weight[kPoints], mine = 0.0, all = 0.0;
+  gauss_rule(kPoints, xi, weight);
+  for (int e = 0; e < m.elements; ++e) {
+    if (!answers_for(structure, m.first_element + e)) continue;
+    const int local = structure.mesh_element_to_local[m.first_element + e];
+    const ElementBlock& block = structure.block_of(local);
+    const int in_block = local - block.first_element;
+    const double* interior = interior_of(block, state, in_block);
+    const double h = block.reference(in_block, 0);
+    const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(in_block, 0), 0));
+    const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(in_block, 1), 0));
+    for (int q = 0; q < kPoints; ++q) {
+      double P[kMaximumOrder + 1];
+      legendre(block.order, xi[q], P);
+      Vec slope = m.curve.tangent(m.arc_length(e, xi[q])) + (1.0 / h) * (b - a);
+      for (int j = 1; j < block.order; ++j) slope += P[j] * load_vector(interior + block.interior.bubble(j));
+      mine += 0.5 * h * weight[q] * std::sqrt(dot(slope, slope));
+    }
+  }
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 1, &mine, &all);
+  return all;
 }
 
 int smooth_points(int order) {

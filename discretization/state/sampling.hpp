@@ -8,6 +8,9 @@
 
 namespace mixbeam {
 
+/// Whether this rank answers for an element of the mesh: it starts at one of its vertices.
+bool answers_for(const Structure& structure, int mesh_element);
+
 /// Fields at one point of an element.
 struct PointSample {
   double arc_length = 0.0;                                  ///< along the member
@@ -22,8 +25,12 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
                            double xi);
 
 /// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
-/// counts (at the end of the member its last one). Collective.
-PointSample sample_member(const Model& model, const State& state, int member, double position);
+/// counts (at the end of the member its last one), or, `before_vertex`, the one that ends there. Collective.
+PointSample sample_member(const Model& model, const State& state, int member, double position,
+                          bool before_vertex = false);
+
+/// Length of the deformed centerline of a member. Collective.
+double deformed_length(const Model& model, const State& state, int member);
 
 /// Points at which an element of this order is drawn as a smooth curve: two for each degree of its polynomials, and
 /// enough for a kink-free arc where the order is low but the element turns by up to one radian.

@@ -13,6 +13,9 @@ inline const std::vector<std::string> kOwnTimeSeries = {
     "step", "load_factor", "newton_iterations", "residual", "strain_energy", "force_energy", "moment_energy"};
 bool is_own_time_series(const std::string& name);
 
+/// The series of all numbers that the list "Quantities" of a scene asks for; the header of the file names them.
+inline constexpr const char* kQuantitySeries = "quantities";
+
 /// Why this cannot name an entry of a result file (HDF5 takes names for paths), and what is allowed; empty if it can.
 Problem result_name_problem(const std::string& name);
 

@@ -123,7 +123,7 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.state = share_of(model(), state_);
   record.point = report.point;
   record.members = sample_own_elements(scene(), model(), state_, points_per_element);
-  record.reactions = recorded_reactions();
+  record.reactions = reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
@@ -150,7 +150,7 @@ RecordedCriticalPoint Simulation::record(const CriticalPoint& point, int points_
   }
   record.mode = displacement_of_mode(point.mode, points_per_element);
   record.monitored = motions(monitored_points);
-  record.reactions = recorded_reactions();
+  record.reactions = reactions();
   record.state = share_of(model(), state_);
   return record;
 }
@@ -212,12 +212,6 @@ std::vector<MonitoredQuantity> Simulation::motions(const std::vector<std::string
     quantities.push_back({point + ".rotation", {theta[0], theta[1], theta[2]}});
   }
   return quantities;
-}
-
-std::vector<RecordedReaction> Simulation::recorded_reactions() const {
-  std::vector<RecordedReaction> recorded;
-  for (const Reaction& reaction : reactions()) recorded.push_back({reaction.point, reaction.force, reaction.moment});
-  return recorded;
 }
 
 }  // namespace mixbeam

@@ -115,7 +115,7 @@ TEST(ExpectedQuantity, ChangesAlongTheRod) {  // linear for a load this small: m
 
 TEST(ExpectedQuantity, LeavesOthersToTheApplication) {
   const ExpectedQuantities values(rod({0, kPull, 0}, {}));
-  for (const std::string quantity : {"iterations", "moment energy"}) EXPECT_FALSE(values.knows(quantity));
+  EXPECT_FALSE(values.knows("iterations"));
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ const std::vector<Folder>& folders() {
       {"kernels", {"execution", "math", "element", "condensation", "planar", "loops", "chains"}},
       {"discretization",
        {"text", "parameters", "geometry", "scene", "mesh", "checks", "reading", "constraints", "linear_system",
-        "assembly", "state", "results"}},
+        "assembly", "state", "quantities", "results"}},
       {"nonlinear", {"parameters", "linear", "multilevel", "newton", "stability", "diagnosis", "path", "accuracy", "run"}},
       {"apps/common", {"tables", "session", "run", "studies"}}};
   return all;

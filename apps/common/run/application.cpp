@@ -5,6 +5,7 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/session/sleeping_threads.hpp"
+#include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 
@@ -223,6 +224,15 @@ void follow_reactions(const std::vector<std::string>& points, StepRecord& record
     follow_reactions(points, point.reactions, point.monitored);
 }
 
+MonitorTable::Quantities quantity_columns(const QuantitySet* quantities, const Scene& scene) {
+  MonitorTable::Quantities columns;
+  if (quantities == nullptr) return columns;
+  columns.names = quantities->names();
+  for (const QuantitySet::Column& column : quantities->columns()) columns.is_member.push_back(column.is_member);
+  for (const Member& member : scene.members) columns.members.push_back(member.name);
+  return columns;
+}
+
 PathControl control_of(const Recording& recording) {
   PathControl control;
   control.stop = recording.stop;
@@ -241,14 +251,16 @@ class Application::Recorder {
         parameters_(parameters),
         recording_(recording),
         points_(followed_points(scene)) {
-    const ResultHeader header = app.header(scene, recording.properties);
+    ResultHeader header = app.header(scene, recording.properties);
+    if (recording.quantities != nullptr) header.quantities = recording.quantities->names();
     results_ = recording.resume != nullptr
                    ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
                    : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.writing);
     if (app.writes_files()) {
       std::error_code ignored;
       std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-      if (!recording.monitor.empty()) monitor_.emplace(recording.monitor);
+      if (!recording.monitor.empty())
+        monitor_.emplace(recording.monitor, quantity_columns(recording.quantities, scene));
     }
     if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
   }
@@ -266,6 +278,7 @@ class Application::Recorder {
   StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
     StepRecord step = running.record(report, recording_.points_per_element, points_);
     follow_reactions(points_, step);
+    if (recording_.quantities != nullptr) follow_quantities(running, report, step);
     if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     if (estimate != nullptr)
@@ -281,6 +294,15 @@ class Application::Recorder {
   }
 
  private:
+  void follow_quantities(const Simulation& running, const StepReport& report, StepRecord& step) const {
+    step.monitored.push_back({kQuantitySeries, values_of(*recording_.quantities, running, step)});
+    for (std::size_t i = 0; i < step.critical_points.size(); ++i) {
+      const CriticalPoint& point = report.critical_points[i];
+      step.critical_points[i].monitored.push_back(
+          {kQuantitySeries, values_of(*recording_.quantities, running.at(point.state, point.load_factor))});
+    }
+  }
+
   /// It belongs to rank 0, where it may fail: then no rank goes on.
   void for_monitor(const std::function<void()>& action) const {
     const std::string problem = first_problem(*communicator_, [&] {
@@ -370,29 +392,40 @@ ResultHeader Application::header(const Scene& solved, const std::map<std::string
   return result;
 }
 
-void Application::compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity) {
-  if (!value.word.empty()) {
+void Application::compare(const Simulation& simulation, const std::function<bool(const ExpectedValue&)>& is_due,
+                          const OwnQuantity& own_quantity) {
+  std::vector<ExpectedValue> due;
+  for (const ExpectedValue& value : expected) {
+    if (value.load_case != load_case || !is_due(value)) continue;
+    if (value.word.empty()) {
+      due.push_back(value);
+      continue;
+    }
     compared_.insert(value.name);
     summary.check_word(value.name, simulation.stability().stable, value.word, value.source);
-    return;
   }
-  std::optional<double> actual = present_value(simulation, value);
-  if (!actual && own_quantity) actual = own_quantity(value);
-  if (!actual) return;
-  compared_.insert(value.name);
-  if (value.kind == ToleranceKind::absolute)
-    summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
-  else
-    summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+  if (due.empty()) return;
+  const std::vector<std::optional<double>> present = present_values(simulation, due, quantities);
+  for (std::size_t i = 0; i < due.size(); ++i) {
+    const ExpectedValue& value = due[i];
+    std::optional<double> actual = present[i];
+    if (!actual && own_quantity) actual = own_quantity(value);
+    if (!actual) continue;
+    compared_.insert(value.name);
+    if (value.kind == ToleranceKind::absolute)
+      summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
+    else
+      summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+  }
 }
 
 void Application::check_expected(const Simulation& simulation, double load_factor, const OwnQuantity& own_quantity) {
   const bool is_end = simulation.is_end_of_path(load_factor);
-  for (const ExpectedValue& value : expected) {
-    if (value.load_case != load_case || value.critical_point) continue;
-    if (value.load_factor ? std::abs(*value.load_factor - load_factor) <= kWrittenLoadFactor : is_end)
-      compare(simulation, value, own_quantity);
-  }
+  const auto is_due = [&](const ExpectedValue& value) {
+    if (value.critical_point) return false;
+    return value.load_factor ? std::abs(*value.load_factor - load_factor) <= kWrittenLoadFactor : is_end;
+  };
+  compare(simulation, is_due, own_quantity);
 }
 
 void Application::check_expected(const Simulation& simulation, const StepReport& report,
@@ -400,9 +433,8 @@ void Application::check_expected(const Simulation& simulation, const StepReport&
   int number = report.point.critical_points - static_cast<int>(report.critical_points.size());
   for (const CriticalPoint& point : report.critical_points) {
     critical_points_[load_case] = ++number;
-    for (const ExpectedValue& value : expected)
-      if (value.load_case == load_case && value.critical_point == number)
-        compare(simulation.at(point.state, point.load_factor), value, {});
+    const auto is_due = [number](const ExpectedValue& value) { return value.critical_point == number; };
+    compare(simulation.at(point.state, point.load_factor), is_due, {});
   }
   check_expected(simulation, report.load_factor, own_quantity);
 }

@@ -5,6 +5,7 @@
 #include "apps/common/run/summary.hpp"
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/xml_reader.hpp"
+#include "discretization/quantities/quantity_set.hpp"
 #include "discretization/results/result_file.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 
@@ -32,9 +33,10 @@ struct Recording {
   std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
   RunObserver observer{};
   std::function<void(const StepRecord& record)> record_observer{};
-  std::function<bool()> stop{};       ///< see PathControl
-  std::function<void()> restart{};    ///< what was observed so far does not count: another mesh follows
-  const StoredRun* resume = nullptr;  ///< goes on behind its last step, in its file
+  std::function<bool()> stop{};             ///< see PathControl
+  std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
+  const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
+  const StoredRun* resume = nullptr;        ///< goes on behind its last step, in its file
   WritingOptions writing{};
 };
 
@@ -47,6 +49,7 @@ class Application {
   Scene scene;  ///< as the XML file gives it; a study changes copies of it
   SolverParameters solver;
   std::vector<ExpectedValue> expected;
+  QuantitySet quantities{};      ///< of the scene; empty: none are asked for
   std::string load_case{};       ///< of the scene that is being solved; expected values of other cases wait
   std::filesystem::path output;  ///< existing folder
   bool quiet = false;            ///< no progress lines
@@ -120,7 +123,8 @@ class Application {
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
                             const std::filesystem::path& results) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
-  void compare(const Simulation& simulation, const ExpectedValue& value, const OwnQuantity& own_quantity);
+  void compare(const Simulation& simulation, const std::function<bool(const ExpectedValue&)>& is_due,
+               const OwnQuantity& own_quantity);
 
   std::set<std::string> compared_;              ///< names of expected values
   std::map<std::string, int> critical_points_;  ///< by load case
@@ -132,6 +136,7 @@ struct ApplicationDefinition {
   ListSpec study;                           ///< declaration of the list "Study"
   std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list
   bool chooses_meshes = false;              ///< takes "Accuracy" of the list "Scene"
+  bool answers_quantities = false;          ///< takes the list "Quantities"
   std::vector<std::string> own_quantities;  ///< of the list "Expected", besides those of points
   std::function<void(Application&)>
       single;  ///< empty: run the scene, record it to single.h5, check the expected values

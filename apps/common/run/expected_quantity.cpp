@@ -1,44 +1,53 @@
 #include "apps/common/run/expected_quantity.hpp"
 
-#include <cmath>
-#include <stdexcept>
+#include <algorithm>
 
 namespace mixbeam {
 
-double component_of(const Vector3& v, const std::string& name) {
-  if (name == "norm") return std::hypot(v[0], v[1], v[2]);
-  if (name == "x" || name == "1") return v[0];
-  return v[name == "y" || name == "2" ? 1 : 2];
+std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation) {
+  if (quantities.empty()) return {};
+  const std::vector<Reaction> reactions = simulation.reactions();
+  return quantities.values({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
+                            simulation.strain_energy(), simulation.stability().negative});
 }
 
-namespace {
-
-Vector3 to_array(const Vec3<double>& v) { return {v[0], v[1], v[2]}; }
-
-Reaction reaction_at(const Simulation& simulation, const std::string& point) {
-  for (const Reaction& reaction : simulation.reactions())
-    if (reaction.point == point) return reaction;
-  throw std::invalid_argument("no support at point \"" + point + "\"");
+std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record) {
+  if (quantities.empty()) return {};
+  return quantities.values({simulation.model(), simulation.state(), record.load_factor, record.reactions,
+                            StrainEnergy{record.force_energy, record.moment_energy}, record.stability.negative,
+                            &record.members});
 }
 
-}  // namespace
+std::vector<std::optional<double>> present_values(const Simulation& simulation,
+                                                  const std::vector<ExpectedValue>& wanted, const QuantitySet& asked) {
+  std::vector<Quantity> quantities;
+  bool is_any_asked = false;
+  const auto is_common = [](const ExpectedValue& value) {
+    const std::vector<std::string>& common = common_quantities();
+    return !value.is_asked && std::find(common.begin(), common.end(), value.quantity) != common.end();
+  };
+  for (const ExpectedValue& value : wanted) {
+    is_any_asked = is_any_asked || value.is_asked;
+    if (is_common(value)) quantities.push_back(quantity_of(value));
+  }
+  const ParameterSource source;
+  const std::vector<double> common =
+      values_of(QuantitySet(quantities, simulation.scene(), {source, {"Expected"}}), simulation);
+  const std::vector<std::string> names = asked.names();
+  const std::vector<double> numbers = is_any_asked ? values_of(asked, simulation) : std::vector<double>{};
+  std::vector<std::optional<double>> values;
+  std::size_t next = 0;
+  for (const ExpectedValue& value : wanted) {
+    std::optional<double>& found = values.emplace_back();
+    if (is_common(value)) found = common[next++];
+    if (value.is_asked)
+      found = numbers[static_cast<std::size_t>(std::find(names.begin(), names.end(), value.quantity) - names.begin())];
+  }
+  return values;
+}
 
 std::optional<double> present_value(const Simulation& simulation, const ExpectedValue& wanted) {
-  const std::string& quantity = wanted.quantity;
-  if (quantity == "displacement") return component_of(simulation.displacement(wanted.point), wanted.component);
-  if (quantity == "position") return component_of(simulation.position(wanted.point), wanted.component);
-  if (quantity == "rotation") return component_of(simulation.rotation(wanted.point), wanted.component);
-  if (quantity == "reaction force") return component_of(reaction_at(simulation, wanted.point).force, wanted.component);
-  if (quantity == "reaction moment")
-    return component_of(reaction_at(simulation, wanted.point).moment, wanted.component);
-  if (quantity == "material force")
-    return component_of(to_array(simulation.sample(wanted.member, wanted.position).force), wanted.component);
-  if (quantity == "material moment")
-    return component_of(to_array(simulation.sample(wanted.member, wanted.position).moment), wanted.component);
-  if (quantity == "load factor") return simulation.load_factor();
-  if (quantity != "strain energy") return std::nullopt;
-  const StrainEnergy energy = simulation.strain_energy();
-  return energy.force + energy.moment;
+  return present_values(simulation, {wanted}).front();
 }
 
 }  // namespace mixbeam

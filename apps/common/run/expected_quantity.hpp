@@ -1,17 +1,25 @@
-/// Evaluation of what a list "Expected" asks for.
+/// Evaluation of quantities in the present state of a simulation.
 #pragma once
 
-#include "discretization/checks/expected_values.hpp"
+#include "discretization/quantities/quantity_set.hpp"
 #include "nonlinear/run/simulation.hpp"
 
 #include <optional>
+#include <vector>
 
 namespace mixbeam {
 
-/// Component of a vector by the names of the list "Expected".
-double component_of(const Vector3& vector, const std::string& name);
+/// Every number of a set that was made for the scene of the simulation. Collective.
+std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation);
 
-/// The present value of one of common_quantities(); none for a quantity of the application's own. Collective.
+/// The same in a state that is being recorded: what the record knows is not computed again. Collective.
+std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record);
+
+/// What the checks compare; none for a quantity of the application's own. `asked`: the list "Quantities" of the scene.
+/// Collective.
+std::vector<std::optional<double>> present_values(const Simulation& simulation,
+                                                  const std::vector<ExpectedValue>& wanted,
+                                                  const QuantitySet& asked = {});
 std::optional<double> present_value(const Simulation& simulation, const ExpectedValue& wanted);
 
 }  // namespace mixbeam

@@ -38,7 +38,7 @@ void MonitorTable::add(const StepRecord& record) {
 void MonitorTable::write(const Row& row, const std::string& stable) {
   std::vector<std::string> names = kOwnTimeSeries;  // the others follow in alphabetical order
   for (const auto& [name, values] : row)
-    if (!is_own_time_series(name)) names.push_back(name);
+    if (!is_own_time_series(name) && name != kQuantitySeries) names.push_back(name);
   std::vector<std::string> columns;
   std::vector<CsvCell> cells;
   for (const std::string& name : names) {
@@ -48,10 +48,19 @@ void MonitorTable::write(const Row& row, const std::string& stable) {
       cells.emplace_back(values[i]);
     }
   }
+  for (std::size_t i = 0; i < quantities_.names.size(); ++i) {
+    columns.push_back(quantities_.names[i]);
+    cells.push_back(quantity_cell(i, row.at(kQuantitySeries).at(i)));
+  }
   columns.emplace_back("stable");
   cells.emplace_back(stable);
   if (!table_) table_.emplace(path_, columns);
   table_->add_row(cells);
+}
+
+CsvCell MonitorTable::quantity_cell(std::size_t column, double value) const {
+  const bool is_member = quantities_.is_member[column] && value >= 0.0;
+  return is_member ? CsvCell(quantities_.members.at(static_cast<std::size_t>(value))) : CsvCell(value);
 }
 
 }  // namespace mixbeam

@@ -12,8 +12,16 @@ namespace mixbeam {
 
 class MonitorTable {
  public:
+  /// The columns of the series kQuantitySeries; where they are indices of members, the names are written.
+  struct Quantities {
+    std::vector<std::string> names{};
+    std::vector<bool> is_member{};
+    std::vector<std::string> members{};
+  };
+
   /// Replaces a file of that name as soon as there is a row.
-  explicit MonitorTable(std::filesystem::path path) : path_(std::move(path)) {}
+  MonitorTable(std::filesystem::path path, Quantities quantities)
+      : path_(std::move(path)), quantities_(std::move(quantities)) {}
 
   /// A row for every step that a result file holds.
   void add(const StoredRun& run);
@@ -28,7 +36,10 @@ class MonitorTable {
   using Row = std::map<std::string, std::vector<double>>;
   void write(const Row& row, const std::string& stable);
 
+  CsvCell quantity_cell(std::size_t column, double value) const;
+
   std::filesystem::path path_;
+  Quantities quantities_;
   std::optional<CsvTable> table_;
 };
 

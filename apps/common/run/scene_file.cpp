@@ -5,7 +5,9 @@
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 
@@ -13,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <thread>
 
 namespace mixbeam {
@@ -21,6 +24,7 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
   ListSpec root("Scene file of " + definition.name +
                 ". [Name] is a ParameterList, Name: a Parameter; <name> stands for names of your own.");
   root.add_list("Scene", scene_spec(), Presence::required);
+  if (definition.answers_quantities) root.add_list("Quantities", quantities_spec(), Presence::optional);
   root.add_list("Expected", expected_values_spec(definition.own_quantities), Presence::defaulted);
   root.add_list("Analysis", analysis_spec(), Presence::defaulted);
   root.add_list("Solver", solver_spec(), Presence::defaulted);
@@ -46,6 +50,24 @@ void check_critical_points_are_found(const Application& app) {
 
 }  // namespace
 
+namespace {
+
+void read_quantities_of(Application& app) {
+  const ParameterPath path = {"Quantities"};
+  const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
+  app.quantities = QuantitySet(quantities, app.scene, {app.xml.source, path});
+  std::set<std::string> taken(kOwnTimeSeries.begin(), kOwnTimeSeries.end());
+  for (const char* kind : {".displacement", ".rotation", ".reaction_force", ".reaction_moment"})
+    for (const std::string& point : followed_points(app.scene)) taken.insert(point + kind);
+  for (const QuantitySet::Column& column : app.quantities.columns())
+    if (!taken.insert(column.name).second)
+      throw app.xml.source.error(child(path, quantities[column.quantity].name),
+                                 "\"" + excerpt(column.name) + "\" is the name of something else that is followed; " +
+                                     "allowed: names that differ");
+}
+
+}  // namespace
+
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
   for (const std::string& text : validate(*app.xml.list, root_spec(definition), app.xml.source)) {
@@ -61,7 +83,9 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
                                "in scenes for mixbeam run");
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
-  app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities);
+  if (app.xml.list->isSublist("Quantities")) read_quantities_of(app);
+  app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities,
+                                      {"Expected"}, app.quantities.names());
   check_expected_values(app.expected, app.scene, app.xml.source);
   check_critical_points_are_found(app);
 }

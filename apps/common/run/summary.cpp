@@ -93,6 +93,20 @@ nlohmann::ordered_json json_end(const EndOfRun& end) {
   return json;
 }
 
+nlohmann::ordered_json json_quantity(const FollowedQuantity& quantity) {
+  nlohmann::ordered_json json = {{"run", quantity.run},
+                                 {"name", quantity.name},
+                                 {"value", json_number(quantity.value)},
+                                 {"at_largest_size", json_number(quantity.at_largest_size)},
+                                 {"load_factor_of_largest_size", json_number(quantity.load_factor_of_largest_size)},
+                                 {"step_of_largest_size", quantity.step_of_largest_size}};
+  if (quantity.member.empty()) return json;
+  json["member"] = quantity.member;
+  json["arc_length"] = json_number(quantity.arc_length);
+  json["side"] = quantity.side;
+  return json;
+}
+
 std::string check_line(const CheckedQuantity& quantity) {
   const bool digits = quantity.comparison == Comparison::printed_digits;
   std::string line = quantity.pass ? "  pass  " : "  FAIL  ";
@@ -237,6 +251,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
   for (const auto& end : ends) json["ends"].push_back(json_end(end));
   if (!stable_cases.empty()) json["stable_cases"] = stable_cases;
   if (!warnings.empty()) json["warnings"] = warnings;
+  for (const auto& quantity : quantities) json["quantities"].push_back(json_quantity(quantity));
   if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
   for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));
   if (!chosen_meshes.empty()) json["chosen_meshes"] = nlohmann::ordered_json::array();

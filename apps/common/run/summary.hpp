@@ -73,6 +73,17 @@ struct ChosenMesh {
   std::vector<Round> rounds;     ///< meshes on the way
 };
 
+/// A quantity that the scene asks for, over the completed steps of a run.
+struct FollowedQuantity {
+  std::string run, name;
+  double value = 0.0;  ///< at the end
+  double at_largest_size = 0.0, load_factor_of_largest_size = 0.0;
+  int step_of_largest_size = 0;
+  std::string member{};     ///< where an extreme along members is, at the end; empty for others
+  double arc_length = 0.0;  ///< [length]
+  int side = 0;             ///< -1, 1: before, behind a vertex
+};
+
 /// Whether the last state of a run is stable: "true", "false", "neutral" or "unknown".
 struct EndOfRun {
   std::string run;  ///< which of several runs
@@ -97,6 +108,7 @@ class Summary {
   std::vector<std::string> warnings;  ///< what should be known of the results
   std::string unchecked;              ///< why nothing is checked, where it is not for want of expected values
   std::vector<EndOfRun> ends;
+  std::vector<FollowedQuantity> quantities;
   std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;
   std::vector<ChosenMesh> chosen_meshes;

@@ -1,0 +1,255 @@
+#include "discretization/quantities/member_extreme.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+/// A peak between two samples rises above the larger of them by an eighth of the second difference where the field is a
+/// parabola. So much more is allowed for before an element is left out of the search.
+constexpr double kPeakOverSecondDifference = 2.0;
+
+/// Second differences below this share of the values are rounding: the samples are the extremes then.
+constexpr double kFlat = 1e-13;
+
+/// Steps of the search in an element, each of which narrows its interval by the golden ratio: to 1e-9 of the element,
+/// whose square is what a smooth peak loses.
+constexpr int kGoldenSteps = 42;
+constexpr double kGolden = 0.61803398874989484820;
+
+PointSample sample_in(const MemberSamples& member, std::size_t i) {
+  using vector_algebra::to_vec3;
+  PointSample sample;
+  sample.arc_length = member.arc_length[i];
+  sample.reference_position = to_vec3(member.reference_position[i]);
+  sample.position = to_vec3(member.position[i]);
+  sample.displacement = to_vec3(member.displacement[i]);
+  const TriadQuaternion& q = member.triad[i];
+  sample.triad = Quaternion<double>{q[0], q[1], q[2], q[3]};
+  sample.force = to_vec3(member.material_force[i]);
+  sample.moment = to_vec3(member.material_moment[i]);
+  sample.force_strain = to_vec3(member.force_strain[i]);
+  sample.moment_strain = to_vec3(member.moment_strain[i]);
+  return sample;
+}
+
+/// Samples of one element: those of a record, from `first` on, or taken here.
+struct ElementSamples {
+  const MemberSamples* record = nullptr;
+  std::size_t first = 0;
+  std::vector<PointSample> points{};
+  bool has_points = false;  ///< whether `points` are those of this element
+
+  void build() {
+    for (std::size_t i = 0; i < points.size() && !has_points; ++i) points[i] = sample_in(*record, first + i);
+    has_points = true;
+  }
+};
+
+class Search {
+ public:
+  Search(const Model& model, const State& state, const FieldAlongMember& field)
+      : model_(model), state_(state), field_(field) {}
+
+  /// `samples`: equidistant ones along an element, both ends included.
+  void look_at(int member, int element, ElementSamples& samples) {
+    values_.resize(samples.points.size());
+    if (samples.record != nullptr && field_.recorded != nullptr) {
+      const Vector3* const vectors = (samples.record->*field_.recorded).data() + samples.first;
+      for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = field_.sign * vectors[i][field_.component];
+    } else {
+      samples.build();
+      for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = field_.at(samples.points[i], member);
+    }
+    look_at_values(member, element);
+  }
+
+  MemberExtreme result() {
+    std::stable_sort(candidates_.begin(), candidates_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
+    for (const Candidate& candidate : candidates_)
+      if (candidate.bound > best_.value) refine(candidate);
+    return best_;
+  }
+
+ private:
+  struct Candidate {
+    int member = 0, element = 0;  ///< element within the member
+    double bound = 0.0;           ///< no value in it is larger
+  };
+
+  /// Keeps the best sample, and the element where its peaks may be higher.
+  void look_at_values(int member, int element) {
+    const std::size_t points = values_.size();
+    double highest = -HUGE_VAL, second = 0.0, size = 0.0;
+    for (std::size_t i = 0; i < points; ++i) {
+      if (std::isnan(values_[i])) return take(values_[i], member, element, 0.0);
+      highest = std::max(highest, values_[i]);
+      size = std::max(size, std::abs(values_[i]));
+      if (i > 0 && i + 1 < points)
+        second = std::max(second, std::abs(values_[i - 1] - 2.0 * values_[i] + values_[i + 1]));
+    }
+    for (std::size_t i = 0; i < points; ++i)
+      take(values_[i], member, element, -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1));
+    if (second <= kFlat * size) return;
+    const double bound = highest + kPeakOverSecondDifference * second;
+    if (bound > best_.value) candidates_.push_back({member, element, bound});
+  }
+
+  void take(double value, int member, int element, double xi) {
+    const bool is_first = best_.member < 0;
+    if (!is_first && !(value > best_.value) && !std::isnan(value)) return;
+    if (std::isnan(best_.value) && !is_first) return;
+    const MeshMember& mesh = model_.mesh().members[member];
+    best_ = {value, member, mesh.arc_length(element, xi), xi <= -1.0 ? 1 : (xi >= 1.0 ? -1 : 0)};
+  }
+
+  double at(const Candidate& place, double xi) const {
+    const int element = model_.mesh().members[place.member].first_element + place.element;
+    const int local = model_.structure().mesh_element_to_local[element];
+    return field_.at(sample_element(model_.structure(), model_.mesh(), state_, local, xi), place.member);
+  }
+
+  /// Every peak among samples twice as dense as the coarse ones, to the last digits.
+  void refine(const Candidate& place) {
+    const int order = model_.scene().members[place.member].order;
+    const int points = 2 * smooth_points(order) - 1;
+    std::vector<double> xi(points), value(points);
+    for (int i = 0; i < points; ++i) {
+      xi[i] = -1.0 + 2.0 * i / (points - 1);
+      value[i] = at(place, xi[i]);
+    }
+    for (int i = 0; i < points; ++i) {
+      const bool left = i == 0 || value[i] >= value[i - 1], right = i + 1 == points || value[i] >= value[i + 1];
+      if (left && right) climb(place, xi[std::max(0, i - 1)], xi[std::min(points - 1, i + 1)]);
+    }
+  }
+
+  /// Golden section: the field has one peak between the two.
+  void climb(const Candidate& place, double low, double high) {
+    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+    double at_a = at(place, a), at_b = at(place, b);
+    for (int step = 0; step < kGoldenSteps; ++step) {
+      if (at_a >= at_b) {
+        high = b;
+        b = a;
+        at_b = at_a;
+        at_a = at(place, a = high - kGolden * (high - low));
+      } else {
+        low = a;
+        a = b;
+        at_a = at_b;
+        at_b = at(place, b = low + kGolden * (high - low));
+      }
+    }
+    take(at_a, place.member, place.element, a);
+    take(at_b, place.member, place.element, b);
+  }
+
+  const Model& model_;
+  const State& state_;
+  const FieldAlongMember& field_;
+  MemberExtreme best_{-HUGE_VAL};
+  std::vector<double> values_;
+  std::vector<Candidate> candidates_;
+};
+
+/// The best of all ranks; of equal ones the first along the scene.
+MemberExtreme best_of_ranks(const Teuchos::Comm<int>& comm, const MemberExtreme& mine) {
+  if (comm.getSize() == 1) return mine;
+  const std::array<double, 4> own = {mine.value, static_cast<double>(mine.member), mine.arc_length,
+                                     static_cast<double>(mine.side)};
+  std::vector<double> all(4 * static_cast<std::size_t>(comm.getSize()));
+  Teuchos::gatherAll(comm, 4, own.data(), static_cast<int>(all.size()), all.data());
+  MemberExtreme best;
+  for (std::size_t i = 0; i < all.size(); i += 4) {
+    const MemberExtreme other{all[i], static_cast<int>(all[i + 1]), all[i + 2], static_cast<int>(all[i + 3])};
+    if (other.member < 0) continue;
+    const bool is_first = std::make_pair(other.member, other.arc_length) < std::make_pair(best.member, best.arc_length);
+    const bool is_better = best.member < 0 || other.value > best.value || std::isnan(other.value);
+    if (is_better || (other.value == best.value && is_first)) best = other;
+  }
+  return best;
+}
+
+/// Hands the samples of every element of some members to whoever asks for them.
+class ElementWalk {
+ public:
+  ElementWalk(const Model& model, const State& state, const std::vector<MemberSamples>* samples)
+      : model_(model), state_(state), samples_(samples) {}
+
+  template <class Action>
+  void operator()(int member, const Action& action) {
+    const std::size_t m = static_cast<std::size_t>(member);
+    const int points = smooth_points(model_.scene().members[m].order);
+    const bool is_sampled = samples_ != nullptr && (*samples_)[m].points_per_element >= points;
+    is_sampled ? walk_record((*samples_)[m], action) : walk_elements(model_.mesh().members[m], points, action);
+  }
+
+ private:
+  template <class Action>
+  void walk_record(const MemberSamples& record, const Action& action) {
+    const std::size_t points = static_cast<std::size_t>(record.points_per_element);
+    element_.record = &record;
+    element_.points.resize(points);
+    for (element_.first = 0; element_.first + points <= record.size(); element_.first += points) {
+      element_.has_points = false;
+      action(record.element[element_.first], element_);
+    }
+  }
+  template <class Action>
+  void walk_elements(const MeshMember& member, int points, const Action& action) {
+    element_.record = nullptr;
+    element_.points.resize(static_cast<std::size_t>(points));
+    for (int e = 0; e < member.elements; ++e) {
+      const int element = member.first_element + e;
+      if (!answers_for(model_.structure(), element)) continue;
+      const int local = model_.structure().mesh_element_to_local[element];
+      for (int i = 0; i < points; ++i)
+        element_.points[static_cast<std::size_t>(i)] =
+            sample_element(model_.structure(), model_.mesh(), state_, local, -1.0 + 2.0 * i / (points - 1));
+      element_.has_points = true;
+      action(e, element_);
+    }
+  }
+
+  const Model& model_;
+  const State& state_;
+  const std::vector<MemberSamples>* samples_;
+  ElementSamples element_{};
+};
+
+}  // namespace
+
+std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
+                                                 const std::vector<ExtremeRequest>& requests,
+                                                 const std::vector<MemberSamples>* samples) {
+  std::vector<Search> searches;
+  std::map<int, std::vector<std::size_t>> of_member;  // in the order of the scene
+  for (const ExtremeRequest& request : requests) {
+    for (const int member : request.members) of_member[member].push_back(searches.size());
+    searches.emplace_back(model, state, request.field);
+  }
+  ElementWalk walk(model, state, samples);
+  for (const auto& [member, wanted] : of_member)
+    walk(member, [&, m = member, &interested = wanted](int element, ElementSamples& points) {
+      for (const std::size_t i : interested) searches[i].look_at(m, element, points);
+    });
+  std::vector<MemberExtreme> extremes;
+  for (Search& search : searches) {
+    extremes.push_back(best_of_ranks(*model.map()->getComm(), search.result()));
+    if (extremes.back().member < 0) extremes.back().value = std::numeric_limits<double>::quiet_NaN();
+  }
+  return extremes;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,40 @@
+/// Largest values of a field along members: of the polynomials of the elements, not of their samples.
+#pragma once
+
+#include "discretization/state/sampling.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace mixbeam {
+
+/// A number made of the fields at one point of a member (index in the scene of the model). Where it is the component of
+/// a field that records hold, times a sign, that is read from them.
+struct FieldAlongMember {
+  std::function<double(const PointSample& sample, int member)> at{};
+  std::vector<Vector3> MemberSamples::*recorded = nullptr;
+  std::size_t component = 0;
+  double sign = 1.0;
+};
+
+struct MemberExtreme {
+  double value = 0.0;       ///< NaN where no member was asked for, or the field is no number somewhere
+  int member = -1;          ///< where: the first of equal ones
+  double arc_length = 0.0;  ///< along that member [length]
+  int side = 0;             ///< -1: at the end of an element, 1: at its start, 0: inside
+};
+
+/// What is looked for, and along which members (indices in the scene of the model).
+struct ExtremeRequest {
+  std::vector<int> members{};
+  FieldAlongMember field{};
+};
+
+/// The largest value of each field along its members, to rounding where the field is as smooth as the polynomials of
+/// its elements. `samples`: of all members of this rank as in a record, which spares taking them; null: there are none.
+/// Collective.
+std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
+                                                 const std::vector<ExtremeRequest>& requests,
+                                                 const std::vector<MemberSamples>* samples = nullptr);
+
+}  // namespace mixbeam

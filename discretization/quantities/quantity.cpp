@@ -1,0 +1,146 @@
+#include "discretization/quantities/quantity.hpp"
+
+#include "discretization/parameters/binding.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/result_names.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+const Form kAtPoint{{"Point"}, {"Component", "Take", "Side", "Limit"}};
+const Form kAtPlaceOfMember{{"Member", "Position"}, {"Side", "Component", "Take", "Limit"}};
+const Form kOfWholeMember{{"Member", "Take", "Component"}, {"Limit"}};
+const Form kOfReaction{{"Point"}, {"Component", "Take", "Limit"}};
+const Form kPlain{{}, {"Limit"}};
+
+std::map<std::string, std::vector<Form>> forms_of_kinds() {
+  std::map<std::string, std::vector<Form>> forms = {
+      {"reaction force", {kOfReaction}},
+      {"reaction moment", {kOfReaction}},
+      {"distance", {{{"Point", "Other Point"}, {"Limit"}}}},
+      {"angle", {{{"Point", "Other Point", "Corner"}, {"Limit"}}}},
+      {"length", {{{"Member"}, {"Take", "Limit"}}}},
+      {"formula", {{{"Formula"}, {"Limit"}}}},
+      {"triad", {{{"Point"}, {"Component", "Side"}}, {{"Member", "Position"}, {"Component", "Side"}}}}};
+  for (const char* kind :
+       {"displacement", "position", "rotation", "material force", "material moment", "material strain",
+        "material curvature", "spatial force", "spatial moment", "spatial strain", "spatial curvature"})
+    forms[kind] = {kAtPoint, kAtPlaceOfMember, kOfWholeMember};
+  for (const char* kind : {"strain energy", "force energy", "moment energy", "load factor", "negative eigenvalues"})
+    forms[kind] = {kPlain};
+  return forms;
+}
+
+BoundList<Quantity> declared_quantity_parameters() {
+  BoundList<Quantity> one("A number, or a vector, that is followed over the steps.");
+  const auto forms = forms_of_kinds();
+  std::vector<std::string> kinds;
+  for (const auto& [kind, allowed] : forms) kinds.push_back(kind);
+  one.bind(
+      &Quantity::kind, choice("Quantity", kinds).required(),
+      "What it is. Material components refer to the axes of the section, spatial ones to the global axes; a strain "
+      "is axial and shear strain, a curvature twist and bending, without those of the undeformed member; an angle "
+      "is that at Corner between Point and Other Point [radian]; length is that of the deformed member.");
+  one.bind(&Quantity::point, text("Point"),
+           "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its "
+           "length), or a pattern with *: each place that fits, or what Take says. Of a reaction: supported points.");
+  one.bind(&Quantity::other_point, text("Other Point"), "distance, angle: the second place.");
+  one.bind(&Quantity::corner, text("Corner"), "angle: the place where its two sides meet.");
+  one.bind(&Quantity::member, text("Member"),
+           "Name of a member, or a pattern with *; without Position all of it, of which Take says what.");
+  one.bind(&Quantity::position, real("Position").at_least(0.0).at_most(1.0),
+           "Where along the member: arc length from its start over its length.");
+  one.bind(&Quantity::before_vertex, text("Side").by_default(),
+           "At a vertex between two elements: the value of the element behind it, or of the one before it.",
+           {{"after", false}, {"before", true}});
+  one.bind(&Quantity::component, choice("Component", {"x", "y", "z", "1", "2", "3", "norm", "g1", "g2", "g3"}),
+           "x, y, z in global axes; 1 (along), 2, 3 in the axes of the section; norm; g1, g2, g3 of a triad; all of "
+           "them if absent.");
+  one.bind(&Quantity::take, text("Take").by_default(),
+           "What is taken of several places, or along members: each, their sum (of moments: without the moments of "
+           "forces about each other), the largest, the smallest, or the one of largest size with its sign.",
+           {{"each", Take::each},
+            {"sum", Take::sum},
+            {"largest", Take::largest},
+            {"smallest", Take::smallest},
+            {"largest size", Take::largest_size}});
+  one.bind(&Quantity::formula, text("Formula"),
+           "Of quantities above it: NAME, NAME_x, NAME_1, ..., with _ in place of what is no letter or digit.");
+  one.bind(&Quantity::limit, real("Limit").at_least(0.0),
+           "Largest absolute value that is allowed in any completed step; beyond it the run ends with exit code 1.");
+  one.spec.with_forms("Quantity", forms);
+  return one;
+}
+
+const BoundList<Quantity>& quantity_parameters() {
+  static const BoundList<Quantity> parameters = declared_quantity_parameters();
+  return parameters;
+}
+
+bool is_material(const std::string& kind) { return kind.rfind("material ", 0) == 0; }
+
+void check_component(const Quantity& quantity, const InputPlace& place) {
+  if (quantity.component.empty()) return;
+  std::vector<std::string> allowed = {"x", "y", "z", "norm"};
+  if (is_material(quantity.kind)) allowed = {"1", "2", "3", "norm"};
+  if (quantity.kind == "triad") allowed = {"g1", "g2", "g3"};
+  if (std::find(allowed.begin(), allowed.end(), quantity.component) != allowed.end()) return;
+  throw place["Component"].error("value \"" + quantity.component + "\" of the quantity \"" + quantity.kind +
+                                 "\"; allowed: " + quoted_list(allowed));
+}
+
+/// Largest and smallest are those of numbers, and a whole member has no single value.
+void check_take(const Quantity& quantity, const InputPlace& place) {
+  const bool is_extreme = quantity.take != Take::each && quantity.take != Take::sum;
+  const bool is_vector = quantity.component.empty() && quantity.kind != "length";
+  if (is_extreme && is_vector)
+    throw place["Component"].error(
+        "missing; needed for the largest or smallest of a vector: \"x\", \"y\", \"z\", or "
+        "\"1\", \"2\", \"3\", or \"norm\"");
+  const bool is_whole_member = quantity.point.empty() && !quantity.position && quantity.kind != "length";
+  if (!quantity.member.empty() && is_whole_member && !is_extreme)
+    throw place["Take"].error(
+        "along a whole member; allowed without \"Position\": \"largest\", \"smallest\", \"largest size\"");
+}
+
+}  // namespace
+
+ListSpec quantities_spec() {
+  return ListSpec("What is asked of a run: in every completed step, in monitor, result file, summary and report.")
+      .with_named_lists("quantity", quantity_parameters().spec);
+}
+
+std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
+                                      const ParameterPath& path) {
+  validate(list, quantities_spec(), source, path);
+  std::vector<Quantity> quantities;
+  for (auto entry = list.begin(); entry != list.end(); ++entry) {
+    const InputPlace place = InputPlace(source, path)[list.name(entry)];
+    Quantity quantity = quantity_parameters().read(list.sublist(list.name(entry)));
+    quantity.name = list.name(entry);
+    if (const Problem problem = result_name_problem(quantity.name); !problem.empty())
+      throw place.error("name " + problem);
+    check_component(quantity, place);
+    check_take(quantity, place);
+    quantities.push_back(quantity);
+  }
+  return quantities;
+}
+
+Quantity quantity_of(const ExpectedValue& expected) {
+  Quantity quantity;
+  quantity.name = expected.name;
+  quantity.kind = expected.quantity;
+  quantity.point = expected.point;
+  quantity.member = expected.member;
+  if (!expected.member.empty()) quantity.position = expected.position;
+  quantity.component = expected.component;
+  return quantity;
+}
+
+}  // namespace mixbeam

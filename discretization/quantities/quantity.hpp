@@ -1,0 +1,52 @@
+/// What a user asks of a run: numbers by name, in every completed step, for tables, files, summaries, checks and
+/// limits.
+#pragma once
+
+#include "discretization/checks/expected_values.hpp"
+#include "discretization/parameters/input_place.hpp"
+#include "discretization/parameters/spec.hpp"
+#include "discretization/scene/scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// What is made of several places, or of all of a member.
+enum class Take {
+  each,         ///< one number (or vector) for each place
+  sum,          ///< over the places
+  largest,      ///< over the places, or along whole members
+  smallest,     ///< likewise
+  largest_size  ///< likewise: the one of largest absolute value, with its sign
+};
+
+/// One entry of the list "Quantities", as it was written.
+struct Quantity {
+  std::string name{};
+  std::string kind{};   ///< "displacement", "material moment", ...
+  std::string point{};  ///< a point, MEMBER@s, MEMBER@p%, or a pattern of either
+  std::string other_point{}, corner{};
+  std::string member{};              ///< a member or a pattern
+  std::optional<double> position{};  ///< arc length over length, 0 to 1
+  bool before_vertex = false;        ///< of the two elements that meet at a vertex, the one that ends there
+  std::string component{};           ///< empty: all
+  Take take = Take::each;
+  std::string formula{};
+  std::optional<double> limit{};  ///< largest absolute value allowed in any completed step
+};
+
+/// Declaration of the list "Quantities".
+ListSpec quantities_spec();
+
+/// Reads the list; whether points and members exist is the affair of QuantitySet. Throws InputError.
+std::vector<Quantity> read_quantities(Teuchos::ParameterList& list, const ParameterSource& source,
+                                      const ParameterPath& path = {"Quantities"});
+
+/// The quantity that a check of common_quantities() compares.
+Quantity quantity_of(const ExpectedValue& expected);
+
+}  // namespace mixbeam

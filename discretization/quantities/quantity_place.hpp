@@ -1,0 +1,45 @@
+/// Where a quantity is taken: what the words of a user stand for in a scene.
+#pragma once
+
+#include "discretization/parameters/input_place.hpp"
+#include "discretization/scene/names.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A point, or a place along a member.
+struct QuantityPlace {
+  std::string label{};    ///< as the user would write it: "tip", "rod@50%"
+  std::string point{};    ///< name; empty: a place along a member
+  int member = -1;        ///< in the scene
+  double position = 0.0;  ///< arc length over length of the member
+};
+
+class QuantityPlaces {
+ public:
+  /// The scene must outlive it.
+  explicit QuantityPlaces(const Scene& scene);
+
+  /// What `text` (a point, MEMBER@s, MEMBER@p%, or a pattern of either) stands for. Throws InputError at `place`.
+  std::vector<QuantityPlace> places(const std::string& text, const InputPlace& place) const;
+  /// Those of places() on a member, for what belongs to a section: a point must have one member only.
+  std::vector<QuantityPlace> places_in_members(const std::string& text, const InputPlace& place) const;
+  /// Members that a name or pattern stands for.
+  std::vector<int> members(const std::string& text, const InputPlace& place) const;
+  /// Supported points that a name or pattern stands for.
+  std::vector<QuantityPlace> supported(const std::string& text, const InputPlace& place) const;
+  /// The place `position` (arc length over length) of a member.
+  QuantityPlace at(int member, double position) const;
+
+ private:
+  std::vector<QuantityPlace> along_members(const std::string& text, const InputPlace& place) const;
+  double length_of(const Member& member) const;
+
+  const Scene& scene_;
+  SceneNames names_;
+  std::vector<std::string> points_{};  ///< that members touch
+};
+
+}  // namespace mixbeam

@@ -1,0 +1,351 @@
+#include "discretization/quantities/quantity_set.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/quantities/member_extreme.hpp"
+#include "discretization/quantities/quantity_place.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+using vector_algebra::to_array;
+
+/// A scalar stands in the first entry, a vector in the first three; a triad is g1, g2, g3.
+using Numbers = std::array<double, 9>;
+constexpr int kNorm = -1;  ///< in place of the index of a number
+
+/// What a kind of quantity is at one place of a member; null for kinds that are none along members.
+using Field = Vector3 (*)(const PointSample&, const MeshMember&);
+
+Vector3 turned(const PointSample& sample, const Vec3<double>& v) { return to_array(rotation_matrix(sample.triad) * v); }
+
+const std::map<std::string, Field>& fields() {
+  using S = PointSample;
+  using M = MeshMember;
+  static const std::map<std::string, Field> table = {
+      {"displacement", [](const S& s, const M&) { return to_array(s.displacement); }},
+      {"position", [](const S& s, const M&) { return to_array(s.position); }},
+      {"rotation",
+       [](const S& s, const M& m) {
+         return to_array(log_quaternion(s.triad * conjugate(m.curve.triad(s.arc_length))));
+       }},
+      {"material force", [](const S& s, const M&) { return to_array(s.force); }},
+      {"material moment", [](const S& s, const M&) { return to_array(s.moment); }},
+      {"material strain", [](const S& s, const M&) { return to_array(s.force_strain); }},
+      {"material curvature", [](const S& s, const M&) { return to_array(s.moment_strain); }},
+      {"spatial force", [](const S& s, const M&) { return turned(s, s.force); }},
+      {"spatial moment", [](const S& s, const M&) { return turned(s, s.moment); }},
+      {"spatial strain", [](const S& s, const M&) { return turned(s, s.force_strain); }},
+      {"spatial curvature", [](const S& s, const M&) { return turned(s, s.moment_strain); }}};
+  return table;
+}
+
+bool is_motion(const std::string& kind) {
+  return kind == "displacement" || kind == "position" || kind == "rotation" || kind == "triad";
+}
+bool is_reaction(const std::string& kind) { return kind == "reaction force" || kind == "reaction moment"; }
+
+/// Which of Numbers a quantity asks for.
+std::vector<int> numbers_of(const Quantity& quantity) {
+  static const std::map<std::string, std::vector<int>> of_component = {
+      {"x", {0}}, {"y", {1}},        {"z", {2}},        {"1", {0}},        {"2", {1}},
+      {"3", {2}}, {"norm", {kNorm}}, {"g1", {0, 1, 2}}, {"g2", {3, 4, 5}}, {"g3", {6, 7, 8}}};
+  if (!quantity.component.empty()) return of_component.at(quantity.component);
+  if (quantity.kind == "triad") return {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  if (is_reaction(quantity.kind) || fields().count(quantity.kind) > 0) return {0, 1, 2};
+  return {0};
+}
+
+/// Behind the name of the quantity, of each of numbers_of().
+std::vector<std::string> endings_of(const Quantity& quantity) {
+  const std::size_t count = numbers_of(quantity).size();
+  if (count == 1) return {""};
+  if (count == 9) return {".g1.x", ".g1.y", ".g1.z", ".g2.x", ".g2.y", ".g2.z", ".g3.x", ".g3.y", ".g3.z"};
+  if (quantity.kind.rfind("material ", 0) == 0) return {".1", ".2", ".3"};
+  return {".x", ".y", ".z"};
+}
+
+double picked(const Numbers& numbers, int which) {
+  return which == kNorm ? std::hypot(numbers[0], numbers[1], numbers[2]) : numbers[static_cast<std::size_t>(which)];
+}
+
+Numbers numbers_from(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+Numbers numbers_from(const Mat3<double>& axes) {
+  Numbers numbers{};
+  for (int g = 0; g < 3; ++g)
+    for (int i = 0; i < 3; ++i) numbers[static_cast<std::size_t>(3 * g + i)] = axes(i, g);
+  return numbers;
+}
+
+bool is_better(Take take, double value, double than) {
+  if (take == Take::largest) return value > than;
+  if (take == Take::smallest) return value < than;
+  return std::abs(value) > std::abs(than);
+}
+
+/// "tip load (2)" -> "tip_load__2_"
+std::string identifier(std::string name) {
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  return !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0 ? "_" + name : name;
+}
+
+}  // namespace
+
+/// A quantity of which every name has been found.
+struct QuantitySet::Resolved {
+  Quantity asked{};
+  std::vector<QuantityPlace> places{};
+  std::vector<QuantityPlace> others{}, corners{};    ///< of distance and angle: one each
+  std::vector<std::vector<std::size_t>> supports{};  ///< of each place, for reactions
+  std::vector<int> members{};                        ///< of extremes along whole ones
+  std::vector<int> numbers{};
+  Field field = nullptr;
+  Expression formula{};
+
+  bool is_along_members() const { return !members.empty(); }
+  bool is_of_whole() const { return places.empty() || !others.empty(); }  ///< or of two and three places together
+  Numbers at(std::size_t place, const QuantityState& at) const;
+  Numbers at_place(const QuantityPlace& place, const QuantityState& at) const;
+  Numbers whole(const QuantityState& at) const;
+  Numbers taken(const QuantityState& at) const;
+  MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
+};
+
+QuantitySet::QuantitySet() : resolved_(std::make_shared<std::vector<Resolved>>()) {}
+
+QuantitySet::QuantitySet(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place)
+    : QuantitySet() {
+  for (std::size_t i = 0; i < quantities.size(); ++i) {
+    if (quantities[i].kind == "formula")
+      add_formula(quantities[i], i, place[quantities[i].name]);
+    else
+      resolve(quantities[i], i, scene, place[quantities[i].name]);
+  }
+}
+
+std::vector<std::string> QuantitySet::names() const {
+  std::vector<std::string> all;
+  for (const Column& column : columns_) all.push_back(column.name);
+  return all;
+}
+
+/// Finds the places and members that a quantity names.
+void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, const InputPlace& place, Resolved& one) {
+  const QuantityPlaces found(scene);
+  const bool is_of_two = !quantity.other_point.empty();
+  if (is_reaction(quantity.kind)) {
+    one.places = found.supported(quantity.point, place["Point"]);
+    for (const QuantityPlace& point : one.places) {
+      one.supports.emplace_back();
+      for (std::size_t i = 0; i < scene.supports.size(); ++i)
+        if (scene.supports[i].point == point.point) one.supports.back().push_back(i);
+    }
+  } else if (!quantity.point.empty()) {
+    const bool is_of_section = !is_motion(quantity.kind) && !is_of_two;
+    one.places = is_of_section ? found.places_in_members(quantity.point, place["Point"])
+                               : found.places(quantity.point, place["Point"]);
+  }
+  if (is_of_two) one.others = found.places(quantity.other_point, place["Other Point"]);
+  if (!quantity.corner.empty()) one.corners = found.places(quantity.corner, place["Corner"]);
+  for (const auto& [places, parameter] :
+       {std::make_pair(&one.places, "Point"), std::make_pair(&one.others, "Other Point"),
+        std::make_pair(&one.corners, "Corner")})
+    if (is_of_two && places->size() > 1)
+      throw place[parameter].error("stands for several places; allowed for the quantity \"" + quantity.kind +
+                                   "\": one");
+  if (quantity.member.empty()) return;
+  for (const int member : found.members(quantity.member, place["Member"])) {
+    if (quantity.kind == "length")
+      one.places.push_back({scene.members[static_cast<std::size_t>(member)].name, "", member});
+    else if (quantity.position)
+      one.places.push_back(found.at(member, *quantity.position));
+    else
+      one.members.push_back(member);
+  }
+}
+
+void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const InputPlace& place) {
+  Resolved one;
+  one.asked = quantity;
+  one.numbers = numbers_of(quantity);
+  if (const auto field = fields().find(quantity.kind); field != fields().end()) one.field = field->second;
+  find_places(quantity, scene, place, one);
+  if (quantity.take != Take::each || one.is_of_whole())
+    add_columns(quantity, index, "");
+  else
+    for (const QuantityPlace& p : one.places)
+      add_columns(quantity, index, one.places.size() == 1 ? "" : "[" + p.label + "]");
+  if (one.is_along_members())
+    for (const char* ending : {".member", ".arc_length", ".side"})
+      columns_.push_back({quantity.name + ending, index, false, std::string(ending) == ".member", {}});
+  resolved_->push_back(std::move(one));
+}
+
+void QuantitySet::add_columns(const Quantity& quantity, std::size_t index, const std::string& place) {
+  for (const std::string& ending : endings_of(quantity))
+    columns_.push_back({quantity.name + place + ending, index, true, false, quantity.limit});
+}
+
+void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place) {
+  std::vector<std::string> variables;
+  for (const Column& column : columns_) {
+    variables.push_back(identifier(column.name));
+    if (std::count(variables.begin(), variables.end(), variables.back()) > 1)
+      throw place.error("two quantities above it would both be " + variables.back() +
+                        " in a formula; allowed: names that differ in letters and digits");
+  }
+  Resolved one;
+  one.asked = quantity;
+  one.numbers = {0};
+  one.formula = checked_formula(quantity.formula, variables, place["Formula"]);
+  add_columns(quantity, index, "");
+  resolved_->push_back(std::move(one));
+}
+
+Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const QuantityState& at) const {
+  if (place.point.empty()) {
+    const int member = at.first_member + place.member;
+    const PointSample sample = sample_member(at.model, at.state, member, place.position, asked.before_vertex);
+    if (field != nullptr) return numbers_from(field(sample, at.model.mesh().members[member]));
+    return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
+                                 : numbers_from(to_array(sample.position));
+  }
+  const int vertex = vertex_of(at.model.mesh(), at.prefix_of_points + place.point);
+  const std::array<double, 6> motion = vertex_motion(at.model, at.state, vertex);
+  if (asked.kind == "displacement") return {motion[0], motion[1], motion[2]};
+  if (asked.kind == "rotation") return {motion[3], motion[4], motion[5]};
+  if (asked.kind == "triad")
+    return numbers_from(rotation_matrix(exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})));
+  const Vector3& reference = at.model.mesh().vertex_position[vertex];
+  return {reference[0] + motion[0], reference[1] + motion[1], reference[2] + motion[2]};
+}
+
+Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) const {
+  if (asked.kind == "length") return {deformed_length(at.model, at.state, at.first_member + places[place].member)};
+  if (!is_reaction(asked.kind)) return at_place(places[place], at);
+  Numbers sum{};
+  for (const std::size_t support : supports[place]) {
+    const RecordedReaction& reaction = at.reactions[at.first_support + support];
+    const Vector3& v = asked.kind == "reaction force" ? reaction.force : reaction.moment;
+    for (int i = 0; i < 3; ++i) sum[i] += v[i];
+  }
+  return sum;
+}
+
+/// Of kinds that have no place, or two or three.
+Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
+  if (asked.kind == "strain energy") return {at.energy.force + at.energy.moment};
+  if (asked.kind == "force energy") return {at.energy.force};
+  if (asked.kind == "moment energy") return {at.energy.moment};
+  if (asked.kind == "load factor") return {at.load_factor};
+  if (asked.kind == "negative eigenvalues")
+    return {at.negative < 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(at.negative)};
+  const auto position = [&](const QuantityPlace& place) {
+    const Numbers p = at_place(place, at);
+    return Vector3{p[0], p[1], p[2]};
+  };
+  using namespace vector_algebra;
+  if (asked.kind == "distance") return {norm(difference(position(others[0]), position(places[0])))};
+  const Vector3 corner = position(corners[0]);
+  const Vector3 a = difference(position(places[0]), corner), b = difference(position(others[0]), corner);
+  return {std::atan2(norm(cross(a, b)), dot(a, b))};
+}
+
+namespace {
+
+/// Fields that stand in the samples of a record as they are asked for.
+const std::map<std::string, std::vector<Vector3> MemberSamples::*> kRecordedFields = {
+    {"displacement", &MemberSamples::displacement},     {"position", &MemberSamples::position},
+    {"material force", &MemberSamples::material_force}, {"material moment", &MemberSamples::material_moment},
+    {"material strain", &MemberSamples::force_strain},  {"material curvature", &MemberSamples::moment_strain}};
+
+/// One search for each extreme along members, two for the one of largest size.
+void ask_for_extremes(const QuantityState& at, const Quantity& quantity, const std::vector<int>& members, Field field,
+                      int number, std::vector<ExtremeRequest>& requests) {
+  ExtremeRequest request;
+  for (const int member : members) request.members.push_back(at.first_member + member);
+  const auto field_times = [&mesh = at.model.mesh(), &quantity, field, number](double sign) {
+    FieldAlongMember along;
+    along.at = [&mesh, field, number, sign](const PointSample& sample, int member) {
+      return sign * picked(numbers_from(field(sample, mesh.members[member])), number);
+    };
+    const auto recorded = kRecordedFields.find(quantity.kind);
+    if (number == kNorm || recorded == kRecordedFields.end()) return along;
+    along.recorded = recorded->second;
+    along.component = static_cast<std::size_t>(number);
+    along.sign = sign;
+    return along;
+  };
+  if (quantity.take != Take::smallest) requests.push_back({request.members, field_times(1.0)});
+  if (quantity.take != Take::largest) requests.push_back({request.members, field_times(-1.0)});
+}
+
+}  // namespace
+
+/// Of several places, what is taken of them.
+Numbers QuantitySet::Resolved::taken(const QuantityState& state) const {
+  Numbers total = at(0, state);
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Numbers next = at(i, state);
+    if (asked.take == Take::sum)
+      for (std::size_t j = 0; j < total.size(); ++j) total[j] += next[j];
+    else if (is_better(asked.take, picked(next, numbers[0]), picked(total, numbers[0])))
+      total = next;
+  }
+  return total;
+}
+
+/// Takes the answers to ask_for_extremes().
+MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
+                                             std::vector<MemberExtreme>::const_iterator& found) const {
+  MemberExtreme best = *found++;
+  if (asked.take == Take::smallest) best.value = -best.value;
+  if (asked.take == Take::largest_size) {
+    const MemberExtreme lowest = *found++;
+    if (lowest.value > best.value) best = {-lowest.value, lowest.member, lowest.arc_length, lowest.side};
+  }
+  best.member -= at.first_member;
+  return best;
+}
+
+std::vector<double> QuantitySet::values(const QuantityState& at) const {
+  std::vector<ExtremeRequest> requests;
+  for (const Resolved& one : *resolved_)
+    if (one.is_along_members()) ask_for_extremes(at, one.asked, one.members, one.field, one.numbers[0], requests);
+  std::vector<MemberExtreme> extremes;
+  if (!requests.empty()) extremes = largest_along_members(at.model, at.state, requests, at.samples);
+  auto found = extremes.cbegin();
+  std::vector<double> values;
+  values.reserve(columns_.size());
+  const auto add = [&values](const Resolved& one, const Numbers& numbers) {
+    for (const int which : one.numbers) values.push_back(picked(numbers, which));
+  };
+  for (const Resolved& one : *resolved_) {
+    if (one.asked.kind == "formula") {
+      values.push_back(one.formula(values));
+    } else if (one.is_along_members()) {
+      const MemberExtreme best = one.extreme(at, found);
+      values.insert(values.end(),
+                    {best.value, static_cast<double>(best.member), best.arc_length, static_cast<double>(best.side)});
+    } else if (one.is_of_whole()) {
+      add(one, one.whole(at));
+    } else if (one.asked.take == Take::each) {
+      for (std::size_t i = 0; i < one.places.size(); ++i) add(one, one.at(i, at));
+    } else {
+      add(one, one.taken(at));
+    }
+  }
+  return values;
+}
+
+}  // namespace mixbeam

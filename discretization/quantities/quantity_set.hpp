@@ -1,0 +1,64 @@
+/// Quantities of a scene, ready to be evaluated in any of its states.
+#pragma once
+
+#include "discretization/quantities/quantity.hpp"
+#include "discretization/state/sampling.hpp"
+#include "discretization/text/expression.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A state, and what is known of it already.
+struct QuantityState {
+  const Model& model;
+  const State& state;
+  double load_factor = 0.0;
+  const std::vector<RecordedReaction>& reactions;  ///< of the model's supports, in their order
+  StrainEnergy energy{};
+  int negative = -1;  ///< eigenvalues below zero; -1: not counted
+  /// Samples of all members of this rank, which spare extremes a search; null: there are none.
+  const std::vector<MemberSamples>* samples = nullptr;
+  /// Where the scene of the set begins in a model of several scenes side by side (merged_scene.hpp).
+  int first_member = 0;
+  std::size_t first_support = 0;
+  std::string prefix_of_points{};
+};
+
+class QuantitySet {
+ public:
+  QuantitySet();
+  /// Throws InputError for names that the scene does not have, at the entry in `place`, the list of quantities.
+  QuantitySet(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place);
+
+  /// One number each, in the order of the list: NAME; NAME.x, .y, .z or NAME.1, .2, .3 of a vector; NAME[PLACE] of each
+  /// place that fits a pattern; besides an extreme along members NAME.member (index in the scene), NAME.arc_length and
+  /// NAME.side (-1, 1: of the element before, behind a vertex; 0: inside an element).
+  struct Column {
+    std::string name;
+    std::size_t quantity = 0;  ///< in the list
+    bool is_value = true;      ///< false: tells where an extreme is
+    bool is_member = false;    ///< index of a member
+    std::optional<double> limit{};
+  };
+  const std::vector<Column>& columns() const { return columns_; }
+  std::vector<std::string> names() const;
+  bool empty() const { return columns_.empty(); }
+
+  /// Of every column. Collective.
+  std::vector<double> values(const QuantityState& at) const;
+
+ private:
+  struct Resolved;
+  void resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const InputPlace& place);
+  static void find_places(const Quantity& quantity, const Scene& scene, const InputPlace& place, Resolved& one);
+  void add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place);
+  void add_columns(const Quantity& quantity, std::size_t index, const std::string& place);
+
+  std::vector<Column> columns_;
+  std::shared_ptr<std::vector<Resolved>> resolved_;
+};
+
+}  // namespace mixbeam
