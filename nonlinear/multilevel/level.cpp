@@ -6,16 +6,11 @@
 #include <atomic>
 #include <numeric>
 
-extern "C" {
-void dsyevx_(const char*, const char*, const char*, const int*, double*, const int*, const double*, const double*,
-             const int*, const int*, const double*, int*, double*, double*, const int*, double*, const int*, int*, int*,
-             int*);
-}
-
 namespace mixbeam {
 
 namespace {
 
+using multilevel::for_each, multilevel::numbers;
 using LevelRange = Kokkos::RangePolicy<ExecutionSpace>;
 
 constexpr int kFine = 6;          ///< unknowns of a node of the finest level
@@ -23,19 +18,6 @@ constexpr double kLargest = 2.0;  ///< eigenvalue of A^: a link, being positive,
 constexpr double kRatio = 20.0;   ///< of the largest to the least eigenvalue that the smoother damps
 constexpr int kMostModes = 1024;  ///< of a node
 constexpr int kDegree = 3;        ///< of the smoother
-/// Absolute, of eigenvalues in modes: against those of slender struts, 1e-6 and more.
-constexpr double kEigenvalueError = 1e-10;
-
-KernelView<double*> numbers(size_t count) {
-  return KernelView<double*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), count);
-}
-
-/// Runs an action for each index on threads; the first exception of the lowest thread comes out.
-template <class Action>
-void for_each(int count, const Action& action) {
-  Kokkos::parallel_for(
-      "mixbeam::multilevel", LevelRange(0, count), KOKKOS_LAMBDA(int i) { action(i); });
-}
 
 }  // namespace
 
@@ -85,12 +67,12 @@ void Level::build_coarse_links() {
 void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links) {
   unknown_ = std::move(unknown);
   for (int v = 0; v < nodes_; ++v)
-    if (unknown_[v + 1] - unknown_[v] > kMostModes)
+    if (unknowns_of(v) > kMostModes)
       throw std::runtime_error("an aggregate of the network has more than " + std::to_string(kMostModes) +
                                " soft modes");
   square_.assign(nodes_ + 1, 0);
   for (int v = 0; v < nodes_; ++v) {
-    const size_t m = unknown_[v + 1] - unknown_[v];
+    const size_t m = unknowns_of(v);
     square_[v + 1] = square_[v] + m * m;
   }
   block_.resize(slot_.size() + 1);
@@ -103,190 +85,45 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
     }
   if (inverse_.extent(0) != square_.back()) inverse_ = numbers(square_.back());
   if (value_.extent(0) != block_.back()) value_ = {}, value_ = numbers(block_.back());
+  scale(self, links);
+}
+
+LinkBlocks Level::link_of(int node, int slot, const LinkSource& links, std::vector<double>& room) const {
+  const auto& [link, end, other] = slot_[slot];
+  room.resize(multilevel::room_of_link(unknowns_of(node), unknowns_of(other)));
+  return links(link, room.data()).seen_from(end);
+}
+
+void Level::add_own(int node, const LinkBlocks& link, std::vector<double>& block) const {
+  const int m = unknowns_of(node);
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < m; ++i) block[m * j + i] += link.first[link.first_stride * j + i];
+}
+
+/// Factors of the blocks on the diagonal, and the others in scaled unknowns.
+void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
   std::atomic<bool> definite{true};
   for_each(nodes_, [&](int v) {
-    const int m = unknown_[v + 1] - unknown_[v];
-    std::vector<double> block(self.data() + square_[v], self.data() + square_[v + 1]);
-    std::vector<double> room;
-    for (int s = row_[v]; s < row_[v + 1]; ++s) {
-      const int mo = unknown_[slot_[s][2] + 1] - unknown_[slot_[s][2]];
-      room.resize(4 * static_cast<size_t>(std::max(m, mo)) * std::max(m, mo));
-      const LinkBlocks link = links(slot_[s][0], room.data());
-      const double* own = slot_[s][1] == 0 ? link.first : link.second;
-      const int stride = slot_[s][1] == 0 ? link.first_stride : link.second_stride;
-      for (int j = 0; j < m; ++j)
-        for (int i = 0; i < m; ++i) block[m * j + i] += own[stride * j + i];
-    }
-    if (!dense::inverse_cholesky(m, block.data(), inverse_.data() + square_[v])) definite = false;
+    std::vector<double> block(self.data() + square_[v], self.data() + square_[v + 1]), room;
+    for (int s = row_[v]; s < row_[v + 1]; ++s) add_own(v, link_of(v, s, links, room), block);
+    if (!dense::inverse_cholesky(unknowns_of(v), block.data(), inverse_.data() + square_[v])) definite = false;
   });
   if (!definite) throw NegativeCurvature("a block on the diagonal is not positive definite");
   for_each(nodes_, [&](int v) {
-    const int m = unknown_[v + 1] - unknown_[v];
+    const int m = unknowns_of(v);
     std::vector<double> room, product;
     for (int s = row_[v]; s < row_[v + 1]; ++s) {
-      const int other = slot_[s][2], n = unknown_[other + 1] - unknown_[other];
-      room.resize(4 * static_cast<size_t>(std::max(m, n)) * std::max(m, n));
+      const int other = slot_[s][2], n = unknowns_of(other);
       product.assign(static_cast<size_t>(m) * n, 0.0);
-      const LinkBlocks link = links(slot_[s][0], room.data());
-      // K01 from the first node: its rows; from the second one: its columns
-      const bool turned = slot_[s][1] == 1;
+      const LinkBlocks link = link_of(v, s, links, room);
       // product (m x n) = L^-1 K
       double* to = value_.data() + block_[s];
       std::fill(to, to + static_cast<size_t>(m) * n, 0.0);
-      dense::add_product(m, m, n, inverse_.data() + square_[v], m, link.coupling, turned ? link.coupling_stride : 1,
-                         turned ? 1 : link.coupling_stride, product.data(), m);
+      dense::add_product(m, m, n, inverse_.data() + square_[v], m, link.coupling, link.coupling_row,
+                         link.coupling_column, product.data(), m);
       // times L^-T of the other node
       dense::add_product(m, n, n, product.data(), m, inverse_.data() + square_[other], n, 1, to, m);
     }
-  });
-}
-
-std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<double*>& self, const LinkSource& links,
-                                    std::vector<double>& eigenvalues) const {
-  const int begin = first_[aggregate], end = first_[aggregate + 1], origin = unknown_[begin];
-  const int n = unknown_[end] - origin;
-  eigenvalues.clear();
-  if (n == 0) return {};
-  std::vector<double> matrix(static_cast<size_t>(n) * n, 0.0), room, block, product;
-  for (int v = begin; v < end; ++v) {
-    const int m = unknown_[v + 1] - unknown_[v], at = unknown_[v] - origin;
-    block.assign(self.data() + square_[v], self.data() + square_[v + 1]);
-    for (int s = row_[v]; s < row_[v + 1]; ++s) {
-      const int other = slot_[s][2];
-      if (other < begin || other >= end) continue;
-      const int mo = unknown_[other + 1] - unknown_[other];
-      room.resize(4 * static_cast<size_t>(std::max(m, mo)) * std::max(m, mo));
-      const LinkBlocks link = links(slot_[s][0], room.data());
-      const double* own = slot_[s][1] == 0 ? link.first : link.second;
-      const int stride = slot_[s][1] == 0 ? link.first_stride : link.second_stride;
-      for (int j = 0; j < m; ++j)
-        for (int i = 0; i < m; ++i) block[m * j + i] += own[stride * j + i];
-      if (other > v) continue;  // lower triangle: rows of the later node
-      const int column = unknown_[other] - origin;
-      for (int j = 0; j < mo; ++j)
-        for (int i = 0; i < m; ++i)
-          matrix[static_cast<size_t>(n) * (column + j) + at + i] += value_(block_[s] + static_cast<size_t>(m) * j + i);
-    }
-    product.assign(static_cast<size_t>(m) * m, 0.0);
-    const double* inverse = inverse_.data() + square_[v];
-    dense::add_product(m, m, m, inverse, m, block.data(), 1, m, product.data(), m);
-    dense::add_product(m, m, m, product.data(), m, inverse, m, 1, &matrix[static_cast<size_t>(n) * at + at], n);
-  }
-  std::vector<double> values(n), vectors(static_cast<size_t>(n) * n), work(40 * static_cast<size_t>(n));
-  std::vector<int> integers(5 * static_cast<size_t>(n)), failed(n);
-  const double none = -1e300, tolerance = kEigenvalueError;
-  const int unused = 0, size = static_cast<int>(work.size());
-  int found = 0, info = 0;
-  dsyevx_("V", "V", "L", &n, matrix.data(), &n, &none, &tau, &unused, &unused, &tolerance, &found, values.data(),
-          vectors.data(), &n, work.data(), &size, integers.data(), failed.data(), &info);
-  if (info != 0) throw std::runtime_error("LAPACK's dsyevx did not find the modes of an aggregate");
-  eigenvalues.assign(values.begin(), values.begin() + found);
-  std::vector<double> modes(static_cast<size_t>(found) * n);
-  for (int j = 0; j < n; ++j)
-    for (int q = 0; q < found; ++q) modes[static_cast<size_t>(found) * j + q] = vectors[static_cast<size_t>(n) * q + j];
-  return modes;
-}
-
-Level::Coarse Level::coarsen(double tau, const KernelView<double*>& self, const LinkSource& links) {
-  const int count = aggregates();
-  std::vector<std::vector<double>> modes(count), eigenvalues(count);
-  for_each(count, [&](int a) { modes[a] = modes_of(a, tau, self, links, eigenvalues[a]); });
-  Coarse coarse;
-  coarse.unknown.assign(count + 1, 0);
-  mode_block_.assign(count + 1, 0);
-  std::vector<size_t> square(count + 1, 0);
-  for (int a = 0; a < count; ++a) {
-    const size_t m = eigenvalues[a].size();
-    coarse.unknown[a + 1] = coarse.unknown[a] + static_cast<int>(m);
-    mode_block_[a + 1] = mode_block_[a] + modes[a].size();
-    square[a + 1] = square[a] + m * m;
-  }
-  mode_ = coarse.unknown;
-  modes_ = {};
-  modes_ = numbers(mode_block_.back());
-  coarse.self = numbers(square.back());
-  // modes in unscaled unknowns of this level, for the links: V^T L^-1
-  const KernelView<double*> unscaled = numbers(mode_block_.back());
-  for_each(count, [&](int a) {
-    std::copy(modes[a].begin(), modes[a].end(), modes_.data() + mode_block_[a]);
-    const int m = mode_[a + 1] - mode_[a];
-    double* block = coarse.self.data() + square[a];
-    std::fill(block, block + static_cast<size_t>(m) * m, 0.0);
-    for (int q = 0; q < m; ++q) block[m * q + q] = eigenvalues[a][q];
-    double* to = unscaled.data() + mode_block_[a];
-    std::fill(to, to + modes[a].size(), 0.0);
-    for (int v = first_[a]; v < first_[a + 1]; ++v) {
-      const int n = unknown_[v + 1] - unknown_[v];
-      const size_t at = static_cast<size_t>(m) * (unknown_[v] - unknown_[first_[a]]);
-      dense::add_product(m, n, n, modes[a].data() + at, m, inverse_.data() + square_[v], 1, n, to + at, m);
-    }
-    modes[a] = {};
-  });
-  coarse.ends = coarse_ends_;
-  coarse.block.assign(coarse_ends_.size() + 1, 0);
-  for (size_t l = 0; l < coarse_ends_.size(); ++l) {
-    const size_t m = mode_[coarse_ends_[l][0] + 1] - mode_[coarse_ends_[l][0]];
-    const size_t n = mode_[coarse_ends_[l][1] + 1] - mode_[coarse_ends_[l][1]];
-    coarse.block[l + 1] = coarse.block[l] + m * m + m * n + n * n;
-  }
-  coarse.links = numbers(coarse.block.back());
-  for_each(static_cast<int>(coarse_ends_.size()), [&](int l) {
-    const int a = coarse_ends_[l][0], b = coarse_ends_[l][1];
-    const int m = mode_[a + 1] - mode_[a], n = mode_[b + 1] - mode_[b];
-    double* first = coarse.links.data() + coarse.block[l];
-    double* coupling = first + static_cast<size_t>(m) * m;
-    double* second = coupling + static_cast<size_t>(m) * n;
-    std::fill(first, second + static_cast<size_t>(n) * n, 0.0);
-    std::vector<double> room, product;
-    for (int k = crossing_start_[l]; k < crossing_start_[l + 1]; ++k) {
-      const int fine = crossing_[k] / 2;
-      const bool turned = crossing_[k] % 2 == 1;
-      const int va = ends_[fine][turned ? 1 : 0], vb = ends_[fine][turned ? 0 : 1];
-      const int na = unknown_[va + 1] - unknown_[va], nb = unknown_[vb + 1] - unknown_[vb];
-      room.resize(4 * static_cast<size_t>(std::max(na, nb)) * std::max(na, nb));
-      const LinkBlocks link = links(fine, room.data());
-      const double* wa =
-          unscaled.data() + mode_block_[a] + static_cast<size_t>(m) * (unknown_[va] - unknown_[first_[a]]);
-      const double* wb =
-          unscaled.data() + mode_block_[b] + static_cast<size_t>(n) * (unknown_[vb] - unknown_[first_[b]]);
-      const double* kaa = turned ? link.second : link.first;
-      const double* kbb = turned ? link.first : link.second;
-      const int saa = turned ? link.second_stride : link.first_stride;
-      const int sbb = turned ? link.first_stride : link.second_stride;
-      product.assign(static_cast<size_t>(m) * std::max(na, nb), 0.0);
-      dense::add_product(m, na, na, wa, m, kaa, 1, saa, product.data(), m);
-      dense::add_product(m, na, m, product.data(), m, wa, m, 1, first, m);
-      std::fill(product.begin(), product.end(), 0.0);
-      dense::add_product(m, na, nb, wa, m, link.coupling, turned ? link.coupling_stride : 1,
-                         turned ? 1 : link.coupling_stride, product.data(), m);
-      dense::add_product(m, nb, n, product.data(), m, wb, n, 1, coupling, m);
-      product.assign(static_cast<size_t>(n) * nb, 0.0);
-      dense::add_product(n, nb, nb, wb, n, kbb, 1, sbb, product.data(), n);
-      dense::add_product(n, nb, n, product.data(), n, wb, n, 1, second, n);
-    }
-  });
-  return coarse;
-}
-
-LinkSource Level::Coarse::source() const {
-  return [this](int link, double*) {
-    const int m = unknown[ends[link][0] + 1] - unknown[ends[link][0]];
-    const int n = unknown[ends[link][1] + 1] - unknown[ends[link][1]];
-    const double* first = links.data() + block[link];
-    const double* coupling = first + static_cast<size_t>(m) * m;
-    return LinkBlocks{first, coupling, coupling + static_cast<size_t>(m) * n, m, m, n};
-  };
-}
-
-void Level::set_coarse_scale(const Level& coarse) {
-  for_each(aggregates(), [&](int a) {
-    const int m = mode_[a + 1] - mode_[a];
-    if (m == 0) return;
-    const int n = static_cast<int>((mode_block_[a + 1] - mode_block_[a]) / m);
-    double* modes = modes_.data() + mode_block_[a];
-    const std::vector<double> old(modes, modes + static_cast<size_t>(m) * n);
-    std::fill(modes, modes + static_cast<size_t>(m) * n, 0.0);
-    dense::add_product(m, m, n, coarse.inverse_.data() + coarse.square_[a], m, old.data(), 1, m, modes, m);
   });
 }
 
@@ -363,31 +200,6 @@ void Level::add(const LevelVector& step, const LevelVector& x) const {
   double* to = x.data();
   const double* from = step.data();
   for_each(unknowns(), [=](int i) { to[i] += from[i]; });
-}
-
-void Level::restrict_to(const LevelVector& fine, const LevelVector& coarse) const {
-  const double *from = fine.data(), *modes = modes_.data();
-  double* to = coarse.data();
-  for_each(aggregates(), [&](int a) {
-    const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
-    for (int q = 0; q < m; ++q) to[mode_[a] + q] = 0.0;
-    dense::add_times_vector(m, n, modes + mode_block_[a], from + at, to + mode_[a]);
-  });
-}
-
-void Level::prolong(const LevelVector& coarse, const LevelVector& fine) const {
-  const double *from = coarse.data(), *modes = modes_.data();
-  double* to = fine.data();
-  for_each(aggregates(), [&](int a) {
-    const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
-    const double *column = modes + mode_block_[a], *y = from + mode_[a];
-    for (int j = 0; j < n; ++j, column += m) {
-      double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-      for (int q = 0; q < m; ++q) sum += column[q] * y[q];
-      to[at + j] = sum;
-    }
-  });
 }
 
 void Level::scale_rows(const KernelView<const double*>& b, const LevelVector& scaled) const {

@@ -10,6 +10,7 @@
 #include "kernels/loops/block.hpp"
 #include "nonlinear/multilevel/aggregates.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
 #include <vector>
@@ -22,16 +23,41 @@ class NegativeCurvature : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Blocks of a link, column-major, with the distance between columns.
+/// Blocks of a link, column-major with the distance between columns; of the coupling that between rows too.
 struct LinkBlocks {
   const double *first, *coupling, *second;  ///< K00, K01 (rows of the first node), K11
-  int first_stride, coupling_stride, second_stride;
+  int first_stride, second_stride, coupling_row, coupling_column;
+
+  /// The same link with that end of it, 0 or 1, as its first node.
+  LinkBlocks seen_from(int end) const {
+    return end == 0 ? *this
+                    : LinkBlocks{second, coupling, first, second_stride, first_stride, coupling_column, coupling_row};
+  }
 };
 /// Blocks of a link; `room` (as many numbers as a full link has) is for those that are not kept.
 using LinkSource = std::function<LinkBlocks(int link, double* room)>;
 
 /// Scaled vectors of a level.
 using LevelVector = KernelView<double*>;
+
+namespace multilevel {
+
+/// Numbers without values yet.
+inline KernelView<double*> numbers(size_t count) {
+  return KernelView<double*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), count);
+}
+
+/// Room that a source of links needs for one between nodes of so many unknowns.
+inline size_t room_of_link(int m, int n) { return 4 * static_cast<size_t>(std::max(m, n)) * std::max(m, n); }
+
+/// An action for each index, on threads.
+template <class Action>
+void for_each(size_t count, const Action& action) {
+  Kokkos::parallel_for(
+      "mixbeam::multilevel", Kokkos::RangePolicy<ExecutionSpace>(0, count), KOKKOS_LAMBDA(int i) { action(i); });
+}
+
+}  // namespace multilevel
 
 class Level {
  public:
@@ -40,6 +66,7 @@ class Level {
 
   int nodes() const { return nodes_; }
   int unknowns() const { return unknown_.back(); }
+  int unknowns_of(int node) const { return unknown_[node + 1] - unknown_[node]; }
   int aggregates() const { return static_cast<int>(first_.size()) - 1; }
   const LinkEnds& ends() const { return ends_; }
   /// Links between aggregates.
@@ -84,6 +111,11 @@ class Level {
  private:
   void build_rows();
   void build_coarse_links();
+  void scale(const KernelView<double*>& self, const LinkSource& links);
+  /// What a slot says of its link; `room` is made large enough for `links`.
+  LinkBlocks link_of(int node, int slot, const LinkSource& links, std::vector<double>& room) const;
+  /// A block on the diagonal += that of a link's first node.
+  void add_own(int node, const LinkBlocks& link, std::vector<double>& block) const;
   template <int Size, class Finish>
   void for_each_row(const LevelVector& x, const Finish& finish) const;
   template <class Finish>

@@ -46,8 +46,7 @@ double dot(const LevelVector& a, const LevelVector& b) {
 void add(double s, const LevelVector& b, const LevelVector& a) {
   double* to = a.data();
   const double* from = b.data();
-  Kokkos::parallel_for(
-      "mixbeam::multilevel::add", NetworkRange(0, a.extent(0)), KOKKOS_LAMBDA(size_t i) { to[i] += s * from[i]; });
+  multilevel::for_each(a.extent(0), [=](int i) { to[i] += s * from[i]; });
 }
 
 /// Neighbours of the vertices that remain, from the rows of the matrix.
@@ -172,7 +171,7 @@ LinkBlocks NetworkSolver::link_blocks(int link, double* room) const {
     matrix = room;
   }
   const int second = kBoth * kVertexDofs;
-  return {matrix, matrix + second, matrix + second + kVertexDofs, kBoth, kBoth, kBoth};
+  return {matrix, matrix + second, matrix + second + kVertexDofs, kBoth, kBoth, 1, kBoth};
 }
 
 /// What the links do not explain of the rows: S on the diagonal, and nothing beside it.
@@ -198,14 +197,12 @@ void NetworkSolver::read_values() {
     };
     const int own = slot(v);
     for (const auto& [l, end] : touching[v]) {
-      const LinkBlocks link = link_blocks(l, room);
+      const LinkBlocks link = link_blocks(l, room).seen_from(end);
       const int other = slot(link_vertices_[l][1 - end]);
-      const double* mine = end == 0 ? link.first : link.second;
       for (int r = 0; r < kVertexDofs; ++r)
         for (int c = 0; c < kVertexDofs; ++c) {
-          left[width * r + kVertexDofs * own + c] -= mine[link.first_stride * c + r];
-          left[width * r + kVertexDofs * other + c] -=
-              end == 0 ? link.coupling[link.coupling_stride * c + r] : link.coupling[link.coupling_stride * r + c];
+          left[width * r + kVertexDofs * own + c] -= link.first[link.first_stride * c + r];
+          left[width * r + kVertexDofs * other + c] -= link.coupling[link.coupling_row * r + link.coupling_column * c];
         }
     }
     double* self = self_.data() + static_cast<size_t>(kVertexDofs * kVertexDofs) * node_[v];
@@ -298,9 +295,7 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction) 
       const double beta = energy / last;
       double* p = p_.data();
       const double* z = z_.data();
-      Kokkos::parallel_for(
-          "mixbeam::multilevel::direction", NetworkRange(0, p_.extent(0)),
-          KOKKOS_LAMBDA(size_t i) { p[i] = z[i] + beta * p[i]; });
+      multilevel::for_each(p_.extent(0), [=](int i) { p[i] = z[i] + beta * p[i]; });
     }
     finest.apply(p_, q_);
     const double curvature = dot(p_, q_);
