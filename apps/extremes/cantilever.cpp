@@ -3,6 +3,7 @@
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/studies/vertex_places.hpp"
 #include "discretization/text/errors.hpp"
+#include "kernels/math/constants.hpp"
 #include "kernels/math/gauss.hpp"
 
 #include <algorithm>
@@ -88,7 +89,7 @@ void Cantilever::pull(double load) {
 }
 
 void Cantilever::push(double load, double eccentricity) {
-  const double thrust = 0.25 * M_PI * M_PI * load, size = thrust * bending / (length * length);
+  const double thrust = 0.25 * kPi * kPi * load, size = thrust * bending / (length * length);
   force = {-size, eccentricity * size, 0.0};
   set_exact(*this, thrust_tip(thrust, eccentricity), 0.0);
 }

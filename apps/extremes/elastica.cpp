@@ -1,5 +1,6 @@
 #include "apps/extremes/sweeps.hpp"
 
+#include "kernels/math/constants.hpp"
 #include "kernels/math/gauss.hpp"
 
 #include <gsl/gsl_sf_ellint.h>
@@ -112,8 +113,8 @@ ElasticaTip pendulum_tip(double load, double load_angle) {
 
 ElasticaTip elastica_tip(double load) {
   if (load <= kSmallLoad) return short_rod(load);
-  if (load <= kLongRod) return pendulum_tip(load, M_PI_2);
-  return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), M_PI_2};  // k = 1
+  if (load <= kLongRod) return pendulum_tip(load, 0.5 * kPi);
+  return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), 0.5 * kPi};  // k = 1
 }
 
 ElasticaTip thrust_tip(double thrust, double eccentricity) {

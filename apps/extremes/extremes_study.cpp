@@ -5,6 +5,7 @@
 #include "apps/common/studies/study.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/extremes/sweeps.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,7 @@ void check_closed_forms(Application& app) {
                                                       {1.5, 0.1, 0.34171752220, 0.79568923565, 1.74769556929},
                                                       {8.0, 1e-4, -0.54784720364, 0.44971259087, 3.04718635507}};
   for (const auto& [over_euler, eccentricity, x, y, angle] : thrusts) {
-    const ElasticaTip tip = thrust_tip(0.25 * M_PI * M_PI * over_euler, eccentricity);
+    const ElasticaTip tip = thrust_tip(0.25 * kPi * kPi * over_euler, eccentricity);
     const std::string name = "P / P_cr = " + value_text(over_euler) + ": tip ";
     check(name + "x", 1.0 - tip.back, x, kThrustDigits);
     check(name + "y", tip.across, y, kThrustDigits);

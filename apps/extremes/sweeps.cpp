@@ -1,6 +1,7 @@
 #include "apps/extremes/sweeps.hpp"
 
 #include "apps/common/studies/variants.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <cmath>
 
@@ -9,7 +10,7 @@ namespace mixbeam {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRadiansPerTurn = 2.0 * M_PI;
+constexpr double kRadiansPerTurn = 2.0 * kPi;
 
 /// Scenes that need some load: F L^2 / EI, a tip that turns by 1.43 radians.
 constexpr double kLoad = 10.0;
@@ -116,7 +117,7 @@ Trial heated_rail(const Scene&, SolverParameters solver, double axial) {
                     support_of("middle", {false, false, true}, {true, true, false})};
   scene.eigenstrains.resize(1);
   scene.eigenstrains[0].member = "left to right";
-  scene.eigenstrains[0].strain = {kOverheated * 4.0 * M_PI * M_PI / axial, 0, 0};
+  scene.eigenstrains[0].strain = {kOverheated * 4.0 * kPi * kPi / axial, 0, 0};
   return {scene, solver, {}, {1.0 / kOverheated}};
 }
 
@@ -169,16 +170,16 @@ std::vector<Sweep> sweeps_of_motion() {
                rod.turn({{0.0, 0.0, value * kRadiansPerTurn}}, 0.0);
              }),
       load_steps(),
-      of_rod("element_turn_k1",
-             joined(joined({0.1, 1.0, 2.0}, approaching(M_PI)),
-                    joined(joined({3.5, 4.5}, approaching(2.0 * M_PI)), {6.5})),
-             1e-9, 0.1, 2.0 * M_PI, kGaussRule,
-             [](Cantilever& rod, double value) {
-               rod.order = 1;
-               turn_elements(rod, 2, value);
-             }),
+      of_rod(
+          "element_turn_k1",
+          joined(joined({0.1, 1.0, 2.0}, approaching(kPi)), joined(joined({3.5, 4.5}, approaching(2.0 * kPi)), {6.5})),
+          1e-9, 0.1, 2.0 * kPi, kGaussRule,
+          [](Cantilever& rod, double value) {
+            rod.order = 1;
+            turn_elements(rod, 2, value);
+          }),
       of_rod("element_turn",
-             joined(joined({0.1, 1.0, 2.0}, approaching(M_PI)),
+             joined(joined({0.1, 1.0, 2.0}, approaching(kPi)),
                     {3.5, 4.5, 6.0, series * (1.0 - kNext), series * (1.0 + kNext), 9.0, 12.0}),
              1e-9, 0.1, 20.0, kGaussRule, [](Cantilever& rod, double value) { turn_elements(rod, 2, value); }),
       of_rod("angle",

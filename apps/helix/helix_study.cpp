@@ -6,6 +6,7 @@
 #include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/table_printer.hpp"
 #include "discretization/text/errors.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,11 +25,11 @@ struct ExactHelix {
   double coils = 0.0;   ///< n
 
   /// L
-  double length() const { return std::hypot(2.0 * M_PI * coils * radius, height); }
+  double length() const { return std::hypot(2.0 * kPi * coils * radius, height); }
   /// c = h0 / (2 pi n R0), the tangent of the angle of inclination
-  double slope() const { return height / (2.0 * M_PI * coils * radius); }
+  double slope() const { return height / (2.0 * kPi * coils * radius); }
   /// a(s)
-  double angle(double s) const { return 2.0 * M_PI * coils * s / length(); }
+  double angle(double s) const { return 2.0 * kPi * coils * s / length(); }
   Vec3<double> position(double s) const {
     return {{radius * std::sin(angle(s)), -radius * std::cos(angle(s)), height * s / length()}};
   }

@@ -1,4 +1,5 @@
 #include "kernels/math/gauss.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,10 +10,9 @@ namespace mixbeam {
 namespace {
 
 void compute_gauss_rule(int n, double* points, double* weights) {
-  constexpr double pi = 3.14159265358979323846;
   constexpr int newton_steps = 6;  // quadratic from an error below 1e-2: five reach round-off, one to spare
   for (int i = 0; i < (n + 1) / 2; ++i) {
-    double x = std::cos(pi * (i + 0.75) / (n + 0.5));
+    double x = std::cos(kPi * (i + 0.75) / (n + 0.5));
     double slope = 0.0;
     for (int step = 0; step < newton_steps; ++step) {
       double p = 1.0, before = 0.0;

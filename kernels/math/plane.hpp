@@ -1,6 +1,7 @@
 /// Vectors and rotations in a plane: rotations about one axis commute and are numbers.
 #pragma once
 
+#include "kernels/math/constants.hpp"
 #include "kernels/math/rotation.hpp"
 
 #include <cmath>
@@ -130,9 +131,8 @@ KOKKOS_FORCEINLINE_FUNCTION Pack<W> angle_of(const PlaneRotor<Pack<W>>& a) {
 /// The same angle in [-pi, pi], for |angle| < 3 pi.
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION Real shorter_way(const Real& angle) {
-  constexpr double pi = 3.14159265358979323846;
-  return angle - select(angle > Real(pi), Real(2.0 * pi), Real(0.0)) +
-         select(angle < Real(-pi), Real(2.0 * pi), Real(0.0));
+  return angle - select(angle > Real(kPi), Real(2.0 * kPi), Real(0.0)) +
+         select(angle < Real(-kPi), Real(2.0 * kPi), Real(0.0));
 }
 
 }  // namespace mixbeam

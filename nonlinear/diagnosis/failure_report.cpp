@@ -1,5 +1,6 @@
 #include "nonlinear/diagnosis/failure_report.hpp"
 
+#include "kernels/math/constants.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/stability/stability.hpp"
 
@@ -13,8 +14,6 @@
 namespace mixbeam {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Beyond this angle between an element and its vertices one more step may pass pi, where rotations become ambiguous.
 constexpr double kWideAngle = 0.75 * kPi;

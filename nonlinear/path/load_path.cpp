@@ -1,6 +1,7 @@
 #include "nonlinear/path/load_path.hpp"
 
 #include "discretization/text/message_text.hpp"
+#include "kernels/math/constants.hpp"
 #include "nonlinear/path/corrector.hpp"
 #include "nonlinear/path/path_recorder.hpp"
 
@@ -10,15 +11,13 @@ namespace mixbeam {
 
 namespace {
 
-constexpr double kHalfTurn = 3.14159265358979323846;
-
 /// A relative rotation of pi cannot be told from one of -pi; what converged next to it is not to be trusted. Tells
 /// which element turns by as much at the end of a stage, if any.
 std::string problem_of_end_angles(const BeamProblem& problem, const State& state, double load_factor) {
   constexpr double kMargin = 1e-9;
   MixedVector residual = problem.model.create_vector();
   const EndAngle angle = largest_end_angle(problem.model, mixed_residual(problem.model, state, load_factor, residual));
-  if (angle.angle < kHalfTurn * (1.0 - kMargin)) return "";
+  if (angle.angle < kPi * (1.0 - kMargin)) return "";
   return "element " + std::to_string(angle.element) + " of member \"" + excerpt(angle.member) +
          "\" turns by pi against its vertices, where rotations are no longer unique";
 }

@@ -4,6 +4,7 @@
 #include "apps/common/studies/variants.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/number_text.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +17,7 @@ namespace {
 constexpr std::array<const char*, 8> kFamilies = {"column", "frame",   "knee", "arch",
                                                   "ring",   "lattice", "dome", "strip"};
 constexpr int kOrder = 3;
-constexpr double kPi = M_PI, kRigid = std::numeric_limits<double>::infinity();
+constexpr double kRigid = std::numeric_limits<double>::infinity();
 constexpr Vector3 kNormal = {0, 0, 1};  ///< of the plane in which all but domes are drawn
 
 Vector3 times(double factor, const Vector3& v) { return vector_algebra::scaled(factor, v); }
