@@ -2,6 +2,7 @@
 
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/tags.hpp"
 #include "discretization/text/text_file.hpp"
 
 #include <libxml/SAX2.h>
@@ -13,7 +14,6 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <unordered_map>
 #include <utility>
 
 namespace mixbeam {
@@ -187,9 +187,8 @@ class ListBuilder {
   void claim_path(int line_number) {
     const int earlier = result_.source.line(path_);
     if (earlier == 0) return result_.source.record(path_, line_number);
-    throw InputError(result_.source.file() + ":" + std::to_string(line_number) + ": XML path \"" + to_string(path_) +
-                     "\": given twice in this list, in line " + std::to_string(earlier) + " and again in line " +
-                     std::to_string(line_number));
+    throw at_line(line_number, "given twice in this list, in line " + std::to_string(earlier) + " and again in line " +
+                                   std::to_string(line_number));
   }
 
   xmlParserCtxtPtr parser_;
@@ -209,11 +208,16 @@ std::string prefixed(const xmlChar* prefix, const xmlChar* name) {
 
 // The parser's C interface: attributes come as name, prefix, namespace, begin and end of the value.
 
+template <typename Event>
+void tell(void* builder, Event event) {
+  auto& target = *static_cast<ListBuilder*>(builder);
+  target.guarded([&] { event(target); });
+}
+
 void on_start_element(void* builder, const xmlChar* name, const xmlChar* prefix, const xmlChar* /*uri*/,
                       int /*namespaces*/, const xmlChar** /*namespace_names*/, int attribute_count, int /*defaulted*/,
                       const xmlChar** attributes) {
-  auto& target = *static_cast<ListBuilder*>(builder);
-  target.guarded([&] {
+  tell(builder, [&](ListBuilder& target) {
     Attributes values;
     values.reserve(static_cast<std::size_t>(attribute_count));
     for (int i = 0; i < attribute_count; ++i, attributes += 5) {
@@ -226,25 +230,22 @@ void on_start_element(void* builder, const xmlChar* name, const xmlChar* prefix,
 }
 
 void on_end_element(void* builder, const xmlChar* name, const xmlChar* prefix, const xmlChar* /*uri*/) {
-  auto& target = *static_cast<ListBuilder*>(builder);
-  target.guarded([&] { target.end_element(prefixed(prefix, name)); });
+  tell(builder, [&](ListBuilder& target) { target.end_element(prefixed(prefix, name)); });
 }
 
 void on_characters(void* builder, const xmlChar* text, int length) {
-  auto& target = *static_cast<ListBuilder*>(builder);
-  target.guarded(
-      [&] { target.characters(std::string(reinterpret_cast<const char*>(text), static_cast<std::size_t>(length))); });
+  tell(builder, [&](ListBuilder& target) {
+    target.characters(std::string(reinterpret_cast<const char*>(text), static_cast<std::size_t>(length)));
+  });
 }
 
 void on_document_type(void* builder, const xmlChar* /*name*/, const xmlChar* /*id*/, const xmlChar* /*system_id*/) {
-  auto& target = *static_cast<ListBuilder*>(builder);
-  target.guarded([&] { target.document_type(); });
+  tell(builder, [](ListBuilder& target) { target.document_type(); });
 }
 
 void on_error(void* builder, xmlErrorPtr problem) {
   if (problem == nullptr || problem->level < XML_ERR_ERROR) return;
-  auto& target = *static_cast<ListBuilder*>(builder);
-  target.guarded([&] { target.syntax_error(*problem); });
+  tell(builder, [&](ListBuilder& target) { target.syntax_error(*problem); });
 }
 
 struct FreeParser {
@@ -281,53 +282,6 @@ class SilentParsing {
   void* context_;
 };
 
-/// Reads tags and what is between quotes in them, nothing else: what is not well-formed is left to the parser.
-class TagScanner {
- public:
-  explicit TagScanner(const std::string& text) : text_(text) {}
-
-  /// The line of the first tag with more attributes than that, 0 where there is none.
-  int line_of_tag_with_more(int most) {
-    for (at_ = 0; at_ < text_.size(); ++at_) {
-      const char c = text_[at_];
-      if (c == '\n') ++line_;
-      if (c == '<') {  // also where a quote is missing
-        begin_tag();
-      } else if (in_tag_ && quote_ != '\0') {
-        if (c == quote_) quote_ = '\0';
-      } else if (in_tag_ && c == '>') {
-        in_tag_ = false;
-      } else if (in_tag_ && (c == '"' || c == '\'')) {
-        quote_ = c;
-        if (++attributes_ > most) return line_;
-      }
-    }
-    return 0;
-  }
-
- private:
-  void begin_tag() {
-    in_tag_ = true;
-    quote_ = '\0';
-    attributes_ = 0;
-    for (const auto& [begin, end] : {std::pair{"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}})
-      if (text_.compare(at_, std::strlen(begin), begin) == 0) return skip_to(end);
-  }
-  void skip_to(const char* end) {
-    const std::size_t found = std::min(text_.find(end, at_), text_.size());
-    line_ += static_cast<int>(std::count(text_.begin() + static_cast<std::ptrdiff_t>(at_),
-                                         text_.begin() + static_cast<std::ptrdiff_t>(found), '\n'));
-    at_ = found;
-    in_tag_ = false;
-  }
-
-  const std::string& text_;
-  std::size_t at_ = 0;
-  int line_ = 1, attributes_ = 0;
-  bool in_tag_ = false;
-  char quote_ = '\0';
-};
-
 /// The parser compares each attribute of a tag with each.
 constexpr int kMostAttributes = 100;
 
@@ -338,7 +292,7 @@ XmlParameters read_xml(const std::string& file) { return parse_xml(text_of_file(
 XmlParameters parse_xml(const std::string& text, const std::string& file) {
   if (trimmed(text).empty()) throw InputError(file + ":1: the file is empty; allowed: a <ParameterList>");
   if (text.size() > kMaximumBytes) throw InputError(file + ": too large");
-  if (const int line = TagScanner(text).line_of_tag_with_more(kMostAttributes); line > 0)
+  if (const int line = line_of_tag_with_more(kMostAttributes, text); line > 0)
     throw InputError(file + ":" + std::to_string(line) + ": a tag with more than " + std::to_string(kMostAttributes) +
                      " attributes; allowed: " + quoted_list(kParameterAttributes));
   XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList), ParameterSource(file), text};

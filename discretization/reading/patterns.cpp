@@ -1,17 +1,15 @@
 #include "discretization/reading/scene_parts.hpp"
 
-#include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
-#include "discretization/parameters/binding.hpp"
 #include "discretization/reading/comparison.hpp"
+#include "discretization/reading/pattern.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
-#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -29,73 +27,6 @@ using namespace vector_algebra;
 constexpr double kPointTolerance = 1e-9;  // of the size of the structure: points are written with a dozen digits
 constexpr double kMostCopiedBytes = 4e9;  // keeps copies of large members from eating memory
 constexpr std::size_t kNoPoint = ~std::size_t{0};
-
-enum class PatternKind { repeat, rotate, mirror };
-
-struct Pattern {
-  std::vector<std::string> members{"*"};
-  PatternKind kind = PatternKind::repeat;
-  int count = 2;  // mirror: the original and its image
-  Vector3 vector{}, center{}, axis{}, point{}, normal{};
-  std::optional<double> angle{};
-};
-
-BoundList<Pattern> pattern_parameters() {
-  BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
-  pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
-               "Names of the members, where * stands for any characters.");
-  pattern.bind(&Pattern::kind, text("Kind").required(),
-               "repeat: shifted by Vector again and again; rotate: about an axis; mirror: reflected in a plane. Points "
-               "and members of copies that coincide with what is there become one.",
-               {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
-  pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
-               "repeat, rotate: how often the members are there in the end, the original counted.");
-  pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
-  pattern.bind(&Pattern::center, bounded_vector("Center"), "rotate: a point of the axis [length].");
-  pattern.bind(&Pattern::axis, direction("Axis"), "rotate: direction of the axis; right-handed (any length).");
-  pattern.bind(&Pattern::angle, real("Angle").at_least(-kLargestAngle).at_most(kLargestAngle),
-               "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
-  pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
-  pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
-  pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
-                                   {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
-                                   {"mirror", {{{"Point", "Normal"}}}}});
-  return pattern;
-}
-
-const BoundList<Pattern> kPatternParameters = pattern_parameters();
-
-/// Of all copies, the original not counted.
-std::vector<Isometry> motions_of(const Pattern& pattern) {
-  if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
-  std::vector<Isometry> motions;
-  for (int i = 1; i < pattern.count; ++i) {
-    const double angle = pattern.angle ? i * *pattern.angle : 2.0 * kPi * i / pattern.count;
-    motions.push_back(pattern.kind == PatternKind::repeat ? Isometry::shift(scaled(i, pattern.vector))
-                                                          : Isometry::rotation(pattern.center, pattern.axis, angle));
-  }
-  return motions;
-}
-
-/// Where a copy comes from: its name is that of the original and the numbers of the copies on the way.
-struct Label {
-  std::string base;
-  std::vector<int> numbers{};
-
-  std::string name() const {
-    std::size_t count = numbers.size();
-    while (count > 0 && numbers[count - 1] == 0) --count;  // the original of this and all later patterns
-    if (count == 0) return base;
-    std::string text = base + " (";
-    for (std::size_t i = 0; i < count; ++i) text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
-    return text + ")";
-  }
-  Label copy(int number) const {
-    Label label = *this;
-    label.numbers.back() = number;
-    return label;
-  }
-};
 
 /// The scene while patterns act on it, with what finds things in it.
 class PatternScene {
@@ -254,7 +185,7 @@ class PatternScene {
       const auto there = point_at(position, grid, before, point, work.tolerance);
       work.image[point] = there.value_or(scene_.points.size());
       if (there) continue;
-      Label label = point_label_[point].copy(number);
+      CopyLabel label = point_label_[point].copy(number);
       const std::string name = label.name();
       if (!point_index_.emplace(name, scene_.points.size()).second) {
         throw error(work, "the copy of point \"" + excerpt(scene_.points[point].name) + "\" would be \"" +
@@ -271,7 +202,7 @@ class PatternScene {
     for (std::size_t i = 0; i < work.members.size(); ++i) {
       const std::size_t m = work.members[i];
       Member copy = copy_of(motion, m, work.second_axes.empty() ? Vector3{} : work.second_axes[i], work);
-      Label label = member_label_[m].copy(number);
+      CopyLabel label = member_label_[m].copy(number);
       copy.name = label.name();
       const Ends ends = {work.image[ends_[m][0]], work.image[ends_[m][1]]};
       if (ends[0] == ends[1] && ends_[m][0] != ends_[m][1])
@@ -347,7 +278,7 @@ class PatternScene {
   Scene& scene_;
   std::unordered_map<std::string, std::size_t> point_index_, section_index_;
   std::unordered_set<std::string> member_names_;
-  std::vector<Label> point_label_, member_label_;
+  std::vector<CopyLabel> point_label_, member_label_;
   std::vector<Ends> ends_;                                          ///< points of every member
   std::unordered_multimap<std::uint64_t, std::size_t> members_at_;  ///< pair of points -> members between them
   std::unordered_map<std::string, std::string> mirrored_sections_;  ///< name -> name of the mirror image
@@ -355,17 +286,13 @@ class PatternScene {
 
 }  // namespace
 
-ListSpec patterns_spec() {
-  return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", kPatternParameters.spec);
-}
-
 void apply_patterns(const ParameterList& patterns, const InputPlace& place, Scene& scene) {
   const std::vector<std::string> names = names_of(patterns);
   if (names.empty()) return;
   PatternScene work(scene);
   for (const std::string& name : names) {
     try {
-      work.apply(kPatternParameters.read(patterns.sublist(name)), place[name]);
+      work.apply(pattern_parameters().read(patterns.sublist(name)), place[name]);
     } catch (const std::invalid_argument& problem) {
       throw place[name].error(std::string("a copy cannot be made: ") + problem.what());
     }

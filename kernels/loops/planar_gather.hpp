@@ -3,7 +3,7 @@
 #pragma once
 
 #include "kernels/loops/planar_block.hpp"
-#include "kernels/planar/condensation.hpp"
+#include "kernels/planar/recovery.hpp"
 
 namespace mixbeam {
 

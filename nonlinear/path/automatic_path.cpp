@@ -9,6 +9,7 @@
 #include "nonlinear/path/path_goal.hpp"
 #include "nonlinear/path/path_recorder.hpp"
 #include "nonlinear/path/step_judge.hpp"
+#include "nonlinear/path/step_size.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,18 +20,12 @@ namespace {
 
 /// Load steps that have not converged by then seldom do (dead loads of 1e8 EI/L^2 take 23), and the attempt is lost.
 constexpr int kMostIterationsOfLoadStep = 25;
-/// Steps along the path aim at kAimedIterations, which is what a helical rod of ten turns needs the fewest in all with,
-/// and are given up a little above.
-constexpr double kAimedIterations = 6.0;
+/// Steps along the path are given up a little above what they aim at, see growth_along_path().
 constexpr int kMostIterationsAlongPath = 10;
 /// Attempts in a row that fail in the plane of the scene before the path goes on in space.
 constexpr int kFailuresInPlane = 3;
 /// Largest vertex rotation [rad] in the first step along a path: what follows a failed load step is difficult.
 constexpr double kFirstSpin = 0.4;
-/// Steps are chosen so that the tangent turns by about this angle [rad], or closely.
-constexpr double kAimedAngle = 0.6, kAimedAngleClosely = 0.25;
-/// Growth and shrinking from step to step.
-constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
 /// Loads that turn back are looked for so many steps ahead.
 constexpr double kReach = 2.0;
 /// The path is given up below this length (1: the structure moves by its own size).
@@ -271,9 +266,7 @@ class AutomaticPath {
     const PathDirection moved = increments(found);
     const double cosine = std::abs(measure_.cosine(before.x, moved.x));
     const double angle = 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
-    const double aimed = parameters_.analysis.trace ? kAimedAngleClosely : kAimedAngle;
-    const double growth = std::min(kAimedIterations / std::max(found.iterations, 1), aimed / std::max(angle, 1e-9));
-    length_ = length * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
+    length_ = length * growth_along_path(found.iterations, angle, parameters_.analysis.trace);
   }
 
   bool step_along_path() {

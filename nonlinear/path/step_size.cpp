@@ -1,6 +1,7 @@
 #include "nonlinear/path/step_size.hpp"
 
 #include "discretization/scene/scene.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -11,7 +12,14 @@ namespace {
 
 /// A prescribed rotation is followed the short way, so one load step may not turn a support by pi or more; the margin
 /// leaves room for the rotation limit of Newton's method.
-constexpr double kLargestPrescribedTurn = 1.5707963267948966;  // pi / 2
+constexpr double kLargestPrescribedTurn = 0.5 * kPi;
+
+/// Steps along a path aim at what a helical rod of ten turns needs the fewest iterations in all with ...
+constexpr double kAimedIterations = 6.0;
+/// ... and at this angle [rad] by which the tangent turns, or closely.
+constexpr double kAimedAngle = 0.6, kAimedAngleClosely = 0.25;
+/// Growth and shrinking from step to step.
+constexpr double kLargestGrowth = 2.0, kSmallestGrowth = 0.5;
 
 }  // namespace
 
@@ -37,6 +45,12 @@ StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& paramete
   rule.initial = std::min(fixed ? equal : path.initial_step, rule.maximum);
   rule.minimum = std::min(path.minimum_step, rule.initial);
   return rule;
+}
+
+double growth_along_path(int iterations, double angle, bool closely) {
+  const double aimed = closely ? kAimedAngleClosely : kAimedAngle;
+  const double growth = std::min(kAimedIterations / std::max(iterations, 1), aimed / std::max(angle, 1e-9));
+  return std::clamp(growth, kSmallestGrowth, kLargestGrowth);
 }
 
 }  // namespace mixbeam

@@ -28,4 +28,8 @@ struct LastStep {
 /// Of a scene: fractions of a stage, small enough for prescribed rotations.
 StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters);
 
+/// Factor of the length of the next step along a path. `angle`: between the tangents of the step before and after it
+/// [rad]; `closely`: the path itself is asked for, not only its end.
+double growth_along_path(int iterations, double angle, bool closely);
+
 }  // namespace mixbeam

@@ -1,0 +1,56 @@
+#include "discretization/reading/pattern.hpp"
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/reading/scene_parts.hpp"
+#include "discretization/scene/limits.hpp"
+#include "kernels/math/constants.hpp"
+
+namespace mixbeam {
+namespace {
+
+BoundList<Pattern> declared_pattern_parameters() {
+  BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
+  pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
+               "Names of the members, where * stands for any characters.");
+  pattern.bind(&Pattern::kind, text("Kind").required(),
+               "repeat: shifted by Vector again and again; rotate: about an axis; mirror: reflected in a plane. Points "
+               "and members of copies that coincide with what is there become one.",
+               {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
+  pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
+               "repeat, rotate: how often the members are there in the end, the original counted.");
+  pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
+  pattern.bind(&Pattern::center, bounded_vector("Center"), "rotate: a point of the axis [length].");
+  pattern.bind(&Pattern::axis, direction("Axis"), "rotate: direction of the axis; right-handed (any length).");
+  pattern.bind(&Pattern::angle, real("Angle").at_least(-kLargestAngle).at_most(kLargestAngle),
+               "rotate: from each copy to the next [radian]; a whole turn over Count if absent.");
+  pattern.bind(&Pattern::point, bounded_vector("Point"), "mirror: a point of the plane [length].");
+  pattern.bind(&Pattern::normal, direction("Normal"), "mirror: normal of the plane (any length).");
+  pattern.spec.with_forms("Kind", {{"repeat", {{{"Vector", "Count"}}}},
+                                   {"rotate", {{{"Center", "Axis", "Count"}, {"Angle"}}}},
+                                   {"mirror", {{{"Point", "Normal"}}}}});
+  return pattern;
+}
+
+}  // namespace
+
+const BoundList<Pattern>& pattern_parameters() {
+  static const BoundList<Pattern> parameters = declared_pattern_parameters();
+  return parameters;
+}
+
+ListSpec patterns_spec() {
+  return ListSpec("Copies of members, made in this order.").with_named_lists("pattern", pattern_parameters().spec);
+}
+
+std::vector<Isometry> motions_of(const Pattern& pattern) {
+  if (pattern.kind == PatternKind::mirror) return {Isometry::reflection(pattern.point, pattern.normal)};
+  std::vector<Isometry> motions;
+  for (int i = 1; i < pattern.count; ++i) {
+    const double angle = pattern.angle ? i * *pattern.angle : 2.0 * kPi * i / pattern.count;
+    motions.push_back(pattern.kind == PatternKind::repeat ? Isometry::shift(vector_algebra::scaled(i, pattern.vector))
+                                                          : Isometry::rotation(pattern.center, pattern.axis, angle));
+  }
+  return motions;
+}
+
+}  // namespace mixbeam
