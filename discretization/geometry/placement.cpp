@@ -2,11 +2,13 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
 #include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <unordered_map>
 #include <unordered_set>
@@ -62,6 +64,12 @@ void arc_of_radius(Curve& curve, double radius, const Vector3& start, const Vect
   curve.angle = 2.0 * std::asin(sine);
 }
 
+Vector3 formula_position(const Curve& curve, double t) {
+  Vector3 position{};
+  for (std::size_t i = 0; i < 3; ++i) position[i] = Expression(curve.formula[i], {"t"})(t);
+  return position;
+}
+
 }  // namespace
 
 void complete_arc(Curve& curve, const ArcDefinition& definition, const Vector3& start, const Vector3& end) {
@@ -109,6 +117,28 @@ std::vector<std::size_t> placement_order(
     }
   }
   return order;
+}
+
+std::vector<PointOfMember> points_of_member(const Member& member, const Vector3& start,
+                                            const std::function<ReferenceCurve()>& curve) {
+  using Role = PointOfMember::Role;
+  std::vector<PointOfMember> points;
+  std::optional<ReferenceCurve> placed;
+  if (member.curve.shape == CurveShape::parametric) {
+    placed = curve();
+    const auto& [first, last] = member.curve.range;
+    points.push_back({Role::start, member.start_point, formula_position(member.curve, first), placed->length});
+    points.push_back({Role::end, member.end_point, formula_position(member.curve, last), placed->length});
+  } else if (defines_end(member.curve)) {
+    const Vector3 end = curve_end(member.curve, start);
+    points.push_back({Role::end, member.end_point, end, curve_length(member.curve, start, end)});
+  }
+  if (member.inner_points.empty()) return points;
+  if (!placed) placed = curve();
+  for (const InnerPoint& inner : member.inner_points)
+    points.push_back(
+        {Role::inner, inner.point, to_array(placed->position(placed->length * inner.position)), placed->length});
+  return points;
 }
 
 }  // namespace mixbeam

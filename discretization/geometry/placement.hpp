@@ -2,6 +2,7 @@
 /// centre, axis and angle.
 #pragma once
 
+#include "discretization/geometry/reference_curve.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <functional>
@@ -34,5 +35,23 @@ void complete_arc(Curve& curve, const ArcDefinition& definition, const Vector3& 
 /// cannot be placed are left out.
 std::vector<std::size_t> placement_order(
     const Scene& scene, const std::function<std::vector<std::string>(const Member& member)>& points_needed);
+
+/// Points are written with a dozen digits or more, and computed ones carry rounding only. [length of the curve]
+constexpr double kPlaceTolerance = 1e-9;
+
+/// A point whose position follows from a member: the start of formulas, the end of a curve that says where it ends,
+/// and inner points.
+struct PointOfMember {
+  enum class Role { start, end, inner };
+  Role role = Role::inner;
+  std::string point{};
+  Vector3 position{};
+  double length = 0.0;  ///< of the member, by which tolerances are measured
+};
+
+/// All of them, for a member whose start (and end, unless its curve says it) is known. `curve` gives its reference
+/// curve, and is called only if that is needed.
+std::vector<PointOfMember> points_of_member(const Member& member, const Vector3& start,
+                                            const std::function<ReferenceCurve()>& curve);
 
 }  // namespace mixbeam

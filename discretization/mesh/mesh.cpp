@@ -18,9 +18,6 @@ namespace {
 
 using namespace vector_algebra;
 
-// Of the member's length: points are written with a dozen digits or more.
-constexpr double kPlaceTolerance = 1e-9;
-
 /// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each end
 /// that a joint connects there, unless it shares that of the end before.
 int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
@@ -78,13 +75,9 @@ class Placement {
     const Member& member = scene_.members[index];
     const ReferenceCurve& curve = curves_[index].emplace(
         make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point)));
-    if (member.curve.shape == CurveShape::parametric) {
-      place_on(curve, 0.0, member.start_point, member);
-      place_on(curve, curve.length, member.end_point, member);
-    }
-    position_.try_emplace(member.end_point, to_array(curve.position(curve.length)));
-    for (const InnerPoint& inner : member.inner_points)
-      place_on(curve, curve.length * inner.position, inner.point, member);
+    for (const PointOfMember& point :
+         points_of_member(member, position_or_origin(member.start_point), [&] { return curve; }))
+      place_point(point, member);
   }
 
   /// What a curve that follows from itself does not look at may be unknown.
@@ -94,13 +87,11 @@ class Placement {
   }
 
   /// Gives a point its place on the curve, or checks that it is there.
-  void place_on(const ReferenceCurve& curve, double s, const std::string& point, const Member& member) {
-    const Vector3 here = to_array(curve.position(s));
-    const Vector3& known = position_.try_emplace(point, here).first->second;
-    const double distance = norm(difference(known, here));
-    if (distance > kPlaceTolerance * curve.length)
-      throw InputError("point \"" + point + "\" is at " + to_text(known) + ", but member \"" + member.name +
-                       "\" passes it at " + to_text(here));
+  void place_point(const PointOfMember& placed, const Member& member) {
+    const Vector3& known = position_.try_emplace(placed.point, placed.position).first->second;
+    if (norm(difference(known, placed.position)) <= kPlaceTolerance * placed.length) return;
+    throw InputError("point \"" + placed.point + "\" is at " + to_text(known) + ", but member \"" + member.name +
+                     "\" passes it at " + to_text(placed.position));
   }
 
   const Scene& scene_;

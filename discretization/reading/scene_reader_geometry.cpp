@@ -5,7 +5,6 @@
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/reading/scene_reader.hpp"
 #include "discretization/scene/section_law.hpp"
-#include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
@@ -21,16 +20,8 @@ namespace {
 
 using namespace vector_algebra;
 
-// Points are written with a dozen digits or more, and computed ends carry rounding only.
-constexpr double kEndTolerance = 1e-9;  // of the curve length
 // Below this share of the coordinates, a length consists of rounding errors.
 constexpr double kShortestRelativeLength = 1e-12;
-
-Vector3 formula_position(const Curve& curve, double t) {
-  Vector3 position{};
-  for (std::size_t i = 0; i < 3; ++i) position[i] = Expression(curve.formula[i], {"t"})(t);
-  return position;
-}
 
 /// One element for each length, the others where they are longest. Takes the logarithm of the lines for each line, and
 /// nothing for each element.
@@ -73,9 +64,11 @@ void SceneReader::place_member(std::size_t index) {
   const CurveShape shape = scene_.members[index].curve.shape;
   if (shape == CurveShape::circular_arc) complete_open_arc(index);
   if (shape == CurveShape::circular_arc || shape == CurveShape::helix) check_curve(index);
-  if (shape == CurveShape::parametric) check_formula_start(index);
-  if (defines_end(scene_.members[index].curve)) place_end(index);
-  if (!scene_.members[index].inner_points.empty()) place_inner_points(index);
+  const Member& member = scene_.members[index];
+  if (shape == CurveShape::line && !member.inner_points.empty()) check_line(index);
+  const Vector3 start = position_of(member.start_point);  // a copy: points are added
+  for (const PointOfMember& point : points_of_member(member, start, [&] { return reference_curve_of(index); }))
+    place_point(point, index);
 }
 
 void SceneReader::complete_open_arc(std::size_t index) {
@@ -105,51 +98,25 @@ ReferenceCurve SceneReader::reference_curve_of(std::size_t index) const {
   }
 }
 
-/// Arc and helix end where their angle says, a parametric curve where its formulas say.
-void SceneReader::place_end(std::size_t index) {
-  const Member& member = scene_.members[index];
-  const Vector3 start = position_of(member.start_point);
-  if (member.curve.shape != CurveShape::parametric) {
-    const Vector3 end = curve_end(member.curve, start);
-    return place_point(member.end_point, end, curve_length(member.curve, start, end), index, {"End"});
-  }
-  place_point(member.end_point, formula_position(member.curve, member.curve.range[1]), reference_curve_of(index).length,
-              index, {"End"});
-}
-
-void SceneReader::place_inner_points(std::size_t index) {
-  if (scene_.members[index].curve.shape == CurveShape::line) check_line(index);
-  const ReferenceCurve curve = reference_curve_of(index);
-  for (const InnerPoint& inner : std::vector<InnerPoint>(scene_.members[index].inner_points)) {
-    const Vec3<double> r = curve.position(curve.length * inner.position);
-    place_point(inner.point, {r[0], r[1], r[2]}, curve.length, index, {"Inner Points", inner.point});
-  }
-}
-
-/// Adds the point, or checks that it is there. `length`: of the member.
-void SceneReader::place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
-                              const ParameterPath& parameter) {
-  const Problem problem = result_name_problem(point);
+/// Adds the point, or checks that it is there.
+void SceneReader::place_point(const PointOfMember& placed, std::size_t member) {
+  using Role = PointOfMember::Role;
+  const Role role = placed.role;
+  const ParameterPath parameter = role == Role::start ? ParameterPath{"Start"}
+                                  : role == Role::end ? ParameterPath{"End"}
+                                                      : ParameterPath{"Inner Points", placed.point};
+  const Problem problem = result_name_problem(placed.point);
   if (!problem.empty()) throw member_error(member, parameter, "name " + problem);
-  if (add_point(point, position)) return;
-  const Vector3& declared = position_of(point);
-  if (norm(difference(declared, position)) <= kEndTolerance * length) return;
+  if (add_point(placed.point, placed.position)) return;
+  const Vector3& declared = position_of(placed.point);
+  if (norm(difference(declared, placed.position)) <= kPlaceTolerance * placed.length) return;
+  const std::string where = role == Role::start ? "formulas begin at "
+                            : role == Role::end ? "curve ends at "
+                                                : "curve passes at ";
   throw member_error(member, parameter,
-                     "value \"" + excerpt(point) + "\" is at " + to_text(declared) + ", but the curve " +
-                         (parameter.front() == "End" ? "ends at " : "passes at ") + to_text(position) +
-                         "; allowed: equal to 1e-9 of the curve length " + shortest(length) + ", or a new name");
-}
-
-void SceneReader::check_formula_start(std::size_t index) const {
-  const Member& member = scene_.members[index];
-  const Vector3 begin = formula_position(member.curve, member.curve.range[0]);
-  const Vector3& start = position_of(member.start_point);
-  const double length = reference_curve_of(index).length;
-  if (norm(difference(begin, start)) <= kEndTolerance * length) return;
-  throw member_error(index, {"Start"},
-                     "value \"" + excerpt(member.start_point) + "\" is at " + to_text(start) +
-                         ", but the formulas begin at " + to_text(begin) +
-                         "; allowed: equal to 1e-9 of the curve length " + shortest(length));
+                     "value \"" + excerpt(placed.point) + "\" is at " + to_text(declared) + ", but the " + where +
+                         to_text(placed.position) + "; allowed: equal to 1e-9 of the curve length " +
+                         shortest(placed.length) + (role == Role::start ? "" : ", or a new name"));
 }
 
 void SceneReader::check_curve(std::size_t index) const {
@@ -164,7 +131,7 @@ void SceneReader::check_curve(std::size_t index) const {
                            "\" lies on the axis; allowed: a radius > 0");
   }
   const double height = dot(from_center, axis_direction(curve));
-  if (curve.shape == CurveShape::circular_arc && std::abs(height) > kEndTolerance * radius) {
+  if (curve.shape == CurveShape::circular_arc && std::abs(height) > kPlaceTolerance * radius) {
     const Vector3 center = sum(curve.center, scaled(height, axis_direction(curve)));
     throw member_error(index, {"Curve", "Center"},
                        "value " + to_text(curve.center) + " is not in the plane of the arc; allowed: " +
