@@ -166,6 +166,30 @@ class BoundList {
     return add({parameter.means(meaning), set, get});
   }
 
+  /// The same for a parameter that fills its field in a way of its own.
+  BoundParameter<T>& bind_by(std::function<void(T&, const ParameterValue&)> set,
+                             std::function<ParameterValue(const T&)> get, const ParameterSpec& parameter,
+                             const std::string& meaning) {
+    return add({parameter.means(meaning), std::move(set), std::move(get)});
+  }
+
+  /// A list inside whose entries have names that the user chooses: each becomes an item {name, value}.
+  template <class Item, class Value>
+  void bind_named(std::vector<Item> T::*items, const std::string& name, const std::string& meaning,
+                  const std::string& placeholder, const ParameterSpec& value, std::string Item::*key,
+                  Value Item::*held) {
+    spec.add_list(name, ListSpec(meaning).with_named_parameters(placeholder, value), Presence::optional);
+    readers_.push_back([=](const Teuchos::ParameterList& list, T& object) {
+      if (!list.isSublist(name)) return;
+      const Teuchos::ParameterList& given = list.sublist(name);
+      for (auto entry = given.begin(); entry != given.end(); ++entry) {
+        Item& item = (object.*items).emplace_back();
+        item.*key = given.name(entry);
+        binding::assign(item.*held, value_of(given.entry(entry)));
+      }
+    });
+  }
+
   /// A list inside that fills a part of T, an optional part only if it is there.
   template <class Field, class Part>
   void bind_list(Field field, const std::string& name, const BoundList<Part>& part,

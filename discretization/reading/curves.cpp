@@ -49,12 +49,13 @@ BoundList<CurveDraft> declared_curve_parameters() {
       [](auto& d) -> auto& { return d.curve.rise; },
       real("Rise").at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
       "helix: length gained along the axis over the whole angle, with sign [length].");
-  draft.spec.add(real("Radius").above(0.0).at_most(kLargestCoordinate),
-                 "arc: with Axis, the arc of at most half a turn between the two points; with Axis, Start Tangent and "
-                 "Angle, the arc that leaves the start point in this direction [length].");
-  draft.spec.add(array("Through", ParameterType::real_array).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
-                 "Coordinates of points between start and end, three for each: one point of an arc, the points of a "
-                 "spline, the corners of a polyline, which become points \"<member>[1]\", ... [length].");
+  draft.bind(&CurveDraft::radius, real("Radius").above(0.0).at_most(kLargestCoordinate),
+             "arc: with Axis, the arc of at most half a turn between the two points; with Axis, Start Tangent and "
+             "Angle, the arc that leaves the start point in this direction [length].");
+  draft.bind(&CurveDraft::through,
+             array("Through", ParameterType::real_array).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
+             "Coordinates of points between start and end, three for each: one point of an arc, the points of a "
+             "spline, the corners of a polyline, which become points \"<member>[1]\", ... [length].");
   draft.bind(&CurveDraft::corner_names, array("Corners", ParameterType::text_array),
              "polyline: names of points between start and end, instead of Through.");
   draft.bind(
@@ -82,10 +83,10 @@ class CurveReader {
     CurveDraft draft = curve_parameters().read(list_);
     const auto& shape = list_.get<std::string>("Shape");
     draft.is_polyline = shape == "polyline";
-    if (shape == "arc") draft.arc = arc_definition(draft.curve);
-    if (shape == "spline") draft.curve.through = positions("Through");
+    if (shape == "arc") draft.arc = arc_definition(draft);
+    if (shape == "spline") draft.curve.through = positions(draft.through);
     if (shape == "parametric") check_formula(draft.curve);
-    if (draft.is_polyline && list_.isParameter("Through")) draft.corners = positions("Through");
+    if (draft.is_polyline) draft.corners = positions(draft.through);
     return draft;
   }
 
@@ -94,31 +95,29 @@ class CurveReader {
     return place_[parameter].error(problem);
   }
 
-  std::vector<Vector3> positions(const std::string& name) const {
-    const auto& values = list_.get<Teuchos::Array<double>>(name);
-    if (values.size() % 3 != 0) {
-      throw error(name, std::to_string(values.size()) + " numbers; allowed: three coordinates for each point");
-    }
+  std::vector<Vector3> positions(const std::vector<double>& values) const {
+    if (values.size() % 3 != 0)
+      throw error("Through", std::to_string(values.size()) + " numbers; allowed: three coordinates for each point");
     std::vector<Vector3> read;
-    for (Teuchos::Ordinal i = 0; i < values.size(); i += 3) read.push_back({values[i], values[i + 1], values[i + 2]});
+    for (std::size_t i = 0; i < values.size(); i += 3) read.push_back({values[i], values[i + 1], values[i + 2]});
     return read;
   }
 
-  std::optional<ArcDefinition> arc_definition(const Curve& curve) const {
+  std::optional<ArcDefinition> arc_definition(const CurveDraft& draft) const {
     if (list_.isParameter("Center")) return std::nullopt;
     ArcDefinition arc;
     if (list_.isParameter("Through")) {
-      const std::vector<Vector3> points = positions("Through");
+      const std::vector<Vector3> points = positions(draft.through);
       if (points.size() != 1)
         throw error("Through", std::to_string(points.size()) + " points; allowed: one point for \"Shape\" = \"arc\"");
       arc.vector = points.front();
       return arc;
     }
-    arc.radius = list_.get<double>("Radius");
+    arc.radius = draft.radius;
     arc.given = ArcDefinition::Given::radius;
     if (list_.isParameter("Start Tangent")) {
       arc.given = ArcDefinition::Given::tangent;
-      arc.vector = curve.end_tangents[0];
+      arc.vector = draft.curve.end_tangents[0];
     }
     return arc;
   }

@@ -50,12 +50,11 @@ void bind_division(BoundList<Member>& member) {
             "points must be among them.")
       .marks(&Member::keeps_elements)
       .not_compared();
-  member.spec.add_list(
-      "Inner Points",
-      ListSpec("Points inside the member, where other members may join and supports and loads may act.")
-          .with_named_parameters("point", real("").above(0.0).below(1.0).required().means(
-                                              "Arc length over length of the member; the name may be new.")),
-      Presence::optional);
+  member.bind_named(
+      &Member::inner_points, "Inner Points",
+      "Points inside the member, where other members may join and supports and loads may act.", "point",
+      real("").above(0.0).below(1.0).required().means("Arc length over length of the member; the name may be new."),
+      &InnerPoint::point, &InnerPoint::position);
 }
 
 BoundList<Member> declared_member_parameters() {
@@ -127,7 +126,7 @@ Member SceneReader::read_member(const std::string& name, const List& list, const
   Member member = member_parameters().read(list);
   member.name = name;
   check_taper(member, place);
-  if (list.isSublist("Inner Points")) read_inner_points(member, list.sublist("Inner Points"), place["Inner Points"]);
+  check_inner_points(member, place["Inner Points"]);
   if (list.isParameter("Stations")) read_stations(member, list, place);
   return member;
 }
@@ -141,13 +140,12 @@ void SceneReader::check_taper(const Member& member, const InputPlace& place) con
   check_finite(weight, {"x"}, {{0.0}, {0.25}, {0.5}, {0.75}, {1.0}}, taper);
 }
 
-void SceneReader::read_inner_points(Member& member, const List& list, const InputPlace& place) const {
-  for (const std::string& point : names_of(list)) {
+/// Puts them in the order of the member too.
+void SceneReader::check_inner_points(Member& member, const InputPlace& place) const {
+  auto& inner = member.inner_points;
+  for (const auto& [point, position] : inner)
     if (point == member.start_point || point == member.end_point)
       throw place[point].error("an end of the member too; allowed: another point");
-    member.inner_points.push_back({point, list.get<double>(point)});
-  }
-  auto& inner = member.inner_points;
   std::stable_sort(inner.begin(), inner.end(),
                    [](const InnerPoint& a, const InnerPoint& b) { return a.position < b.position; });
   for (std::size_t i = 0; i < inner.size(); ++i) {

@@ -24,6 +24,8 @@ std::vector<Section> read_sections(const Teuchos::ParameterList& sections, const
 struct CurveDraft {
   Curve curve{};
   std::optional<ArcDefinition> arc{};  ///< an arc without centre or angle
+  double radius = 0.0;
+  std::vector<double> through{};  ///< three coordinates for each point
   bool is_polyline = false;
   std::vector<Vector3> corners{};           ///< polyline: positions of its inner corners ...
   std::vector<std::string> corner_names{};  ///< ... or their names

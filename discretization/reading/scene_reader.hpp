@@ -55,7 +55,7 @@ class SceneReader {
   // reading/members.cpp
   void read_members();
   Member read_member(const std::string& name, const List& list, const InputPlace& place) const;
-  void read_inner_points(Member& member, const List& list, const InputPlace& place) const;
+  void check_inner_points(Member& member, const InputPlace& place) const;
   void read_stations(Member& member, const List& list, const InputPlace& place) const;
   void check_taper(const Member& member, const InputPlace& place) const;
   void add_polyline(const Member& whole, const CurveDraft& draft, std::size_t list_name);
@@ -69,15 +69,11 @@ class SceneReader {
   void place_member(std::size_t member);
   std::vector<std::string> points_needed(const Member& member) const;
   void complete_open_arc(std::size_t member);
-  void place_end(std::size_t member);
-  void place_inner_points(std::size_t member);
-  void place_point(const std::string& point, const Vector3& position, double length, std::size_t member,
-                   const ParameterPath& parameter);
+  void place_point(const PointOfMember& placed, std::size_t member);
   ReferenceCurve reference_curve_of(std::size_t member) const;
   void share_out_elements();
   void check_members();
   void check_curve(std::size_t member) const;
-  void check_formula_start(std::size_t member) const;
   void check_line(std::size_t member) const;
   void check_taper_values(std::size_t member) const;
   void check_second_axis(std::size_t member) const;

@@ -30,11 +30,16 @@ void bind_schedule(BoundList<Acting>& list, const std::string& what) {
             "Load case, one of \"Load Cases\", in which alone it acts; in all of them if absent.");
 }
 
+/// An eigenstrain as it was written.
+struct EigenstrainDraft : Eigenstrain {
+  std::optional<double> temperature{}, expansion_coefficient{};
+};
+
 extern const BoundList<Support> kSupportParameters;
 extern const BoundList<Joint> kJointParameters;
 extern const BoundList<PointLoad> kPointLoadParameters;
 extern const BoundList<DistributedLoad> kDistributedLoadParameters;
-extern const BoundList<Eigenstrain> kEigenstrainParameters;
+extern const BoundList<EigenstrainDraft> kEigenstrainParameters;
 
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
@@ -74,7 +79,7 @@ class ConditionReader {
   void check_springs(const Vector3& stiffness, const std::array<bool, 3>& fixed, const std::string& parameter,
                      const std::string& fixing, const InputPlace& place) const;
   void check_holds_still(const List& list, const InputPlace& place) const;
-  Axes read_axes(const List& list, const InputPlace& place) const;
+  void complete_axes(Axes& axes, const InputPlace& place) const;
 
   Joint read_joint(const List& list, const InputPlace& place);
   void join(const std::string& text, Joint& joint, const InputPlace& place);
@@ -85,7 +90,7 @@ class ConditionReader {
   void check_field(const List& list, const std::string& name, const std::vector<const Member*>& members,
                    const std::array<std::string, 3>& formula, const InputPlace& place) const;
   double length_of(const Member& member) const;
-  void add_temperature(const List& list, Eigenstrain& strain, const InputPlace& place) const;
+  void add_temperature(EigenstrainDraft& strain, const InputPlace& place) const;
   void check_any_given(const List& list, const std::vector<std::string>& parameters, const std::string& problem,
                        const InputPlace& place) const;
 

@@ -66,24 +66,25 @@ BoundList<DistributedLoad> distributed_load_parameters() {
   return load;
 }
 
-BoundList<Eigenstrain> eigenstrain_parameters() {
-  BoundList<Eigenstrain> strain(
+BoundList<EigenstrainDraft> eigenstrain_parameters() {
+  BoundList<EigenstrainDraft> strain(
       "Strain of a whole member without any stress: temperature, growth, actuation; components in the axes 1 (along), "
       "2, 3 of the section.");
-  strain.bind(&Eigenstrain::member, text("Member").required(), "Name of the member" + kWildcard);
-  strain.bind(&Eigenstrain::strain, vector3("Strain").by_default(),
+  strain.bind(&EigenstrainDraft::member, text("Member").required(), "Name of the member" + kWildcard);
+  strain.bind(&EigenstrainDraft::strain, vector3("Strain").by_default(),
               "Axial strain and the shear strains in directions 2 and 3 [1].");
   strain.bind(
-      &Eigenstrain::curvature, vector3("Curvature").by_default(),
+      &EigenstrainDraft::curvature, vector3("Curvature").by_default(),
       "Twist and the curvatures about axes 2 and 3, on top of those of the undeformed member [radian / length].");
-  strain.bind(&Eigenstrain::strain_formula, formulas("Strain Formula"),
+  strain.bind(&EigenstrainDraft::strain_formula, formulas("Strain Formula"),
               "Instead of Strain: its components as formulas of s = arc length from the start of the member and x = s "
               "/ length.");
-  strain.bind(&Eigenstrain::curvature_formula, formulas("Curvature Formula"),
+  strain.bind(&EigenstrainDraft::curvature_formula, formulas("Curvature Formula"),
               "Instead of Curvature: its components as formulas of s and x.");
-  strain.spec.add(real("Temperature"),
-                  "Change of temperature; adds itself times Expansion Coefficient to the axial strain [kelvin].");
-  strain.spec.add(real("Expansion Coefficient"), "With Temperature: axial strain for each degree [1 / kelvin].");
+  strain.bind(&EigenstrainDraft::temperature, real("Temperature"),
+              "Change of temperature; adds itself times Expansion Coefficient to the axial strain [kelvin].");
+  strain.bind(&EigenstrainDraft::expansion_coefficient, real("Expansion Coefficient"),
+              "With Temperature: axial strain for each degree [1 / kelvin].");
   bind_schedule(strain, "The strain grows");
   return strain;
 }
@@ -92,7 +93,7 @@ BoundList<Eigenstrain> eigenstrain_parameters() {
 
 const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
-const BoundList<Eigenstrain> kEigenstrainParameters = eigenstrain_parameters();
+const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
 void ConditionReader::read_point_loads() {
   for_each("Point Loads", [this](const std::string&, const List& list, const InputPlace& place) {
     const std::vector<std::string> points = points_meant(list, place);
@@ -152,10 +153,10 @@ void ConditionReader::read_eigenstrains() {
     const std::vector<const Member*> members = members_meant(list, place);
     check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
                     "strains nothing", place);
-    Eigenstrain strain = kEigenstrainParameters.read(list);
+    EigenstrainDraft strain = kEigenstrainParameters.read(list);
     check_field(list, "Strain", members, strain.strain_formula, place);
     check_field(list, "Curvature", members, strain.curvature_formula, place);
-    add_temperature(list, strain, place);
+    add_temperature(strain, place);
     check_schedule(strain, list, place);
     for (const Member* member : members) {
       strain.member = member->name;
@@ -164,14 +165,14 @@ void ConditionReader::read_eigenstrains() {
   });
 }
 
-void ConditionReader::add_temperature(const List& list, Eigenstrain& strain, const InputPlace& place) const {
-  const bool heated = list.isParameter("Temperature");
-  if (heated != list.isParameter("Expansion Coefficient")) {
+void ConditionReader::add_temperature(EigenstrainDraft& strain, const InputPlace& place) const {
+  const bool heated = strain.temperature.has_value();
+  if (heated != strain.expansion_coefficient.has_value()) {
     throw place[heated ? "Expansion Coefficient" : "Temperature"].error(
         "missing; allowed: both \"Temperature\" and \"Expansion Coefficient\", or none");
   }
   if (!heated) return;
-  const double expansion = list.get<double>("Temperature") * list.get<double>("Expansion Coefficient");
+  const double expansion = *strain.temperature * *strain.expansion_coefficient;
   if (!std::isfinite(expansion)) throw place["Temperature"].error("gives a strain beyond all numbers");
   std::string& formula = strain.strain_formula[0];
   if (formula.empty()) {

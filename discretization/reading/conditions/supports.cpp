@@ -31,7 +31,16 @@ BoundList<Support> support_parameters() {
                subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
                "Axes about which it cannot turn freely; {} for a ball joint, two of them for a hinge about the third, "
                "one of them to hold that component of the rotation vector at zero.");
-  support.spec.add(
+  support.bind_by(
+      [](Support& s, const ParameterValue& value) {
+        const auto& given = std::get<Teuchos::Array<double>>(value);
+        for (std::size_t i = 0; i < 6; ++i) s.axes[i / 3][i % 3] = given[static_cast<Teuchos::Ordinal>(i)];
+      },
+      [](const Support& s) {
+        Teuchos::Array<double> held(s.axes[0].begin(), s.axes[0].end());
+        held.insert(held.end(), s.axes[1].begin(), s.axes[1].end());
+        return ParameterValue(held);
+      },
       array("Axes", ParameterType::real_array, 6).at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
       "Directions of the support's own axes x and y in global components, {x1, x2, x3, y1, y2, y3}, of any length; of "
       "y only the part normal to x counts, and z = x cross y. All other parameters of the support refer to these "
@@ -68,7 +77,7 @@ void ConditionReader::read_supports() {
 
 Support ConditionReader::read_support(const List& list, const InputPlace& place) {
   Support support = kSupportParameters.read(list);
-  support.axes = read_axes(list, place);
+  if (list.isParameter("Axes")) complete_axes(support.axes, place["Axes"]);
   check_support(support, place);
   if (prescribes_motion(support))
     check_schedule(support, list, place);
@@ -123,25 +132,21 @@ void ConditionReader::check_holds_still(const List& list, const InputPlace& plac
   }
 }
 
-Axes ConditionReader::read_axes(const List& list, const InputPlace& place) const {
-  if (!list.isParameter("Axes")) return kGlobalAxes;
-  const auto& given = list.get<Teuchos::Array<double>>("Axes");
-  const Vector3 x{given[0], given[1], given[2]};
-  const Vector3 y{given[3], given[4], given[5]};
+/// From two directions as they were given to three unit vectors.
+void ConditionReader::complete_axes(Axes& axes, const InputPlace& place) const {
+  const Vector3 x = axes[0], y = axes[1];
   const double length = norm(x), width = norm(y);
   const auto refused = [&](const std::string& problem) {
-    return place["Axes"].error("axis x = " + to_text(x) + ", axis y = " + to_text(y) + ": " + problem +
-                               "; allowed: two directions that differ");
+    return place.error("axis x = " + to_text(x) + ", axis y = " + to_text(y) + ": " + problem +
+                       "; allowed: two directions that differ");
   };
   if (length < kShortestLength || width < kShortestLength) throw refused("one of them has no direction");
-  Axes axes{};
   axes[0] = scaled(1.0 / length, x);
   const Vector3 normal = cross(axes[0], scaled(1.0 / width, y));
   const double sine = norm(normal);
   if (sine < kSmallestAngle) throw refused("they are parallel");
   axes[2] = scaled(1.0 / sine, normal);
   axes[1] = cross(axes[2], axes[0]);
-  return axes;
 }
 
 }  // namespace mixbeam
