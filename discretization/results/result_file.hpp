@@ -96,7 +96,6 @@ class ResultFile {
   void close();
 
   const std::filesystem::path& path() const { return path_; }
-  const std::filesystem::path& xdmf_path() const { return xdmf_path_; }
 
  private:
   struct StepLabel {

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 namespace mixbeam {
 
@@ -24,44 +26,33 @@ struct Reading {
   }
 };
 
-template <class Point, class Visit>
-void visit_point(Point& point, const Visit& visit) {
-  visit("step_size", point.step_size);
-  visit("iterations", point.iterations);
-  visit("attempts_left", point.attempts_left);
-  visit("failed_steps", point.failed_steps);
-  visit("newton_iterations", point.newton_iterations);
-}
+/// Attributes of what is kept of a point of a path, and of paths that are followed by their length too.
+constexpr std::tuple kPointFields = {
+    std::pair{"step_size", &PathPoint::step_size}, std::pair{"iterations", &PathPoint::iterations},
+    std::pair{"attempts_left", &PathPoint::attempts_left}, std::pair{"failed_steps", &PathPoint::failed_steps},
+    std::pair{"newton_iterations", &PathPoint::newton_iterations}};
+constexpr std::tuple kFieldsAlongPath = {std::pair{"stage", &PathPoint::stage},
+                                         std::pair{"critical_points", &PathPoint::critical_points},
+                                         std::pair{"path_length", &PathPoint::path_length},
+                                         std::pair{"direction", &PathPoint::direction},
+                                         std::pair{"negative", &PathPoint::negative},
+                                         std::pair{"branched", &PathPoint::branched}};
+constexpr std::tuple kCriticalPointFields = {std::pair{"kind", &RecordedCriticalPoint::kind},
+                                             std::pair{"load_factor", &RecordedCriticalPoint::load_factor},
+                                             std::pair{"negative_before", &RecordedCriticalPoint::negative_before},
+                                             std::pair{"negative_after", &RecordedCriticalPoint::negative_after},
+                                             std::pair{"modes", &RecordedCriticalPoint::modes}};
+constexpr std::tuple kStepFields = {std::pair{"step", &StepRecord::step},
+                                    std::pair{"load_factor", &StepRecord::load_factor},
+                                    std::pair{"newton_iterations", &StepRecord::newton_iterations},
+                                    std::pair{"residual", &StepRecord::residual},
+                                    std::pair{"strain_energy", &StepRecord::strain_energy},
+                                    std::pair{"force_energy", &StepRecord::force_energy},
+                                    std::pair{"moment_energy", &StepRecord::moment_energy}};
 
-/// Of paths that are followed by their length too.
-template <class Point, class Visit>
-void visit_point_along_path(Point& point, const Visit& visit) {
-  visit("stage", point.stage);
-  visit("critical_points", point.critical_points);
-  visit("path_length", point.path_length);
-  visit("direction", point.direction);
-  visit("negative", point.negative);
-  visit("branched", point.branched);
-}
-
-template <class Point, class Visit>
-void visit_critical_point(Point& point, const Visit& visit) {
-  visit("kind", point.kind);
-  visit("load_factor", point.load_factor);
-  visit("negative_before", point.negative_before);
-  visit("negative_after", point.negative_after);
-  visit("modes", point.modes);
-}
-
-template <class Record, class Visit>
-void visit_step(Record& record, const Visit& visit) {
-  visit("step", record.step);
-  visit("load_factor", record.load_factor);
-  visit("newton_iterations", record.newton_iterations);
-  visit("residual", record.residual);
-  visit("strain_energy", record.strain_energy);
-  visit("force_energy", record.force_energy);
-  visit("moment_energy", record.moment_energy);
+template <class Record, class Fields, class Visit>
+void visit_fields(Record& record, const Fields& fields, const Visit& visit) {
+  std::apply([&](const auto&... field) { (visit(field.first, record.*field.second), ...); }, fields);
 }
 
 void append(std::vector<double>& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
@@ -99,7 +90,7 @@ hdf5::Handle write_state(hid_t parent, const StateShare& state) {
 }
 
 void write_critical_point(hid_t group, const RecordedCriticalPoint& point) {
-  visit_critical_point(point, Writing{group});
+  visit_fields(point, kCriticalPointFields, Writing{group});
   hdf5::write_attribute(group, "load_factor_error", point.load_factor_error);
   const auto monitor = hdf5::create_group(group, "monitor");
   for (const auto& quantity : point.monitored) hdf5::write_dataset(monitor, quantity.name, quantity.components, 1);
@@ -150,7 +141,7 @@ void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) 
 /// The time series that every run has are what a step tells of itself.
 void write_monitor(hid_t file, const StepRecord& record) {
   const auto monitor = hdf5::open_group(file, "monitor");
-  visit_step(record, [&](const std::string& name, auto value) {
+  visit_fields(record, kStepFields, [&](const std::string& name, auto value) {
     hdf5::append_rows(monitor, name, {static_cast<double>(value)}, 1);
   });
   for (const auto& quantity : record.monitored)
@@ -159,7 +150,7 @@ void write_monitor(hid_t file, const StepRecord& record) {
 
 RecordedCriticalPoint read_critical_point(hid_t group) {
   RecordedCriticalPoint point;
-  visit_critical_point(point, Reading{group});
+  visit_fields(point, kCriticalPointFields, Reading{group});
   if (hdf5::has_attribute(group, "load_factor_error"))
     hdf5::read_attribute(group, "load_factor_error", point.load_factor_error);
   point.state = whole(read_state(group));
@@ -172,15 +163,15 @@ void write_step(hid_t file, const StepRecord& record) {
   write_buckling(file, record.buckling);
   const auto steps = hdf5::open_group(file, "steps");
   const auto group = hdf5::create_group(steps, step_group_name(record.step));
-  visit_step(record, Writing{group});
+  visit_fields(record, kStepFields, Writing{group});
   write_reactions(group, record);
   write_history(group, record.history);
   write_stability(group, record);
   if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
   if (!record.state.empty()) {
     const auto state = write_state(group, record.state);
-    visit_point(record.point, Writing{state});
-    visit_point_along_path(record.point, Writing{state});
+    visit_fields(record.point, kPointFields, Writing{state});
+    visit_fields(record.point, kFieldsAlongPath, Writing{state});
   }
   write_monitor(file, record);
 }
@@ -197,10 +188,10 @@ PathPoint read_point(hid_t step) {
   PathPoint point;
   hdf5::read_attribute(step, "step", point.step);
   hdf5::read_attribute(step, "load_factor", point.load_factor);
-  visit_point(point, Reading{state});
+  visit_fields(point, kPointFields, Reading{state});
   // What files of versions that followed no path by its length do not tell keeps its default.
   point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
-  if (hdf5::has_attribute(state, "path_length")) visit_point_along_path(point, Reading{state});
+  if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
   return point;
 }
 

@@ -170,15 +170,4 @@ struct CondensedElement {
   }
 };
 
-template <int K, class Real>
-KOKKOS_FORCEINLINE_FUNCTION void store_condensed_residual(const VertexSystem<Real>& condensed,
-                                                          const ElementGradient<K, Real>& gradient,
-                                                          const ElementKinematics<K, Real>& kinematics, Real* row) {
-  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * condensed.gradient[0]);
-  store_vector(gradient.vertex_force[0] - force, row);
-  store_vector(kinematics.triad * condensed.gradient[1], row + 3);
-  store_vector(gradient.vertex_force[1] + force, row + 6);
-  store_vector(kinematics.triad * condensed.gradient[2], row + 9);
-}
-
 }  // namespace mixbeam

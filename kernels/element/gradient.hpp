@@ -143,6 +143,18 @@ KOKKOS_FORCEINLINE_FUNCTION void element_gradient(const ElementInput<Real>& in,
   }
 }
 
+/// The rows of both vertices, in space, from those of slope_0 and of the vertices' spins in the element frame.
+template <int K, class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_vertex_rows(const Vec3<Real>& slope, const Vec3<Real>& spin_a,
+                                                   const Vec3<Real>& spin_b, const ElementGradient<K, Real>& gradient,
+                                                   const ElementKinematics<K, Real>& kinematics, Real* row) {
+  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * slope);
+  store_vector(gradient.vertex_force[0] - force, row);
+  store_vector(kinematics.triad * spin_a, row + 3);
+  store_vector(gradient.vertex_force[1] + force, row + 6);
+  store_vector(kinematics.triad * spin_b, row + 9);
+}
+
 /// Writes the interior rows (InteriorLayout with spin) and the 12 vertex rows (u_a, theta_a, u_b, theta_b), all spatial
 /// but the material N, M, psi and spin rows: theory (20).
 template <int K, class Real>
@@ -156,11 +168,7 @@ KOKKOS_FORCEINLINE_FUNCTION void store_residual(const ElementGradient<K, Real>& 
     store_vector(kinematics.triad * g.slope[j], interior_row + layout.bubble(j));
   }
   store_vector(g.spin, interior_row + layout.spin());
-  const Vec3<Real> force = Real(1.0 / kinematics.length) * (kinematics.triad * g.slope[0]);
-  store_vector(g.vertex_force[0] - force, vertex_row);
-  store_vector(kinematics.triad * g.vertex_spin[0], vertex_row + 3);
-  store_vector(g.vertex_force[1] + force, vertex_row + 6);
-  store_vector(kinematics.triad * g.vertex_spin[1], vertex_row + 9);
+  store_vertex_rows(g.slope[0], g.vertex_spin[0], g.vertex_spin[1], g, kinematics, vertex_row);
 }
 
 }  // namespace mixbeam

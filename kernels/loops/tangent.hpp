@@ -83,7 +83,8 @@ struct TangentLoop {
       lanes.store(tangent, 0, kSymmetricTangent, [&](int e) { return tangent_of(e); });
     else
       store_full(lanes, Kinematics(kinematics), element.condensed, tangent);
-    store_condensed_residual(element.condensed, element.gradient, kinematics, residual);
+    const Vec3<Real>* gradient = element.condensed.gradient;
+    store_vertex_rows(gradient[0], gradient[1], gradient[2], element.gradient, kinematics, residual);
     lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
   }
   /// For a structure of which some element has no potential.

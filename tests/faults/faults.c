@@ -239,26 +239,19 @@ static int opened(int folder_file, const char* path, int flags, mode_t mode) {
   return file;
 }
 static mode_t mode_of(int flags, va_list rest) { return flags & (O_CREAT | O_TMPFILE) ? va_arg(rest, mode_t) : 0; }
-#define OPENS(name)                                        \
-  int name(const char* path, int flags, ...) {             \
-    va_list rest;                                          \
-    va_start(rest, flags);                                 \
-    const mode_t mode = mode_of(flags, rest);              \
-    va_end(rest);                                          \
-    return opened(AT_FDCWD, path, flags, mode);            \
+// The parameters before the path come last, with their comma.
+#define OPENS(name, folder, ...)                            \
+  int name(__VA_ARGS__ const char* path, int flags, ...) { \
+    va_list rest;                                           \
+    va_start(rest, flags);                                  \
+    const mode_t mode = mode_of(flags, rest);               \
+    va_end(rest);                                           \
+    return opened(folder, path, flags, mode);               \
   }
-OPENS(open)
-OPENS(open64)
-#define OPENS_AT(name)                                         \
-  int name(int folder_file, const char* path, int flags, ...) { \
-    va_list rest;                                              \
-    va_start(rest, flags);                                     \
-    const mode_t mode = mode_of(flags, rest);                  \
-    va_end(rest);                                              \
-    return opened(folder_file, path, flags, mode);             \
-  }
-OPENS_AT(openat)
-OPENS_AT(openat64)
+OPENS(open, AT_FDCWD, )
+OPENS(open64, AT_FDCWD, )
+OPENS(openat, folder_file, int folder_file, )
+OPENS(openat64, folder_file, int folder_file, )
 int creat(const char* path, mode_t mode) { return opened(AT_FDCWD, path, O_CREAT | O_WRONLY | O_TRUNC, mode); }
 int creat64(const char* path, mode_t mode) { return creat(path, mode); }
 
