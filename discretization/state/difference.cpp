@@ -1,6 +1,7 @@
 #include "discretization/state/difference.hpp"
 
 #include "kernels/element/kinematics.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -139,6 +140,61 @@ StateDifference difference(const Model& model, const State& first, const State& 
         std::max(all.largest_displacement, std::hypot(vertices[v + 3], vertices[v + 4], vertices[v + 5]));
   }
   return all;
+}
+
+namespace {
+
+constexpr double kTurn = 2.0 * kPi;
+/// Rotation vectors below this have an axis of too few digits: that of `near` serves, of which 20 bits are kept, so
+/// that its rounding does not count.
+constexpr double kNoAxis = 1e-3, kAxisSteps = 1 << 20;
+
+/// The rotation vector of `turn` that is nearest to `near`.
+KOKKOS_INLINE_FUNCTION Vec rotation_near(const Quat& turn, const Vec& near) {
+  const Vec least = log_quaternion(turn);
+  const double angle = norm(least), length = norm(near);
+  if (length < 0.25 * kTurn) return least;
+  Vec axis{{least[0] / angle, least[1] / angle, least[2] / angle}};
+  if (!(angle > kNoAxis))
+    for (int i = 0; i < 3; ++i) axis[i] = std::nearbyint(near[i] / length * kAxisSteps) / kAxisSteps;
+  const double turns = std::nearbyint((dot(axis, near) - dot(axis, least)) / kTurn);
+  return least + (turns * kTurn) * axis;
+}
+
+void store(const Vec& v, double* place) {
+  for (int i = 0; i < 3; ++i) place[i] = v[i];
+}
+
+}  // namespace
+
+MixedVector increment_between(const Model& model, const State& first, const State& second, const MixedVector& near) {
+  const Structure& structure = model.structure();
+  MixedVector increment = near.clone(true);
+  const KernelView<double*> rows = increment.vertex(), interior = increment.writable_interior(true);
+  const StateViews a = first.views, b = second.views;
+  Kokkos::parallel_for(
+      "mixbeam::increment_of_vertices", Kokkos::RangePolicy<ExecutionSpace>(0, structure.owned_vertices),
+      KOKKOS_LAMBDA(int v) {
+        double* d = rows.data() + static_cast<size_t>(kVertexDofs) * v;
+        store(load_vector(&b.vertex_displacement(v, 0)) - load_vector(&a.vertex_displacement(v, 0)), d);
+        const Quat turn =
+            load_quaternion(&b.vertex_rotation(v, 0)) * conjugate(load_quaternion(&a.vertex_rotation(v, 0)));
+        store(rotation_near(turn, load_vector(d + 3)), d + 3);
+      });
+  for (const ElementBlock& block : structure.blocks) {
+    const int unknowns = block.interior.unknowns(), first_element = block.first_element;
+    const size_t from = block.interior_offset, to = block.increment_offset;
+    Kokkos::parallel_for(
+        "mixbeam::increment_of_elements", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
+          double* d = interior.data() + to + static_cast<size_t>(e) * (unknowns + 3);
+          const size_t place = from + static_cast<size_t>(e) * unknowns;
+          for (int i = 0; i < unknowns; ++i) d[i] = b.interior(place + i) - a.interior(place + i);
+          const Quat turn = conjugate(load_quaternion(&a.element_triad(first_element + e, 0))) *
+                            load_quaternion(&b.element_triad(first_element + e, 0));
+          store(rotation_near(turn, load_vector(d + unknowns)), d + unknowns);
+        });
+  }
+  return increment;
 }
 
 namespace {

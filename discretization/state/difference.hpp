@@ -24,6 +24,11 @@ struct StateDifference {
 /// Complete on every rank, the same for any number of ranks and threads. Collective.
 StateDifference difference(const Model& model, const State& first, const State& second);
 
+/// The increment that leads from one state to another, as Model::apply takes it: a function of their bits, and of how
+/// `near` they are only by whole turns. The way that has led there, a sum of increments, tells how often rotations went
+/// around; a path that goes on from a file knows it but for its rounding.
+MixedVector increment_between(const Model& model, const State& first, const State& second, const MixedVector& near);
+
 /// A state whose orders were raised by one, with the relative rotation that the new degree has room for.
 ///
 /// In a solution of order k the rotation Lambda_E of an element differs from the exact one by about c P_k(xi), an error

@@ -1,5 +1,6 @@
 // A stage of the load path by LOCA's stepper: steps of the load factor, fixed or adaptive, or whatever the user's list
 // "LOCA" asks for.
+#include "discretization/state/difference.hpp"
 #include "nonlinear/newton/beam_group.hpp"
 #include "nonlinear/path/path_recorder.hpp"
 #include "nonlinear/path/step_judge.hpp"
@@ -147,8 +148,10 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
       next_ = judge_.station(group.state(), group.load_factor(), nullptr);
       return;
     }
-    PathDirection moved{x.clone(true), group.load_factor() - here_->load_factor};
-    moved.x.update(-1.0, *moved_to_, 1.0);
+    MixedVector sum = x.clone(true);
+    sum.update(-1.0, *moved_to_, 1.0);  // rounded as where the stage began wants, which a resumed path does not know
+    const PathDirection moved{increment_between(problem_->model, here_->state, group.state(), sum),
+                              group.load_factor() - here_->load_factor};
     next_ = judge_.station(group.state(), group.load_factor(), load_grows_ ? nullptr : &moved);
     findings_ = judge_.examine({*here_, moved, *next_}, kExaminedStep);
     problem_->last_failure.clear();

@@ -1,8 +1,11 @@
 // A path that goes on from any of its steps arrives with the very bits of the one that never stopped.
+#include "discretization/state/difference.hpp"
 #include "nonlinear/path/step_size.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/support/constrained_scenes.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace mixbeam::test {
@@ -182,6 +185,57 @@ TEST(Resume, FixedStepsAndAUsersLists) {
   parameters.status_tests->set("Test Type", "NormF").set("Scale Type", "Unscaled").set("Tolerance", 1e-9);
   EXPECT_EQ(obstacle_to_resuming(parameters), "");
   expect_resumable_everywhere(two_stages(), parameters);
+}
+
+/// A strip that bends upright and buckles sideways: a critical point behind several steps of one stage.
+Scene strip() {
+  Section upright = section(1e4, 1e4, 1.0, 1.0);
+  upright.bending_stiffness = {1.0, 20.0};
+  Scene scene = cantilever(upright, 1.0, 3, 4);
+  scene.point_loads = {dead_load("tip", {0, -7, 0})};
+  return scene;
+}
+
+TEST(Resume, CriticalPointsOfFixedAndAdaptiveSteps) {
+  SolverParameters parameters;
+  parameters.load_path.steps = 7;
+  parameters.load_path.initial_step = 0.1;
+  for (LoadPathMethod method : {LoadPathMethod::fixed, LoadPathMethod::adaptive}) {
+    parameters.load_path.method = method;
+    Simulation whole(strip(), parameters, this_rank());
+    const std::vector<Step> steps = steps_of(whole);
+    const auto at =
+        std::find_if(steps.begin(), steps.end(), [](const Step& step) { return !step.report.critical_points.empty(); });
+    ASSERT_NE(at, steps.end());
+    EXPECT_GT(at - steps.begin(), 2) << "the example is meant to have a stage that began long before";
+    expect_resumable_everywhere(strip(), parameters);
+  }
+}
+
+/// Of whole turns, which states do not have, it takes those of the sum; of the sum's rounding nothing.
+TEST(IncrementBetween, LeadsFromOneStateToTheOther) {
+  Simulation simulation(two_stages(), {}, this_rank());
+  const Model& model = simulation.model();
+  const State first = model.reference_state();
+  MixedVector way = model.create_vector();
+  for (size_t i = 0; i < way.vertex().extent(0); ++i) way.vertex()(i) = 4.0 * std::sin(2.0 + static_cast<double>(i));
+  const KernelView<double*> interior = way.writable_interior(false);
+  for (size_t i = 0; i < interior.extent(0); ++i) interior(i) = std::cos(static_cast<double>(i));
+  ASSERT_GT(way.largest_vertex_spin(), kPi);
+  const State second = model.apply(first, way, 1.0);
+  MixedVector found = increment_between(model, first, second, way);
+  MixedVector rounded = way.clone(true);
+  rounded.scale(1.0 + 1e-9);
+  EXPECT_TRUE(increment_between(model, first, second, rounded).same_values(found));
+  EXPECT_FALSE(rounded.same_values(way));
+  const MixedVector shortest = increment_between(model, first, second, model.create_vector());
+  EXPECT_LE(shortest.largest_vertex_spin(), kPi * (1.0 + 1e-15));
+  constexpr double kRounding = 1e-13;  // of rotations composed and taken apart
+  MixedVector missed = shortest.clone(true);
+  missed.update(-1.0, way, 1.0);
+  EXPECT_GT(missed.maximum_norm(), 1.0);
+  found.update(-1.0, way, 1.0);
+  EXPECT_LT(found.maximum_norm(), kRounding);
 }
 
 TEST(Resume, RefusesWhatRemembersMore) {
