@@ -8,12 +8,13 @@ import argparse
 import pathlib
 import sys
 
-import h5py
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the back end is chosen)
 import numpy as np  # noqa: E402
+
+from results import InputError, Run  # noqa: E402
 
 # scene: the directions that point to the right and up in the picture, and the share of the load factor that is shown
 OBLIQUE = ((0.8, 0.6, 0.0), (-0.25, 0.33, 0.91))
@@ -28,20 +29,17 @@ SCENES = {
 }
 
 
-def lines_of(file, share, plane):
+def lines_of(run, share, plane):
     """For each member its undeformed and its deformed points in the plane, (samples, 2)."""
-    steps = list(file["steps"].values())
-    last = steps[-1].attrs["load_factor"]
-    step = min(steps, key=lambda one: abs(one.attrs["load_factor"] - share * last))
+    step = run.step_at(share * run.steps[-1].load_factor)
     axes = np.array(plane).T
-    for member in file["members"].values():
-        first, count = member.attrs["first_sample"], member.attrs["samples"]
-        yield member["reference_position"][:] @ axes, step["position"][first:first + count] @ axes
+    for member in run.members:
+        yield member.reference_position @ axes, step.field("position", member) @ axes
 
 
 def draw(panel, path, plane, share):
-    with h5py.File(path) as file:
-        for undeformed, deformed in lines_of(file, share, plane):
+    with Run(path) as run:
+        for undeformed, deformed in lines_of(run, share, plane):
             panel.plot(*undeformed.T, color="0.8", linewidth=0.7, zorder=1)
             panel.plot(*deformed.T, color="tab:blue", linewidth=1.3, zorder=2)
     panel.set_aspect("equal")
@@ -58,7 +56,7 @@ def main():
     for panel, (name, (plane, share)) in zip(panels, SCENES.items()):
         try:
             draw(panel, arguments.results / "gallery" / name / f"{name}.h5", plane, share)
-        except (OSError, KeyError) as error:
+        except (InputError, KeyError) as error:
             sys.exit(f"gallery_strip.py: {name}: {error}")
     canvas.tight_layout()
     canvas.savefig(arguments.output, dpi=90)

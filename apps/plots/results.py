@@ -79,29 +79,45 @@ def _column(texts):
 class Member:
     """Where a member's samples stand in the fields of a step, and its undeformed shape, read when first asked for."""
 
-    def __init__(self, name, group):
-        first = int(group.attrs["first_sample"])
+    def __init__(self, name, first, count, read):
         self.name = name
-        self.samples = slice(first, first + int(group.attrs["samples"]))
-        self.index = int(group.attrs["index"])
-        self._group = group
+        self.samples = slice(first, first + count)
+        self._read = read
 
     @cached_property
     def arc_length(self):
-        return self._group["arc_length"][:]
+        return self._read("arc_length")
 
     @cached_property
     def element(self):
-        return self._group["element"][:]
+        return self._read("element")
 
     @cached_property
     def reference_position(self):
-        return self._group["reference_position"][:]
+        return self._read("reference_position")
 
     def vertices(self):
         """Numbers of the member's samples at element ends."""
         ends = np.flatnonzero(np.diff(self.element))
         return np.concatenate(([0], ends + 1, [len(self.element) - 1]))
+
+
+def _members(group):
+    """Of a result file, in the order of the scene."""
+    if not isinstance(group.get("names"), h5py.Dataset):  # before format 4 a group for each
+        ordered = sorted(group, key=lambda name: group[name].attrs["index"])
+        return [Member(name, int(group[name].attrs["first_sample"]), int(group[name].attrs["samples"]),
+                       lambda field, name=name: group[name][field][:]) for name in ordered]
+    whole = {}  # each field is read at once: members are many and short
+
+    def part(field, first, end):
+        if field not in whole:
+            whole[field] = group[field][:]
+        return whole[field][first:end]
+
+    places = zip(group["names"][:], group["first_sample"][:].tolist(), group["samples"][:].tolist())
+    return [Member(_text(name), first, count, lambda field, first=first, end=first + count: part(field, first, end))
+            for name, first, count in places]
 
 
 class CriticalPoint:
@@ -187,8 +203,7 @@ class Run:
             raise InputError(f"{path}: the file is {what}, and there is no {file_of_case(path, case).name} beside it")
         self.scene_name = _text(self._file.attrs.get("scene_name", path.stem))
         try:
-            groups = self._file["members"]
-            self.members = sorted((Member(name, groups[name]) for name in groups), key=lambda member: member.index)
+            self.members = _members(self._file["members"])
             self.steps = [Step(self._file["steps"][name]) for name in sorted(self._file["steps"])]
         except KeyError as error:
             raise InputError(f"{path}: a result file of mixbeam, but incomplete ({error.args[0]})") from None

@@ -143,6 +143,19 @@ void write_dataset(hid_t group, const std::string& name, const std::vector<doubl
   write_array(group, name, shape, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data());
 }
 
+void write_dataset(hid_t group, const std::string& name, const std::vector<int>& values) {
+  write_array(group, name, {values.size()}, H5T_STD_I32LE, H5T_NATIVE_INT, values.data());
+}
+
+void write_texts(hid_t group, const std::string& name, const std::vector<std::string>& texts) {
+  std::size_t width = 1;
+  for (const std::string& text : texts) width = std::max(width, text.size());
+  const Handle type = text_type(std::string(width, ' '));
+  std::string rows(width * texts.size(), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) texts[i].copy(&rows[width * i], texts[i].size());
+  write_array(group, name, {texts.size()}, type, type, rows.data());
+}
+
 std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers, std::size_t rows,
                             std::size_t columns) {
   const std::string action = "create dataset " + name;
@@ -263,6 +276,23 @@ std::string read_text(hid_t group, const std::string& name) {
   check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), action);
   while (!text.empty() && text.back() == '\0') text.pop_back();
   return text;
+}
+
+std::vector<std::string> read_texts(hid_t group, const std::string& name) {
+  const std::string action = "read texts " + name;
+  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
+  const Handle type(H5Dget_type(id), H5Tclose, action), space(H5Dget_space(id), H5Sclose, action);
+  const auto count = H5Sget_simple_extent_npoints(space);
+  if (count < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) fail(action);
+  const std::size_t width = H5Tget_size(type);
+  std::string rows(width * static_cast<std::size_t>(count), '\0');
+  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), action);
+  std::vector<std::string> texts;
+  for (std::size_t i = 0; i < rows.size(); i += width) {
+    texts.push_back(rows.substr(i, width));
+    texts.back().resize(std::min(width, texts.back().find('\0')));
+  }
+  return texts;
 }
 
 void read_attributes(hid_t object) {

@@ -98,6 +98,10 @@ void write_text(hid_t group, const std::string& name, const std::string& text);
 /// `values` row by row; one column gives a one-dimensional dataset.
 void write_dataset(hid_t group, const std::string& name, const std::vector<double>& values, std::size_t columns);
 
+void write_dataset(hid_t group, const std::string& name, const std::vector<int>& values);
+/// A dataset of texts, all as long as the longest.
+void write_texts(hid_t group, const std::string& name, const std::vector<std::string>& texts);
+
 /// Creates a dataset whose numbers (native doubles or integers, row by row) others write past the library, after the
 /// file is closed: its place in the file is settled at once and nothing is written there. One column gives a
 /// one-dimensional dataset. Returns where the numbers begin; 0 when there are none.
@@ -117,6 +121,7 @@ void read_attribute(hid_t object, const std::string& name, int& value);
 void read_attribute(hid_t object, const std::string& name, bool& value);
 void read_attribute(hid_t object, const std::string& name, std::string& value);
 std::string read_text(hid_t group, const std::string& name);
+std::vector<std::string> read_texts(hid_t group, const std::string& name);
 /// Reads and forgets, to find out whether that can be done.
 void read_attributes(hid_t object);
 void read_all(hid_t group, const std::string& dataset);

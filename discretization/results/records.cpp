@@ -96,25 +96,30 @@ ResultHeader read_header(hid_t file) {
 }
 
 void write_members(hid_t file, const std::vector<MemberSamples>& members) {
-  const auto parent = hdf5::open_group(file, "members");
-  int index = 0;
-  int first_sample = 0;
+  std::vector<std::string> names;
+  std::vector<int> first_sample, samples, points_per_element, order, elements;
   for (const auto& member : members) {
-    const auto group = hdf5::create_group(parent, member.name);
-    const int samples = static_cast<int>(member.share.rows);
-    hdf5::write_attribute(group, "index", index++);
-    hdf5::write_attribute(group, "first_sample", first_sample);
-    hdf5::write_attribute(group, "samples", samples);
-    hdf5::write_attribute(group, "points_per_element", member.points_per_element);
-    hdf5::write_attribute(group, "order", member.order);
-    hdf5::write_attribute(group, "elements", member.elements);
-    first_sample += samples;
+    names.push_back(member.name);
+    first_sample.push_back(first_sample.empty() ? 0 : first_sample.back() + samples.back());
+    samples.push_back(static_cast<int>(member.share.rows));
+    points_per_element.push_back(member.points_per_element);
+    order.push_back(member.order);
+    elements.push_back(member.elements);
   }
+  const auto group = hdf5::open_group(file, "members");
+  hdf5::write_texts(group, "names", names);
+  hdf5::write_dataset(group, "first_sample", first_sample);
+  hdf5::write_dataset(group, "samples", samples);
+  hdf5::write_dataset(group, "points_per_element", points_per_element);
+  hdf5::write_dataset(group, "order", order);
+  hdf5::write_dataset(group, "elements", elements);
   hdf5::create_group(file, "polyline");
 }
 
-std::vector<MemberSamples> read_members(hid_t file) {
-  const auto group = hdf5::open_group(file, "members");
+namespace {
+
+/// Of files that have a group for each member.
+std::vector<MemberSamples> read_member_groups(hid_t group) {
   std::vector<MemberSamples> members(hdf5::count_links(group));
   for (const std::string& name : hdf5::link_names(group)) {
     const auto member = hdf5::open_group(group, name);
@@ -125,6 +130,26 @@ std::vector<MemberSamples> read_members(hid_t file) {
       throw hdf5::Error("cannot read member " + name + ": its numbers make no sense");
     members[static_cast<std::size_t>(index)].name = name;
     members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
+  }
+  return members;
+}
+
+}  // namespace
+
+std::vector<MemberSamples> read_members(hid_t file) {
+  const auto group = hdf5::open_group(file, "members");
+  const std::vector<std::string> links = hdf5::link_names(group);
+  const bool has_tables =
+      std::find(links.begin(), links.end(), "names") != links.end() && !hdf5::is_group(group, "names");
+  if (!has_tables) return read_member_groups(group);
+  const std::vector<std::string> names = hdf5::read_texts(group, "names");
+  const std::vector<double> samples = hdf5::read_dataset(group, "samples");
+  if (samples.size() != names.size() || std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
+    throw hdf5::Error("cannot read the members: their numbers make no sense");
+  std::vector<MemberSamples> members(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    members[i].name = names[i];
+    members[i].share.rows = static_cast<std::size_t>(samples[i]);
   }
   return members;
 }

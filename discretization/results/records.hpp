@@ -12,8 +12,8 @@
 
 namespace mixbeam {
 
-/// 2: first with states to resume from; 3: sealed (seal.hpp).
-inline constexpr int kFirstFormatWithStates = 2, kFirstSealedFormat = 3, kFormatVersion = 3;
+/// 2: first with states to resume from; 3: sealed (seal.hpp); 4: one table of all members, not a group for each.
+inline constexpr int kFirstFormatWithStates = 2, kFirstSealedFormat = 3, kFormatVersion = 4;
 
 /// Begins an empty file.
 void write_header(hid_t file, const ResultHeader& header);
@@ -27,7 +27,7 @@ void require_known_format(hid_t file, const std::string& name, bool is_sealed);
 ResultHeader read_header(hid_t file);
 
 void write_members(hid_t file, const std::vector<MemberSamples>& members);
-/// Names and numbers of samples.
+/// Names and numbers of samples, of files of all formats.
 std::vector<MemberSamples> read_members(hid_t file);
 
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);

@@ -8,8 +8,9 @@
 ///     /properties               attributes: compiler, threads, ... as the caller names them
 ///     /quantities               names of the columns of /monitor/quantities, one to a line; only where the scene asks
 ///                               for quantities
-///     /members/<name>           attributes index, first_sample, samples, points_per_element, order, elements;
-///                               arc_length, element, reference_position (.,3)
+///     /members                  names, first_sample, samples, points_per_element, order, elements (members);
+///                               arc_length, element (n), reference_position (n,3). Before format 4 a group for each:
+///                               /members/<name> with these numbers and index as attributes
 ///     /supports/0, 1, ...       attribute point
 ///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
 ///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,

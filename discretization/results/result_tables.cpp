@@ -101,12 +101,12 @@ ResultTable known_table(const std::string& name, RankNumber rank, std::size_t co
 }
 
 /// A field at the samples of all members: value(member, sample held of it, room for its numbers).
-template <class Value>
+template <class Number = double, class Value>
 ResultTable sample_table(const std::string& name, std::size_t columns, const std::vector<MemberSamples>& members,
                          const Value& value) {
   std::size_t samples = 0;
   for (const MemberSamples& member : members) samples += member.share.rows;
-  return table<double>(name, samples, columns, [&members, value](RowWriter<double>& writer) {
+  return table<Number>(name, samples, columns, [&members, value](RowWriter<Number>& writer) {
     std::size_t first = 0;
     for (const MemberSamples& member : members) {
       for_each_held(member.share,
@@ -220,15 +220,13 @@ std::string step_group_name(int step) {
 }
 
 std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank) {
-  std::vector<ResultTable> tables;
-  for (const MemberSamples& member : members) {
-    const std::string group = "/members/" + member.name + "/";
-    tables.push_back(table_of(group + "arc_length", member.share, 1, member.arc_length.data()));
-    tables.push_back(table_of(group + "element", member.share, 1, member.element.data()));
-    tables.push_back(table_of(group + "reference_position", member.share, 3, numbers_of(member.reference_position)));
-  }
-  tables.push_back(connectivity_table(members, rank));
-  return tables;
+  const std::string group = "/members/";
+  const auto arc_length = [](const MemberSamples& member, std::size_t i, double* row) { *row = member.arc_length[i]; };
+  const auto element = [](const MemberSamples& member, std::size_t i, int* row) { *row = member.element[i]; };
+  return {sample_table(group + "arc_length", 1, members, arc_length),
+          sample_table<int>(group + "element", 1, members, element),
+          field_table(group + "reference_position", members, &MemberSamples::reference_position),
+          connectivity_table(members, rank)};
 }
 
 std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank) {

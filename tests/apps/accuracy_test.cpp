@@ -47,7 +47,7 @@ TEST_F(AccuracyOfAScene, IsReachedAndReported) {
   EXPECT_FALSE(mesh["meshes"].empty());
   const auto contents = contents_of(folder_ / "results" / "scene.h5");
   ASSERT_TRUE(contents);
-  EXPECT_EQ(contents->count("members/rod@order") + contents->count("members/strip@order"), 1u);
+  EXPECT_EQ(contents->count("members/order"), 1u);
 }
 
 // Three elements of order 2 are what they are; the expected values of the scene notice it, too.

@@ -47,7 +47,7 @@ TEST_F(Mixbeam, RunWritesEverythingAndChecksIt) {
   const auto contents = contents_of(folder_ / "results" / "scene.h5");
   ASSERT_TRUE(contents);
   for (const char* path :
-       {"scene", "version", "supports/0@point", "members/shaft@points_per_element", "steps/000002/residual_history",
+       {"scene", "version", "supports/0@point", "members/points_per_element", "steps/000002/residual_history",
         "steps/000002/reactions", "steps/000002/balance", "steps/000002/state/interior",
         "steps/000002/error_estimate@energy_error", "steps/000002/error_estimate/vertex_displacement",
         "steps/000002/error_estimate/points/P1", "monitor/moment_energy", "monitor/clamp.reaction_moment"})

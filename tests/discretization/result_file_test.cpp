@@ -149,9 +149,11 @@ TEST_F(ResultFileTest, FieldsComeBackConcatenatedOverMembers) {
     for (std::size_t j = 0; j < 3; ++j) EXPECT_EQ(position[3 * i + j], expected[j]);
   }
   EXPECT_EQ(read_doubles(file_, "/steps/000002/material_moment")[4], vector_of(6, 0, 1, 2)[1]);
-  EXPECT_EQ(read_doubles(file_, "/members/tine/reference_position")[5], vector_of(0, 1, 1, 0)[2]);
-  EXPECT_EQ(read_doubles(file_, "/members/shaft/element"), (std::vector<double>{0, 0, 1}));
-  EXPECT_EQ(read_number(file_, "/members/tine", "first_sample"), 3);
+  EXPECT_EQ(read_doubles(file_, "/members/reference_position")[3 * 3 + 5], vector_of(0, 1, 1, 0)[2]);
+  EXPECT_EQ(read_doubles(file_, "/members/element"), (std::vector<double>{0, 0, 1, 0, 0}));
+  EXPECT_EQ(read_doubles(file_, "/members/arc_length"), (std::vector<double>{0, 0.25, 0.5, 0, 0.25}));
+  EXPECT_EQ(read_doubles(file_, "/members/first_sample"), (std::vector<double>{0, 3}));
+  EXPECT_EQ(read_doubles(file_, "/members/samples"), (std::vector<double>{3, 2}));
   EXPECT_EQ(read_doubles(file_, "/polyline/connectivity"), (std::vector<double>{2, 3, 0, 1, 2, 2, 2, 3, 4}));
 }
 
@@ -364,6 +366,58 @@ TEST_F(ResultFileTest, OlderFilesAreRead) {
   EXPECT_TRUE(report.is_sealed);
   EXPECT_EQ(report.damage, "");
   EXPECT_EQ(report.steps, (std::vector<int>{0, 1}));
+}
+
+/// A name as long as the table of names is wide ends without a zero.
+TEST_F(ResultFileTest, NamesOfMembersComeBack) {
+  StepRecord record = step_behind_limit_point(0);
+  record.critical_points.clear();
+  record.members[0].name = "a name that is longer than that of the other member, \xc3\xa4";
+  { ResultFile(file_, sample_header()).append_step(record); }
+  {
+    ResultFile goes_on{StoredRun(file_)};
+    record.step = 1;
+    goes_on.append_step(record);
+    std::swap(record.members[0].name, record.members[1].name);
+    record.step = 2;
+    EXPECT_NE(error_of([&] { goes_on.append_step(record); }), "no error");
+  }
+  EXPECT_EQ(StoredRun(file_).steps().size(), 2u);
+}
+
+/// Before format 4 a member was a group, which might be called as a table is now.
+TEST_F(ResultFileTest, GroupsOfMembersAreRead) {
+  StepRecord record = step_behind_limit_point(0);
+  record.critical_points.clear();
+  record.members[0].name = "names";
+  { ResultFile(file_, sample_header()).append_step(record); }
+  const hid_t file = H5Fopen(file_.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "/members", H5P_DEFAULT), 0);
+  H5Gclose(H5Gcreate2(file, "/members", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  const hid_t space = H5Screate(H5S_SCALAR);
+  for (int index : {1, 0}) {
+    const hid_t group =
+        H5Gcreate2(file, index == 0 ? "/members/names" : "/members/tine", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    const int samples = index == 0 ? 3 : 2;
+    for (const auto& [name, value] : {std::pair{"index", index}, std::pair{"samples", samples}}) {
+      const hid_t attribute = H5Acreate2(group, name, H5T_STD_I32LE, space, H5P_DEFAULT, H5P_DEFAULT);
+      H5Awrite(attribute, H5T_NATIVE_INT, &value);
+      H5Aclose(attribute);
+    }
+    H5Gclose(group);
+  }
+  H5Sclose(space);
+  const hid_t version = H5Aopen(file, "format_version", H5P_DEFAULT);
+  const int before_checksums = 2;
+  ASSERT_GE(H5Awrite(version, H5T_NATIVE_INT, &before_checksums), 0);
+  H5Aclose(version);
+  H5Fclose(file);
+  ResultFile goes_on{StoredRun(file_)};
+  record.step = 1;
+  goes_on.append_step(record);
+  record.step = 2;
+  record.members[1].name = "another";
+  EXPECT_NE(error_of([&] { goes_on.append_step(record); }), "no error");
 }
 
 TEST_F(ResultFileTest, NewerFormatsAreRefused) {
