@@ -29,6 +29,7 @@ struct SectionDraft {
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
   bool inextensible = false, shear_rigid = false;
+  double largest_strain = Section{}.largest_strain;
 
   bool is_rigid(std::size_t component) const { return component == 0 ? inextensible : component < 3 && shear_rigid; }
 };
@@ -41,6 +42,11 @@ BoundList<SectionDraft> material_parameters() {
   material.bind(
       [](auto& d) -> auto& { return d.shape.shear_modulus; }, real("G").above(0.0),
       "Shear modulus [force / length^2]; E / (2 (1 + nu)) if absent.");
+  material.bind(
+      [](auto& d) -> auto& { return d.shape.strength; }, real("Strength").above(0.0),
+      "Von Mises stress that the material bears (yield strength over the safety that is wanted) [force / length^2]; "
+      "the "
+      "report then states the utilisation.");
   return material;
 }
 
@@ -67,15 +73,17 @@ void bind_shape(BoundList<SectionDraft>& section) {
                 {"tube", SectionShapeKind::tube},
                 {"rectangle", SectionShapeKind::rectangle},
                 {"ellipse", SectionShapeKind::ellipse},
-                {"I", SectionShapeKind::i_section}});
+                {"I", SectionShapeKind::i_section},
+                {"box", SectionShapeKind::box}});
   const auto bind = [&](double SectionShape::*size, const std::string& name, const std::string& meaning) {
     section.bind(
         [size](auto& d) -> auto& { return d.shape.*size; }, real(name).above(0.0), meaning);
   };
   bind(&SectionShape::size2, "Diameter", "circle, tube: outer diameter [length].");
-  bind(&SectionShape::wall, "Wall", "tube: thickness of the wall, at most half of the diameter [length].");
-  bind(&SectionShape::size2, "Width", "rectangle, ellipse, I: whole width along axis 2 [length].");
-  bind(&SectionShape::size3, "Height", "rectangle, ellipse, I: whole height along axis 3 [length].");
+  bind(&SectionShape::wall, "Wall",
+       "tube, box: thickness of the wall, at most half of the diameter, less than half of Width and Height [length].");
+  bind(&SectionShape::size2, "Width", "rectangle, ellipse, I, box: whole width along axis 2 [length].");
+  bind(&SectionShape::size3, "Height", "rectangle, ellipse, I, box: whole height along axis 3 [length].");
   bind(&SectionShape::wall, "Flange", "I: thickness of the flanges, which lie along axis 2 [length].");
   bind(&SectionShape::web, "Web", "I: thickness of the web [length].");
   section.bind(&SectionDraft::shear_correction, array("Shear Correction", ParameterType::real_array, 2).above(0.0),
@@ -90,7 +98,8 @@ void bind_shape(BoundList<SectionDraft>& section) {
                                     {"tube", form({"Diameter", "Wall"})},
                                     {"rectangle", form({"Width", "Height"})},
                                     {"ellipse", form({"Width", "Height"})},
-                                    {"I", form({"Width", "Height", "Flange", "Web"})}});
+                                    {"I", form({"Width", "Height", "Flange", "Web"})},
+                                    {"box", form({"Width", "Height", "Wall"})}});
 }
 
 BoundList<SectionDraft> section_parameters() {
@@ -108,6 +117,10 @@ BoundList<SectionDraft> section_parameters() {
   section.bind(&SectionDraft::shear_rigid, boolean("Shear Rigid").by_default(),
                "True: no shear strain, sections stay normal to the axis; GA2 and GA3 must then not be given, and their "
                "rows of Matrix do not count.");
+  section.bind(
+      &SectionDraft::largest_strain, real("Largest Strain").above(0.0).by_default(),
+      "A run warns of larger strains of the section's force strains or at its edge: the linear law means little "
+      "there. Eigenstrains do not count.");
   return section;
 }
 
@@ -121,8 +134,11 @@ class SectionReader {
 
   Section read() const {
     check_one_way();
-    if (list_.isParameter("Shape")) return section_from_shape();
-    return list_.isParameter("Matrix") ? section_from_matrix() : section_from_stiffnesses();
+    Section section = list_.isParameter("Shape")    ? section_from_shape()
+                      : list_.isParameter("Matrix") ? section_from_matrix()
+                                                    : section_from_stiffnesses();
+    section.largest_strain = draft_.largest_strain;
+    return section;
   }
 
  private:

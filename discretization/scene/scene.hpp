@@ -14,19 +14,20 @@ namespace mixbeam {
 using Vector3 = std::array<double, 3>;
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 
-enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section };
+enum class SectionShapeKind { circle, tube, rectangle, ellipse, i_section, box };
 
 /// Cross-section of one material, from which stiffnesses follow (section_shape.hpp).
 struct SectionShape {
   SectionShapeKind kind = SectionShapeKind::circle;
   double size2 = 0.0;  ///< outer dimension along axis 2 (circle, tube: the diameter; I: width of the flanges)
   double size3 = 0.0;  ///< outer dimension along axis 3 (circle, tube: unused; I: height)
-  double wall = 0.0;   ///< tube: wall thickness; I: thickness of the flanges
+  double wall = 0.0;   ///< tube, box: wall thickness; I: thickness of the flanges
   double web = 0.0;    ///< I: thickness of the web
   double youngs_modulus = 0.0;
   double poisson_ratio = 0.0;
   std::optional<double> shear_modulus{};                    ///< absent: E / (2 (1 + nu))
   std::array<std::optional<double>, 2> shear_correction{};  ///< factors of GA2, GA3; absent: the value of the shape
+  std::optional<double> strength{};                         ///< von Mises stress that the material bears
 };
 
 /// Linear elastic section; every stiffness is positive, and infinity means rigid in that component (compliance zero).
@@ -42,6 +43,9 @@ struct Section {
   std::optional<Matrix6> matrix{};
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it.
   std::optional<SectionShape> shape{};
+  /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
+  /// and the law of rubber differs from a line by about a tenth.
+  double largest_strain = 0.05;
 };
 
 /// A named point of the undeformed structure; members that name the same point are rigidly joined there, unless a joint

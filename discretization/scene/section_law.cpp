@@ -171,10 +171,12 @@ double shear_modulus(const SectionShape& shape) {
 Section mixed_shape(double weight, const Section& start, const Section& end) {
   const SectionShape &a = *start.shape, &b = *end.shape;
   SectionShape shape = a;
+  if (!b.strength) shape.strength.reset();
   for (double SectionShape::*number : {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall,
                                        &SectionShape::web, &SectionShape::youngs_modulus, &SectionShape::poisson_ratio})
     shape.*number = mixed(weight, a.*number, b.*number);
   if (a.shear_modulus || b.shear_modulus) shape.shear_modulus = mixed(weight, shear_modulus(a), shear_modulus(b));
+  if (a.strength && b.strength) shape.strength = mixed(weight, *a.strength, *b.strength);
   for (int i = 0; i < 2; ++i)
     if (a.shear_correction[i] && b.shear_correction[i])
       shape.shear_correction[i] = mixed(weight, *a.shear_correction[i], *b.shear_correction[i]);

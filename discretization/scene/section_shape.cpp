@@ -14,14 +14,6 @@ namespace {
 
 constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at 5
 
-/// What geometry gives: everything that does not depend on the material but for the shear factors.
-struct SectionGeometry {
-  double area = 0.0;
-  double torsion_constant = 0.0;
-  std::array<double, 2> second_moment{};  ///< about axes 2 and 3
-  std::array<double, 2> shear_factor{};   ///< of GA2, GA3
-};
-
 void require_length(double value, const std::string& name) {
   require(std::isfinite(value) && value > 0.0, name + " is " + shortest(value) + "; allowed: a length > 0");
 }
@@ -95,6 +87,31 @@ SectionGeometry i_geometry(const SectionShape& s, double nu) {
   return g;
 }
 
+/// Cowper's thin-walled box, shear force along `along`; both dimensions between the middle lines of the walls.
+double box_shear_factor(double along, double across, double nu) {
+  const double m = across / along, n2 = square(across / along);
+  const double denominator = 12.0 + 72.0 * m + 150.0 * m * m + 90.0 * cube(m) +
+                             nu * (11.0 + 66.0 * m + 135.0 * m * m + 90.0 * cube(m)) +
+                             10.0 * n2 * ((3.0 + nu) * m + 3.0 * m * m);
+  return 10.0 * (1.0 + nu) * square(1.0 + 3.0 * m) / denominator;
+}
+
+/// Two walls of length `across` and thickness t at +-(along - t) / 2, two between them.
+double box_second_moment(double along, double across, double t) {
+  const double between = along - 2.0 * t;
+  return (2.0 * across * t * (square(t) + 3.0 * square(along - t)) + 2.0 * t * cube(between)) / 12.0;
+}
+
+SectionGeometry box_geometry(const SectionShape& s, double nu) {
+  const double t = s.wall, b = s.size2 - t, h = s.size3 - t;
+  SectionGeometry g;
+  g.area = 2.0 * t * (b + h);
+  g.second_moment = {box_second_moment(s.size3, s.size2, t), box_second_moment(s.size2, s.size3, t)};
+  g.torsion_constant = 2.0 * t * square(b * h) / (b + h) + 2.0 * (b + h) * cube(t) / 3.0;
+  g.shear_factor = {box_shear_factor(b, h, nu), box_shear_factor(h, b, nu)};
+  return g;
+}
+
 void check_dimensions(const SectionShape& s) {
   const bool round = s.kind == SectionShapeKind::circle || s.kind == SectionShapeKind::tube;
   require_length(s.size2, round ? "the diameter" : "the width");
@@ -103,6 +120,12 @@ void check_dimensions(const SectionShape& s) {
     require_length(s.wall, "the wall thickness");
     require(2.0 * s.wall <= s.size2, "the wall thickness is " + shortest(s.wall) + "; allowed: at most half of the " +
                                          "diameter " + shortest(s.size2));
+  }
+  if (s.kind == SectionShapeKind::box) {
+    require_length(s.wall, "the wall thickness");
+    const double smaller = std::min(s.size2, s.size3);
+    require(2.0 * s.wall < smaller, "the wall thickness is " + shortest(s.wall) +
+                                        "; allowed: less than half of the smaller dimension " + shortest(smaller));
   }
   if (s.kind == SectionShapeKind::i_section) {
     require_length(s.wall, "the flange thickness");
@@ -125,22 +148,6 @@ void check_material(const SectionShape& s) {
     if (factor) require(positive(*factor), "a shear correction factor is " + shortest(*factor) + "; allowed: > 0");
 }
 
-SectionGeometry geometry_of(const SectionShape& s) {
-  switch (s.kind) {
-    case SectionShapeKind::circle:
-      return tube_geometry(s.size2, 0.5 * s.size2, s.poisson_ratio);
-    case SectionShapeKind::tube:
-      return tube_geometry(s.size2, s.wall, s.poisson_ratio);
-    case SectionShapeKind::rectangle:
-      return rectangle_geometry(s.size2, s.size3, s.poisson_ratio);
-    case SectionShapeKind::ellipse:
-      return ellipse_geometry(s.size2, s.size3, s.poisson_ratio);
-    case SectionShapeKind::i_section:
-      return i_geometry(s, s.poisson_ratio);
-  }
-  throw std::logic_error("make_section: a kind of section without a rule");
-}
-
 /// Dimensions far from 1 overflow in their fourth powers.
 void check_stiffnesses(const Section& section) {
   for (const double value : {section.axial_stiffness, section.shear_stiffness[0], section.shear_stiffness[1],
@@ -152,6 +159,24 @@ void check_stiffnesses(const Section& section) {
 }
 
 }  // namespace
+
+SectionGeometry section_geometry(const SectionShape& s) {
+  switch (s.kind) {
+    case SectionShapeKind::circle:
+      return tube_geometry(s.size2, 0.5 * s.size2, s.poisson_ratio);
+    case SectionShapeKind::tube:
+      return tube_geometry(s.size2, s.wall, s.poisson_ratio);
+    case SectionShapeKind::rectangle:
+      return rectangle_geometry(s.size2, s.size3, s.poisson_ratio);
+    case SectionShapeKind::ellipse:
+      return ellipse_geometry(s.size2, s.size3, s.poisson_ratio);
+    case SectionShapeKind::i_section:
+      return i_geometry(s, s.poisson_ratio);
+    case SectionShapeKind::box:
+      return box_geometry(s, s.poisson_ratio);
+  }
+  throw std::logic_error("section_geometry: a kind of section without a rule");
+}
 
 double rectangle_torsion_constant(double width, double height) {
   const double a = std::max(width, height);
@@ -179,7 +204,7 @@ double i_section_torsion_constant(double width, double height, double flange, do
 Section make_section(const std::string& name, const SectionShape& shape) {
   check_dimensions(shape);
   check_material(shape);
-  const SectionGeometry geometry = geometry_of(shape);
+  const SectionGeometry geometry = section_geometry(shape);
   const double e = shape.youngs_modulus;
   const double g = shape.shear_modulus.value_or(e / (2.0 * (1.0 + shape.poisson_ratio)));
   Section section;

@@ -11,14 +11,26 @@ namespace mixbeam {
 /// symmetry; stiffness about axis 2 is EI2 = E * integral of x3^2, about axis 3 EI3 = E * integral of x2^2.
 ///
 /// Shear correction (unless the shape overrides it): Cowper, "The shear coefficient in Timoshenko's beam theory",
-/// J. Appl. Mech. 33 (1966) 335-340: circle, thick tube, rectangle, ellipse, and the thin-walled I loaded along its
-/// web. The I loaded along its flanges: two rectangles of Cowper, the web carries nothing.
+/// J. Appl. Mech. 33 (1966) 335-340: circle, thick tube, rectangle, ellipse, the thin-walled box, and the thin-walled I
+/// loaded along its web. The I loaded along its flanges: two rectangles of Cowper, the web carries nothing.
 ///
-/// Torsion: closed form for circle, tube and ellipse, Saint-Venant's series summed to rounding for the rectangle, and
-/// for the I `i_section_torsion_constant`.
+/// Torsion: closed form for circle, tube and ellipse, Saint-Venant's series summed to rounding for the rectangle, for
+/// the I `i_section_torsion_constant`, for the box Bredt's formula along the middle lines of its walls plus the walls'
+/// own l t^3 / 3.
 ///
 /// Throws std::invalid_argument for dimensions or moduli that no body has.
 Section make_section(const std::string& name, const SectionShape& shape);
+
+/// What geometry gives: everything that does not depend on the material but for the shear factors.
+struct SectionGeometry {
+  double area = 0.0;
+  double torsion_constant = 0.0;          ///< J [length^4]
+  std::array<double, 2> second_moment{};  ///< about axes 2 and 3 [length^4]
+  std::array<double, 2> shear_factor{};   ///< of GA2, GA3
+};
+
+/// Of a shape that make_section takes; its own shear correction is not looked at.
+SectionGeometry section_geometry(const SectionShape& shape);
 
 /// Torsion constant of a full rectangle, Saint-Venant's series [length^4]; relative error below 1e-14 for any ratio.
 /// Timoshenko and Goodier, Theory of Elasticity, section 109.

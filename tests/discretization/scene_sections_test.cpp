@@ -40,6 +40,7 @@ TEST(SceneSections, ReadsEveryShape) {
   EXPECT_EQ(kind(shape("tube") + number("Diameter", "2") + number("Wall", "0.1")), SectionShapeKind::tube);
   EXPECT_EQ(kind(shape("rectangle") + box), SectionShapeKind::rectangle);
   EXPECT_EQ(kind(shape("ellipse") + box), SectionShapeKind::ellipse);
+  EXPECT_EQ(kind(shape("box") + box + number("Wall", "0.1")), SectionShapeKind::box);
   const Section i = section_from(shape("I") + box + number("Flange", "0.3") + number("Web", "0.2") + material());
   EXPECT_EQ(i.shape->kind, SectionShapeKind::i_section);
   EXPECT_EQ(i.shape->size2, 2.0);
@@ -70,6 +71,23 @@ TEST(SceneSections, MaterialByShearModulus) {
   expect_refused(kRectangle + material(number("E", "200") + number("nu", "0.6")), {"value 0.6", "<= 0.5"});
   expect_refused(kRectangle, {"steel / Material", "missing ParameterList"});
   expect_refused(kRectangle + material(number("E", "2") + number("Nu", "0")), {"did you mean \"nu\"?"});
+}
+
+TEST(SceneSections, StrengthAndLargestStrain) {
+  const Section plain = section_from(kRectangle + material());
+  EXPECT_FALSE(plain.shape->strength.has_value());
+  EXPECT_EQ(plain.largest_strain, 0.05);
+  const std::string moduli = number("E", "200") + number("nu", "0.25");
+  const Section s =
+      section_from(kRectangle + material(moduli + number("Strength", "3")) + number("Largest Strain", "0.2"));
+  EXPECT_EQ(s.shape->strength, 3.0);
+  EXPECT_EQ(s.largest_strain, 0.2);
+  expect_refused(kRectangle + material(moduli + number("Strength", "0")), {"Material / Strength", "value 0"});
+  expect_refused(kRectangle + material(moduli + number("strength", "1")), {"did you mean \"Strength\"?"});
+  expect_refused(kRectangle + material() + number("Largest Strain", "-1"), {"Largest Strain", "value -1"});
+  const std::string box = shape("box") + number("Width", "2") + number("Height", "3");
+  expect_refused(box + material(), {"steel", "Wall"});
+  expect_refused(box + number("Wall", "1") + material(), {"less than half of the smaller dimension 2"});
 }
 
 TEST(SceneSections, ShearCorrection) {
@@ -115,7 +133,8 @@ TEST(SceneSections, RefusesWrongMatrices) {
   expect_refused(matrix("{1, 2, 3}"), {"steel / Matrix", "3 entries", "36", "21"});
   expect_refused(matrix("{10,0,0,0,0,1, 0,5,0,0,0,0, 0,0,6,0,0,0, 0,0,0,3,0,0, 0,0,0,0,4,0, 1.1,0,0,0,0,5}"),
                  {"not symmetric", "row EA, column EI3 is 1,", "1.1"});
-  expect_refused(matrix("{10,0,0,0,0,0, 5,0,0,0,0, 6,0,0,0, 3,4,0, 4,0, 5}"), {"not positive definite", "first 5 elastic components"});
+  expect_refused(matrix("{10,0,0,0,0,0, 5,0,0,0,0, 6,0,0,0, 3,4,0, 4,0, 5}"),
+                 {"not positive definite", "first 5 elastic components"});
   expect_refused(matrix("{10,0,0,0,0,0, 5,0,0,0,0, 6,0,0,0, 3,0,0, -4,0, 5}"), {"EI2 is -4"});
   expect_refused(matrix("{10,0,0,0,0,0, 5,0,0,0,0, 6,0,0,0, 3,0,0, 4,0, inf}"), {"inf"});
 }

@@ -251,6 +251,28 @@ TEST(SectionShape, ISectionTorsionIsThatOfAFieldSolution) {
   }
 }
 
+TEST(SectionShape, BoxHasTheStiffnessesOfItsWalls) {
+  const double b = 0.06, h = 0.1, t = 0.004;
+  const SectionShape shape = shape_of(SectionShapeKind::box, b, h, t);
+  const Section s = make_section("box", shape);
+  const double inner2 = b - 2 * t, inner3 = h - 2 * t;
+  expect_close(s.axial_stiffness, b * h - inner2 * inner3, 1e-13);
+  expect_close(s.bending_stiffness[0], (b * h * h * h - inner2 * std::pow(inner3, 3)) / 12.0, 1e-13);
+  expect_close(s.bending_stiffness[1], (h * b * b * b - inner3 * std::pow(inner2, 3)) / 12.0, 1e-13);
+  const double mean2 = b - t, mean3 = h - t;  // Bredt: 4 A_m^2 / integral of ds / t
+  expect_close(torsion_constant(shape),
+               4 * std::pow(mean2 * mean3, 2) * t / (2 * (mean2 + mean3)) + 2 * (mean2 + mean3) * t * t * t / 3);
+  // Cowper 1966, thin-walled square tube: 20 (1 + nu) / (48 + 39 nu)
+  SectionShape square = shape_of(SectionShapeKind::box, 1.0, 1.0, 0.01);
+  for (const double nu : {0.0, 0.3}) {
+    square.poisson_ratio = nu;
+    for (const int axis : {0, 1}) expect_close(shear_factor(square, axis), 20 * (1 + nu) / (48 + 39 * nu), 1e-13);
+  }
+  // a tall box is two webs, a flat one hardly carries by its webs
+  EXPECT_NEAR(shear_factor(shape_of(SectionShapeKind::box, 1e-3, 1.0, 1e-6), 1), 5.0 / 6.0, 0.01);
+  EXPECT_LT(shear_factor(shape_of(SectionShapeKind::box, 1.0, 1e-2, 1e-4), 1), 0.02);
+}
+
 TEST(SectionShape, ISectionTorsionIsNeverBelowItsParts) {
   const double parts = 2.0 * rectangle_torsion_constant(10, 1) + rectangle_torsion_constant(18, 3);
   EXPECT_EQ(i_section_torsion_constant(10, 20, 1, 3), parts);  // thick web: outside of the published formula
