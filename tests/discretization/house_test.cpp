@@ -102,8 +102,8 @@ const std::vector<Folder>& folders() {
   static const std::vector<Folder> all = {
       {"kernels", {"execution", "math", "element", "condensation", "planar", "loops", "chains"}},
       {"discretization",
-       {"text", "parameters", "geometry", "scene", "mesh", "checks", "reading", "constraints", "linear_system",
-        "assembly", "state", "quantities", "results"}},
+       {"text", "parameters", "geometry", "scene", "stresses", "mesh", "checks", "reading", "constraints",
+        "linear_system", "assembly", "state", "quantities", "results"}},
       {"nonlinear", {"parameters", "linear", "multilevel", "newton", "stability", "diagnosis", "path", "accuracy", "run"}},
       {"apps/common", {"tables", "session", "run", "studies"}}};
   return all;

@@ -1,0 +1,219 @@
+// I and box: shear stresses along walls.
+#include "discretization/stresses/stress_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace mixbeam {
+
+namespace {
+
+/// Where two walls meet, the stresses of one of them end this far from the other, over the length of the wall: so a
+/// point belongs to one wall, and what is reported for it is what it has.
+constexpr double kInset = 1e-9;
+
+/// c0 + c1 x + c2 x^2
+struct Parabola {
+  double c0 = 0.0, c1 = 0.0, c2 = 0.0;
+  double at(double x) const { return c0 + x * (c1 + x * c2); }
+};
+
+Parabola sum_of_parabolas(double f, const Parabola& p, double g, const Parabola& q) {
+  return {f * p.c0 + g * q.c0, f * p.c1 + g * q.c1, f * p.c2 + g * q.c2};
+}
+
+/// A straight wall along axis 2 or 3. The shear stress along it is a parabola of the coordinate x along the wall, for
+/// each unit force, and linear through its thickness for a unit torque.
+struct Wall {
+  bool along2 = true;
+  double from = 0.0, to = 0.0;  ///< of x
+  double middle = 0.0;          ///< of the other coordinate
+  double thickness = 0.0;
+  double corner = 0.0;  ///< length beyond both ends, on the outer face, over which the shear stress of the end is kept
+  Parabola of_force2{}, of_force3{};
+  double circulating = 0.0;  ///< shear stress of a unit torque in the middle of the wall
+  double twisting = 0.0;     ///< its increase per length across the wall
+
+  /// Along the wall, at `across` from its middle.
+  Parabola shear(const ShearLoad& load, double across) const {
+    Parabola p = sum_of_parabolas(load.force2, of_force2, load.force3, of_force3);
+    p.c0 += load.torque * (circulating + twisting * across);
+    return p;
+  }
+  /// Normal stress along the wall as c0 + c1 x, at `across` from its middle.
+  Parabola normal(const NormalStress& s, double across) const {
+    const double other = middle + across;
+    if (along2) return {s.constant + s.slope3 * other, s.slope2, 0.0};
+    return {s.constant + s.slope2 * other, s.slope3, 0.0};
+  }
+  SectionPoint point(double x, double across) const {
+    if (along2) return {x, middle + across};
+    return {middle + across, x};
+  }
+};
+
+/// Where sigma^2 + 3 tau^2 has its one local maximum along a line, if any: the middle root of the derivative, a cubic
+/// with positive leading coefficient. `h`: half the length of the line, for scaling.
+bool inner_maximum(const Parabola& sigma, const Parabola& tau, double h, double& x) {
+  const double r = tau.c2 * h * h, q = tau.c1 * h, p = tau.c0, a = sigma.c0, b = sigma.c1 * h;
+  if (r == 0.0) return false;  // convex
+  const double lead = 12.0 * r * r, c2 = 18.0 * q * r / lead, c1 = (2.0 * b * b + 6.0 * q * q + 12.0 * p * r) / lead,
+               c0 = (2.0 * a * b + 6.0 * p * q) / lead;
+  const double shift = c2 / 3.0, m = c1 - c2 * shift, n = 2.0 * shift * shift * shift - shift * c1 + c0;
+  if (!(4.0 * m * m * m + 27.0 * n * n < 0.0)) return false;  // one real root, a minimum
+  const double size = std::sqrt(-m / 3.0);
+  const double cosine = std::clamp(-0.5 * n / (size * size * size), -1.0, 1.0);
+  constexpr double kThird = 2.0943951023931954923;  // 2 pi / 3
+  x = h * (2.0 * size * std::cos(std::acos(cosine) / 3.0 - kThird) - shift);
+  return std::isfinite(x);
+}
+
+/// The larger of what is known and what is found; of equal ones the first.
+class LargestOnWalls {
+ public:
+  void add(double sigma, double tau, const SectionPoint& point) {
+    const double square = sigma * sigma + 3.0 * tau * tau;
+    if (square <= square_ * (1.0 + kEqual)) return;
+    square_ = square;
+    point_ = point;
+  }
+  LargestStress found() const { return {std::sqrt(square_), point_}; }
+
+ private:
+  static constexpr double kEqual = 1e-13;  // rounding of a dozen operations
+  double square_ = 0.0;
+  SectionPoint point_{};
+};
+
+void add_face(LargestOnWalls& largest, const Wall& wall, double across, const NormalStress& normal,
+              const ShearLoad& load) {
+  const Parabola sigma = wall.normal(normal, across), tau = wall.shear(load, across);
+  const auto add = [&](double x, double place) { largest.add(sigma.at(place), tau.at(x), wall.point(place, across)); };
+  for (const auto& [end, outward] : {std::pair{wall.from, -1.0}, std::pair{wall.to, 1.0}}) {
+    add(end, end);
+    if (across * wall.middle > 0.0 && wall.corner > 0.0) add(end, end + outward * wall.corner);
+  }
+  const double half = 0.5 * (wall.to - wall.from), middle = 0.5 * (wall.to + wall.from);
+  const auto shifted = [&](const Parabola& p) { return Parabola{p.at(middle), p.c1 + 2.0 * p.c2 * middle, p.c2}; };
+  double x = 0.0;
+  if (!inner_maximum(shifted(sigma), shifted(tau), half, x) || std::abs(x) >= half) return;
+  add(middle + x, middle + x);
+}
+
+class WallStressField : public StressField {
+ public:
+  explicit WallStressField(const SectionShape& shape) : StressField(shape), shape_(shape) {
+    if (shape.kind == SectionShapeKind::box)
+      add_walls_of_box();
+    else
+      add_walls_of_i();
+  }
+
+  std::array<double, 2> shear(const ShearLoad& load, double x2, double x3) const override {
+    const Wall& wall = wall_at(x2, x3);
+    const double x = wall.along2 ? x2 : x3, across = (wall.along2 ? x3 : x2) - wall.middle;
+    const double tau = wall.shear(load, across).at(std::clamp(x, wall.from, wall.to));
+    if (wall.along2) return {tau, 0.0};
+    return {0.0, tau};
+  }
+
+  bool contains(double x2, double x3) const override {
+    const double rounding = 1e-12;  // of coordinates that come from text or from sums
+    const double reach2 = 0.5 * shape_.size2, reach3 = 0.5 * shape_.size3, y2 = std::abs(x2), y3 = std::abs(x3);
+    if (y2 > reach2 * (1.0 + rounding) || y3 > reach3 * (1.0 + rounding)) return false;
+    const bool in_flange = y3 >= (reach3 - shape_.wall) * (1.0 - rounding);
+    if (shape_.kind == SectionShapeKind::box) return in_flange || y2 >= (reach2 - shape_.wall) * (1.0 - rounding);
+    return in_flange || y2 <= 0.5 * shape_.web * (1.0 + rounding);
+  }
+
+  SectionPoint farthest(double direction2, double direction3) const override {
+    return {std::copysign(0.5 * shape_.size2, direction2), std::copysign(0.5 * shape_.size3, direction3)};
+  }
+
+  /// Across a wall stresses are linear, so the sum of their squares is largest on its faces.
+  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
+    LargestOnWalls largest;
+    for (const Wall& wall : walls_)
+      for (const double side : {0.5, -0.5}) add_face(largest, wall, side * wall.thickness, normal, load);
+    return largest.found();
+  }
+
+ private:
+  const Wall& wall_at(double x2, double x3) const {
+    const double beyond3 = std::abs(x3) - (0.5 * shape_.size3 - shape_.wall);
+    if (shape_.kind == SectionShapeKind::box) {
+      const double beyond2 = std::abs(x2) - (0.5 * shape_.size2 - shape_.wall);
+      return beyond3 >= beyond2 ? walls_[x3 >= 0.0 ? 0 : 1] : walls_[x2 >= 0.0 ? 2 : 3];
+    }
+    if (beyond3 < 0.0) return walls_[4];
+    return walls_[(x3 >= 0.0 ? 0 : 2) + (x2 >= 0.0 ? 0 : 1)];
+  }
+
+  void add_walls_of_i() {
+    const auto [i2, i3] = geometry().second_moment;
+    const double half = 0.5 * shape_.size2, arm = 0.5 * (shape_.size3 - shape_.wall),
+                 reach = 0.5 * shape_.size3 - shape_.wall;
+    for (const double top : {1.0, -1.0})
+      for (const double right : {1.0, -1.0}) {
+        Wall flange;
+        flange.from = std::min(right * kInset * half, right * half);
+        flange.to = std::max(right * kInset * half, right * half);
+        flange.middle = top * arm;
+        flange.thickness = shape_.wall;
+        flange.of_force2 = {0.5 * half * half / i3, 0.0, -0.5 / i3};
+        flange.of_force3 = {top * right * arm * half / i2, -top * arm / i2, 0.0};
+        flange.twisting = -2.0 / geometry().torsion_constant;
+        walls_.push_back(flange);
+      }
+    Wall web;
+    web.along2 = false;
+    web.from = -(1.0 - kInset) * reach;
+    web.to = (1.0 - kInset) * reach;
+    web.thickness = shape_.web;
+    web.of_force3 = {shape_.size2 * shape_.wall * arm / (i2 * shape_.web) + 0.5 * reach * reach / i2, 0.0, -0.5 / i2};
+    web.twisting = 2.0 / geometry().torsion_constant;
+    walls_.push_back(web);
+  }
+
+  /// A wall of a box along one axis: `length` and `other` are the outer dimensions along and across it.
+  Wall box_wall(bool along2, double side, double length, double other) const {
+    const double t = shape_.wall, arm = 0.5 * (other - t), reach = 0.5 * length - t, j = geometry().torsion_constant;
+    const double i_along = geometry().second_moment[along2 ? 1 : 0],
+                 i_across = geometry().second_moment[along2 ? 0 : 1];
+    Wall wall;
+    wall.along2 = along2;
+    wall.to = along2 ? reach : (1.0 - kInset) * reach;
+    wall.from = -wall.to;
+    wall.middle = side * arm;
+    wall.thickness = t;
+    wall.corner = along2 ? (1.0 - kInset) * t : t;
+    // S of both walls across this one, and of what lies beyond x in the two along it
+    const Parabola carried = {0.5 * other * 0.5 * (length - t) / i_along + 0.5 * reach * reach / i_along, 0.0,
+                              -0.5 / i_along};
+    const Parabola led = {0.0, -side * arm / i_across, 0.0};  // from its middle to the walls that carry
+    wall.of_force2 = along2 ? carried : led;
+    wall.of_force3 = along2 ? led : carried;
+    const double turn = along2 ? -1.0 : 1.0;  // T > 0 turns from axis 2 to axis 3
+    const double enclosed = (shape_.size2 - t) * (shape_.size3 - t), round = shape_.size2 + shape_.size3 - 2.0 * t;
+    wall.circulating = turn * side * enclosed / (round * j);
+    wall.twisting = turn * 2.0 / j;
+    return wall;
+  }
+
+  void add_walls_of_box() {
+    for (const double side : {1.0, -1.0}) walls_.push_back(box_wall(true, side, shape_.size2, shape_.size3));
+    for (const double side : {1.0, -1.0}) walls_.push_back(box_wall(false, side, shape_.size3, shape_.size2));
+  }
+
+  SectionShape shape_;
+  std::vector<Wall> walls_;  ///< I: four halves of flanges, web; box: two along axis 2, two along axis 3
+};
+
+}  // namespace
+
+std::shared_ptr<const StressField> wall_stress_field(const SectionShape& shape) {
+  return std::make_shared<WallStressField>(shape);
+}
+
+}  // namespace mixbeam
