@@ -11,6 +11,7 @@
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/text_of.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 
 #include <algorithm>
@@ -39,11 +40,11 @@ class Stopwatch {
 };
 
 std::string chosen_case(const Scene& scene, const std::optional<std::string>& wanted) {
-  const std::vector<std::string>& known = scene.load_cases;
+  const std::vector<std::string> known = alternatives(scene);
   if (!wanted && known.empty()) return "";
   if (!wanted) throw InputError("the scene has load cases; a batch takes one of them: --case " + known.front());
   if (std::find(known.begin(), known.end(), *wanted) != known.end()) return *wanted;
-  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case of the scene; allowed: " +
+  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case or combination of the scene; allowed: " +
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 

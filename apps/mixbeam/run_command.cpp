@@ -4,6 +4,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -15,10 +16,10 @@ namespace mixbeam {
 namespace {
 
 std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<std::string>& wanted) {
-  const std::vector<std::string>& known = scene.load_cases;
+  const std::vector<std::string> known = alternatives(scene);
   if (!wanted) return known.empty() ? std::vector<std::string>{""} : known;
   if (std::find(known.begin(), known.end(), *wanted) != known.end()) return {*wanted};
-  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case of the scene; allowed: " +
+  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case or combination of the scene; allowed: " +
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 
@@ -62,6 +63,7 @@ int run_command(const Arguments& arguments) {
       for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
         end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), {locks[i], line.durable});
       if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
+      if (end == RunEnd::arrived) write_envelope(app, app.output / (stem + "-envelope.csv"));
       return end;
     });
   });

@@ -25,6 +25,10 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
                                      const std::string& load_case);
 
+/// Largest and smallest values of the quantities in the summary at the ends of several runs: one row for each quantity in
+/// a CSV file, and a table on the terminal. Nothing where fewer than two runs have any. Throws as CsvTable.
+void write_envelope(const Application& app, const std::filesystem::path& file);
+
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
 int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases);
 

@@ -92,7 +92,32 @@ struct LineFields::Source {
   int member;
   Profile profile;
   Amplitude amplitude;
+  const DistributedLoad* load = nullptr;  ///< where it is more than a profile: a part, projected, or a weight
 };
+
+namespace {
+
+/// Of a dead force per length seen along its direction: what of it falls on the undeformed length.
+double seen_length(const MeshMember& member, const Vector3& force, double s) {
+  const Vec3<double> tangent = member.curve.tangent(s), direction{{force[0], force[1], force[2]}};
+  const Vec3<double> across = cross(tangent, direction);
+  return std::sqrt(dot(across, across) / dot(direction, direction));
+}
+
+/// By what the profile of a load is multiplied at arc length s of an element whose middle is at `middle`.
+double factor_of(const DistributedLoad& load, const MeshMember& member, const SectionLaw* law, double s,
+                 double middle) {
+  const double length = member.curve.length;
+  if (middle < load.range[0] * length || middle > load.range[1] * length) return 0.0;
+  if (load.is_weight && law != nullptr) return law->section(s / length).mass / law->section(0.0).mass;
+  return load.is_projected ? seen_length(member, load.force, s) : 1.0;
+}
+
+bool is_plain(const DistributedLoad& load) {
+  return !load.is_projected && !load.is_weight && load.range == std::array<double, 2>{0.0, 1.0};
+}
+
+}  // namespace
 
 LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structure)
     : has_loads_(!scene.distributed_loads.empty()), has_eigenstrains_(!scene.eigenstrains.empty()) {
@@ -102,10 +127,10 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
     const bool follower = load.frame == LoadFrame::follower;
     add_source(mesh, structure,
                {follower ? LineField::follower_force : LineField::dead_force, member,
-                Profile(load.force, load.force_formula, load.member), amplitude});
+                Profile(load.force, load.force_formula, load.member), amplitude, is_plain(load) ? nullptr : &load});
     add_source(mesh, structure,
                {follower ? LineField::follower_couple : LineField::dead_couple, member,
-                Profile(load.couple, load.couple_formula, load.member), amplitude});
+                Profile(load.couple, load.couple_formula, load.member), amplitude, is_plain(load) ? nullptr : &load});
   }
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const int member = member_index(scene, strain.member);
@@ -139,7 +164,11 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
     for (size_t q = 0; q < xi.size(); ++q)
       for (int c = 0; c < 3; ++c) {
-        const double value = source.profile.at(c, mesh.arc_length(element, xi[q]), field.length);
+        const double s = mesh.arc_length(element, xi[q]);
+        double value = source.profile.at(c, s, field.length);
+        if (source.load != nullptr)
+          value *= factor_of(*source.load, member, structure.member_laws[source.member].get(), s,
+                             mesh.arc_length(element, 0.0));
         field.value(i * xi.size() + q, c) = value;
         field.largest = std::max(field.largest, std::abs(value));
       }

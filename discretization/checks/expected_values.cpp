@@ -149,11 +149,11 @@ ExpectedValue read_one(const BoundList<ExpectedValue>& parameters, const Teuchos
 bool is_reaction(const std::string& quantity) { return quantity == "reaction force" || quantity == "reaction moment"; }
 
 void check_case(const ExpectedValue& value, const Scene& scene, const InputPlace& place) {
-  const std::vector<std::string>& cases = scene.load_cases;
+  const std::vector<std::string> cases = alternatives(scene);
   if (value.load_case.empty() && cases.empty()) return;
   if (contains(cases, value.load_case)) return;
   const std::string seen = value.load_case.empty() ? "missing" : "value \"" + excerpt(value.load_case) + "\"";
-  throw place["Case"].error(seen + "; allowed: a load case of the scene: " + quoted_list(cases) +
+  throw place["Case"].error(seen + "; allowed: a load case or combination of the scene: " + quoted_list(cases) +
                             did_you_mean(value.load_case, cases));
 }
 
@@ -203,7 +203,7 @@ void check_expected_values(const std::vector<ExpectedValue>& expected, const Sce
     if (!value.member.empty() && names.member(value.member) == nullptr)
       throw unknown_name(place["Member"], "member", value.member, names.member_names());
     if (is_reaction(value.quantity)) check_supported(value, scene, place);
-    const int stages = scene.load_cases.empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
+    const int stages = alternatives(scene).empty() ? scene.stages : scene_of_case(scene, value.load_case).stages;
     if (value.load_factor.value_or(0.0) <= stages) continue;
     throw place["Load Factor"].error("value " + shortest(*value.load_factor) + "; allowed: at most " +
                                      std::to_string(stages) + ", where the load path of the scene ends");

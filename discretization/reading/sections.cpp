@@ -28,6 +28,7 @@ struct SectionDraft {
   std::optional<std::array<double, 2>> shear_correction{};
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
+  std::optional<double> mass{};
   bool inextensible = false, shear_rigid = false;
   double largest_strain = Section{}.largest_strain;
 
@@ -47,6 +48,9 @@ BoundList<SectionDraft> material_parameters() {
       "Von Mises stress that the material bears (yield strength over the safety that is wanted) [force / length^2]; "
       "the "
       "report then states the utilisation.");
+  material.bind(
+      [](auto& d) -> auto& { return d.shape.density; }, real("Density").at_least(0.0),
+      "Mass per volume, for the list Gravity.");
   return material;
 }
 
@@ -112,6 +116,9 @@ BoundList<SectionDraft> section_parameters() {
       &SectionDraft::matrix, array("Matrix", ParameterType::real_array).at_least(-std::numeric_limits<double>::max()),
       "Stiffness of a coupled section in the order EA, GA2, GA3, GIt, EI2, EI3: all 36 entries or the 21 of the "
       "upper triangle, row by row; symmetric and positive definite.");
+  section.bind(&SectionDraft::mass, real("Mass").at_least(0.0),
+               "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity (Density of Material "
+               "of one given by Shape).");
   section.bind(&SectionDraft::inextensible, boolean("Inextensible").by_default(),
                "True: no axial strain; EA must then not be given, and its row of Matrix does not count.");
   section.bind(&SectionDraft::shear_rigid, boolean("Shear Rigid").by_default(),
@@ -138,6 +145,7 @@ class SectionReader {
                       : list_.isParameter("Matrix") ? section_from_matrix()
                                                     : section_from_stiffnesses();
     section.largest_strain = draft_.largest_strain;
+    if (draft_.mass) section.mass = *draft_.mass;
     return section;
   }
 
@@ -149,6 +157,7 @@ class SectionReader {
   /// Parameters of one way to give a section must not stand beside those of another.
   void check_one_way() const {
     const bool shape = list_.isParameter("Shape"), matrix = list_.isParameter("Matrix");
+    if (shape && draft_.mass) throw error("Mass", "given beside \"Shape\"; allowed: \"Density\" in \"Material\"");
     const std::string owner = shape ? "\"Shape\"" : matrix ? "\"Matrix\"" : "stiffness values";
     if (shape && matrix) throw error("Matrix", "given beside \"Shape\"; allowed: one of the two");
     for (const std::string& name : kStiffnesses)

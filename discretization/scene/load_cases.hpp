@@ -1,14 +1,17 @@
-/// Load cases: alternatives that are solved one by one.
+/// Load cases and their combinations: alternatives that are solved one by one.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
 
 namespace mixbeam {
 
-/// The scene of one case: its loads and prescribed motions and those without a case, no names of cases, and the number
-/// of stages that these loads use. Supports stay; what a support prescribes in another case is left out. An empty name
-/// gives what acts in all cases. Throws std::invalid_argument, with the nearest name, for a case the scene does not
-/// have.
+/// Names of all load cases, then of all combinations.
+std::vector<std::string> alternatives(const Scene& scene);
+
+/// The scene of one case or combination: its loads and prescribed motions and those without a case, no names of cases,
+/// and the number of stages that these loads use. Supports stay; what a support prescribes in another case is left out.
+/// An empty name gives what acts in all cases. A combination scales loads, eigenstrains and prescribed motions of its
+/// cases. Throws std::invalid_argument, with the nearest name, for a case the scene does not have.
 Scene scene_of_case(const Scene& scene, const std::string& name);
 
 /// Whether a support moves, as opposed to holding still.

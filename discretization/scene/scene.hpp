@@ -7,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -24,6 +25,7 @@ struct SectionShape {
   double wall = 0.0;   ///< tube, box: wall thickness; I: thickness of the flanges
   double web = 0.0;    ///< I: thickness of the web
   double youngs_modulus = 0.0;
+  double density = 0.0;  ///< mass per volume; 0: none is known
   double poisson_ratio = 0.0;
   std::optional<double> shear_modulus{};                    ///< absent: E / (2 (1 + nu))
   std::array<std::optional<double>, 2> shear_correction{};  ///< factors of GA2, GA3; absent: the value of the shape
@@ -41,6 +43,7 @@ struct Section {
   /// material. The six numbers above are then its diagonal, where infinity makes a component rigid: its row and column
   /// of the compliance are zero whatever the matrix says.
   std::optional<Matrix6> matrix{};
+  double mass = 0.0;  ///< per length, which Gravity acts on; 0: none is known
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it.
   std::optional<SectionShape> shape{};
   /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
@@ -173,6 +176,9 @@ struct DistributedLoad {
   LoadFrame frame = LoadFrame::dead;
   std::array<std::string, 3> force_formula{};   ///< of s = arc length and x = s / length; empty: the constant above
   std::array<std::string, 3> couple_formula{};  ///< likewise
+  bool is_projected = false;              ///< dead: `force` is per length seen along its own direction, as of snow
+  bool is_weight = false;                 ///< dead: `force` is an acceleration, of the mass of the (tapered) section
+  std::array<double, 2> range{0.0, 1.0};  ///< arc lengths over length between which it acts; vertices are there
   std::string amplitude{};
   std::string load_case{};
 };
@@ -189,6 +195,13 @@ struct Eigenstrain {
   std::string load_case{};
 };
 
+/// Load cases that act together, each with a factor, with whatever belongs to no case.
+struct Combination {
+  std::string name{};
+  std::vector<std::pair<std::string, double>> cases{};
+  std::vector<std::pair<Stage, double>> stages{};  ///< further factors, of all that acts in these stages
+};
+
 struct Scene {
   std::string name{};
   std::vector<Section> sections{};
@@ -203,6 +216,7 @@ struct Scene {
   /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
   /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
   std::vector<std::string> load_cases{};
+  std::vector<Combination> combinations{};  ///< solved one by one too, each by itself; names differ from those of cases
   /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
   /// chosen (accurate_run.hpp), and those here mean nothing.
   std::optional<double> accuracy{};

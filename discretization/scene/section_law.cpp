@@ -156,6 +156,7 @@ Section mixed_stiffness(double weight, const Section& start, const Section& end)
   Section section;
   section.name = start.name;
   set_diagonal(section, mixed_diagonal(weight, start, end));
+  section.mass = mixed(weight, start.mass, end.mass);
   if (!start.matrix && !end.matrix) return section;
   const Matrix6 a = stiffness_matrix(start), b = stiffness_matrix(end);
   section.matrix.emplace();
@@ -172,8 +173,9 @@ Section mixed_shape(double weight, const Section& start, const Section& end) {
   const SectionShape &a = *start.shape, &b = *end.shape;
   SectionShape shape = a;
   if (!b.strength) shape.strength.reset();
-  for (double SectionShape::*number : {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall,
-                                       &SectionShape::web, &SectionShape::youngs_modulus, &SectionShape::poisson_ratio})
+  for (double SectionShape::*number :
+       {&SectionShape::size2, &SectionShape::size3, &SectionShape::wall, &SectionShape::web,
+        &SectionShape::youngs_modulus, &SectionShape::poisson_ratio, &SectionShape::density})
     shape.*number = mixed(weight, a.*number, b.*number);
   if (a.shear_modulus || b.shear_modulus) shape.shear_modulus = mixed(weight, shear_modulus(a), shear_modulus(b));
   if (a.strength && b.strength) shape.strength = mixed(weight, *a.strength, *b.strength);

@@ -216,6 +216,7 @@ Section make_section(const std::string& name, const SectionShape& shape) {
     section.shear_stiffness[i] = factor * g * geometry.area;
     section.bending_stiffness[i] = e * geometry.second_moment[i];
   }
+  section.mass = shape.density * geometry.area;
   section.shape = shape;
   check_stiffnesses(section);
   return section;

@@ -229,7 +229,8 @@ TEST(Joints, AreRefusedWithAPlace) {
   expect_refused(joint(hub + words("Members", "{leg 1}") + word("Kind", "hing")), {"did you mean \"hinge\"?"});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge), {"J / Axis", "missing"});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + numbers("Axis", "{0, 0, 0}")), {"no direction"});
-  expect_refused(joint(hub + words("Members", "{leg 1}") + ball + axis), {"J / Axis", "no meaning for \"Kind\" = \"ball\""});
+  expect_refused(joint(hub + words("Members", "{leg 1}") + ball + axis),
+                 {"J / Axis", "no meaning for \"Kind\" = \"ball\""});
   expect_refused(joint(hub + words("Members", "{leg 1}") + hinge + axis + number("Stiffness", "-1")), {"value >= 0"});
 }
 
@@ -299,6 +300,45 @@ TEST(LoadCases, AreRefusedWithThePlace) {
                  {"a / Case", "\"wnid\" is not a load case", "\"wind\", \"snow\"", "did you mean \"wind\"?"});
   expect_refused(list("Point Loads", force_at_hub("a", word("Case", "wind"))), {"a / Case", "(none)"});
   expect_refused(words("Load Cases", "{wind, wind}"), {"Scene / Load Cases", "\"wind\" twice"});
+}
+
+TEST(LoadCases, AreCombined) {
+  const std::string push = list("push", word("Point", "hub") + numbers("Force", "{1, 0, 0}") + word("Case", "wind"));
+  const std::string loads = kCases + list("Point Loads", push);
+  const auto combined = [&](const std::string& entries) { return loads + list("Combinations", list("both", entries)); };
+  const Scene scene = tripod_with(combined(number("wind", "1.5") + number("snow", "-0.5") + number("Stage 1", "2")));
+  EXPECT_EQ(scene_of_case(scene, "both").point_loads[0].force, (Vector3{3, 0, 0}));
+  EXPECT_EQ(scene_of_case(scene, "wind").point_loads[0].force, (Vector3{1, 0, 0}));
+  EXPECT_TRUE(scene_of_case(scene, "snow").point_loads.empty());
+  expect_refused(combined(number("wnd", "1")), {"Combinations / both / wnd", "did you mean \"wind\"?"});
+  expect_refused(combined(number("Stage 0", "1")), {"not a load case"});
+  expect_refused(combined(""), {"Combinations / both", "0 entries"});
+  expect_refused(loads + list("Combinations", list("wind", number("wind", "1"))), {"the name of a load case too"});
+}
+
+TEST(LineLoads, ActOnPartsAndOnProjections) {
+  const auto line = [](const std::string& more) {
+    return list("Distributed Loads", list("q", word("Member", "leg 1") + numbers("Force", "{0, 0, -1}") + more));
+  };
+  const Scene part = tripod_with(line(numbers("Range", "{0.25, 0.5}") + word("Per", "projected length")));
+  EXPECT_TRUE(part.distributed_loads[0].is_projected);
+  ASSERT_EQ(part.members[0].inner_points.size(), 2U);
+  EXPECT_EQ(part.members[0].inner_points[1].position, 0.5);
+  EXPECT_TRUE(tripod_with(line("")).members[0].inner_points.empty());
+  expect_refused(line(numbers("Range", "{0.5, 0.25}")), {"Distributed Loads / q / Range", "where it begins"});
+  expect_refused(line(word("Per", "projected length") + word("Frame", "follower")), {"/ q / Per", "for dead ones"});
+  const std::string couple = word("Per", "projected length") + numbers("Couple", "{1, 0, 0}");
+  expect_refused(line(couple), {"/ q / Per", "alone"});
+}
+
+TEST(Gravity, NeedsAMass) {
+  expect_refused(list("Gravity", numbers("Acceleration", "{0, 0, -9.81}")),
+                 {"Scene / Gravity", "\"Density\"", "\"Mass\""});
+  const std::string heavy = changed(tripod(kClamps, list("Gravity", numbers("Acceleration", "{0, 0, -10}"))),
+                                    number("EA", "1e4"), number("EA", "1e4") + number("Mass", "0.5"));
+  const Scene scene = scene_from(heavy);
+  ASSERT_EQ(scene.distributed_loads.size(), scene.members.size());
+  EXPECT_EQ(scene.distributed_loads[0].force, (Vector3{0, 0, -5}));
 }
 
 TEST(NamePatterns, ExactNamesWin) {

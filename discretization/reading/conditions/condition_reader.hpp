@@ -39,6 +39,7 @@ extern const BoundList<Support> kSupportParameters;
 extern const BoundList<Joint> kJointParameters;
 extern const BoundList<PointLoad> kPointLoadParameters;
 extern const BoundList<DistributedLoad> kDistributedLoadParameters;
+extern const BoundList<DistributedLoad> kGravityParameters;
 extern const BoundList<EigenstrainDraft> kEigenstrainParameters;
 
 /// One pass over what acts on a scene whose points and members are complete.
@@ -67,10 +68,14 @@ class ConditionReader {
   }
 
   void read_load_cases();
+  void read_combinations();
   void read_supports();
   void read_joints();
   void read_point_loads();
   void read_distributed_loads();
+  void check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const;
+  void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);
+  void read_gravity();
   void read_eigenstrains();
 
   Support read_support(const List& list, const InputPlace& place);
@@ -102,7 +107,7 @@ class ConditionReader {
   void check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case, const List& list,
                       const InputPlace& place);
   void check_stages();
-  void check_stages_of_case(const std::string& load_case) const;
+  void check_stages_of_case(const std::set<std::string>& acting) const;
   void check_amplitudes() const;
 
   /// What the parameter "Point" or "Member" means, wildcards included. Throws unless members touch these points.

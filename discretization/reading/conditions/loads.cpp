@@ -1,9 +1,11 @@
 /// The part of ConditionReader that reads loads and eigenstrains.
 
 #include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/scene/division.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -48,8 +50,17 @@ BoundList<PointLoad> point_load_parameters() {
   return load;
 }
 
+BoundList<DistributedLoad> gravity_parameters() {
+  BoundList<DistributedLoad> gravity(
+      "Weight of all members whose sections have a mass (Density of the material, or Mass).");
+  gravity.bind(&DistributedLoad::force, vector3("Acceleration").required(),
+               "Acceleration of free fall, in global axes: {0, 0, -9.81} [length / time^2].");
+  bind_schedule(gravity, "The weight grows");
+  return gravity;
+}
+
 BoundList<DistributedLoad> distributed_load_parameters() {
-  BoundList<DistributedLoad> load("A load per unit of undeformed length along a whole member.");
+  BoundList<DistributedLoad> load("A load per unit of undeformed length along a member, or a part of it.");
   load.bind(&DistributedLoad::member, text("Member").required(), "Name of the member" + kWildcard);
   load.bind(&DistributedLoad::force, vector3("Force").by_default(), "Force per length [force / length].");
   load.bind(&DistributedLoad::couple, vector3("Couple").by_default(), "Moment per length [force].");
@@ -62,6 +73,12 @@ BoundList<DistributedLoad> distributed_load_parameters() {
             "dead: components in global axes, direction kept; follower: components in the triad of the section on "
             "which the load acts, which turns with it.",
             kFrames);
+  load.bind(&DistributedLoad::is_projected, text("Per").by_default(),
+            "length: of the undeformed member; projected length: seen along the direction of Force (dead), as of snow.",
+            {{"length", false}, {"projected length", true}});
+  load.bind(&DistributedLoad::range, array("Range", ParameterType::real_array, 2).at_least(0.0).at_most(1.0),
+            "Part of the member on which it acts, as arc length over length: {0.25, 0.5}; its ends become vertices, "
+            "points of the name MEMBER@POSITION. All of it if absent.");
   bind_schedule(load, "The load grows");
   return load;
 }
@@ -93,6 +110,7 @@ BoundList<EigenstrainDraft> eigenstrain_parameters() {
 
 const BoundList<PointLoad> kPointLoadParameters = point_load_parameters();
 const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_parameters();
+const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
 const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
 void ConditionReader::read_point_loads() {
   for_each("Point Loads", [this](const std::string&, const List& list, const InputPlace& place) {
@@ -141,11 +159,66 @@ void ConditionReader::read_distributed_loads() {
     check_field(list, "Force", members, load.force_formula, place);
     check_field(list, "Couple", members, load.couple_formula, place);
     check_schedule(load, list, place);
+    check_part(load, list, place);
     for (const Member* member : members) {
       load.member = member->name;
+      if (list.isParameter("Range")) divide_at(load.member, load.range, place["Range"]);
       scene_.distributed_loads.push_back(load);
     }
   });
+}
+
+void ConditionReader::check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const {
+  if (list.isParameter("Range") && !(load.range[1] - load.range[0] > kStationTolerance))
+    throw place["Range"].error("value {" + shortest(load.range[0]) + ", " + shortest(load.range[1]) +
+                               "}; allowed: where it begins, then where it ends, between 0 and 1");
+  if (!load.is_projected) return;
+  if (load.frame == LoadFrame::follower)
+    throw place["Per"].error("value \"projected length\" for a follower load; allowed: for dead ones");
+  const bool is_constant = !list.isParameter("Force Formula") && !vector_algebra::is_zero(load.force);
+  if (!is_constant || !vector_algebra::is_zero(load.couple) || list.isParameter("Couple Formula"))
+    throw place["Per"].error("value \"projected length\"; allowed: with \"Force\", whose direction it is, alone");
+}
+
+/// Makes the ends of a load vertices of its member.
+void ConditionReader::divide_at(const std::string& name, const std::array<double, 2>& range, const InputPlace& place) {
+  Member& member = scene_.members[static_cast<std::size_t>(names_.member(name) - scene_.members.data())];
+  for (const double position : range) {
+    const auto is_there = [position](double other) { return std::abs(other - position) <= kStationTolerance; };
+    if (is_there(0.0) || is_there(1.0)) continue;
+    auto& inner = member.inner_points;
+    if (std::any_of(inner.begin(), inner.end(), [&](const InnerPoint& p) { return is_there(p.position); })) continue;
+    if (!member.stations.empty()) {
+      if (std::any_of(member.stations.begin(), member.stations.end(), is_there)) continue;
+      throw place.error("position " + shortest(position) + " is not among the \"Stations\" of \"" + excerpt(name) +
+                        "\"; allowed: their values");
+    }
+    inner.push_back({name + "@" + shortest(position), position});
+    std::sort(inner.begin(), inner.end(),
+              [](const InnerPoint& a, const InnerPoint& b) { return a.position < b.position; });
+  }
+}
+
+void ConditionReader::read_gravity() {
+  if (!scene_list_.isSublist("Gravity")) return;
+  const List& list = scene_list_.sublist("Gravity");
+  const InputPlace place = place_["Gravity"];
+  const DistributedLoad gravity = kGravityParameters.read(list);
+  check_schedule(gravity, list, place);
+  std::unordered_map<std::string, double> mass;
+  for (const Section& section : scene_.sections) mass[section.name] = section.mass;
+  bool is_any = false;
+  for (const Member& member : scene_.members) {
+    if (mass[member.section] == 0.0) continue;
+    is_any = true;
+    DistributedLoad weight = gravity;
+    weight.member = member.name;
+    weight.force = vector_algebra::scaled(mass[member.section], gravity.force);
+    weight.is_weight = !member.end_section.empty();
+    scene_.distributed_loads.push_back(weight);
+  }
+  if (!is_any)
+    throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");
 }
 
 void ConditionReader::read_eigenstrains() {

@@ -4,6 +4,7 @@
 #include "discretization/reading/conditions/condition_reader.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
@@ -23,6 +24,18 @@ void add_condition_lists(ListSpec& spec) {
   spec.add(array("Load Cases", ParameterType::text_array).or_empty(),
            "Names of alternatives that are solved one by one, each from the undeformed structure, like {wind, snow}; "
            "what acts says by Case to which of them it belongs.");
+  spec.add_list(
+      "Combinations",
+      ListSpec("Load cases that act together, each with a factor, beside whatever belongs to no case; each "
+               "combination is solved by itself.")
+          .with_named_lists("combination", ListSpec("Factors of its load cases.")
+                                               .with_named_parameters(
+                                                   "case",
+                                                   real("").required().means("Factor of this load case, or, as "
+                                                                             "\"Stage 2\", of what acts in a stage."),
+                                                   1)),
+      Presence::optional);
+  spec.add_list("Gravity", kGravityParameters.spec, Presence::optional);
   spec.add_list("Supports", ListSpec("Supports.").with_named_lists("support", kSupportParameters.spec, 1),
                 Presence::required);
   spec.add_list("Joints", ListSpec("Connections that are not rigid.").with_named_lists("joint", kJointParameters.spec));
@@ -39,10 +52,12 @@ void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace&
 
 void ConditionReader::read() {
   read_load_cases();
+  read_combinations();
   read_supports();
   read_joints();
   read_point_loads();
   read_distributed_loads();
+  read_gravity();
   read_eigenstrains();
   check_stages();
   check_amplitudes();
@@ -60,6 +75,34 @@ void ConditionReader::read_load_cases() {
     const Problem problem = file_name_problem(name);
     if (!problem.empty()) throw place.error("value " + problem);
     scene_.load_cases.push_back(name);
+  }
+}
+
+void ConditionReader::read_combinations() {
+  if (!scene_list_.isSublist("Combinations")) return;
+  const List& list = scene_list_.sublist("Combinations");
+  const std::vector<std::string>& cases = scene_.load_cases;
+  const std::string stage = "Stage ";
+  for (const std::string& name : names_of(list)) {
+    const InputPlace place = place_["Combinations"][name];
+    if (const Problem problem = file_name_problem(name); !problem.empty()) throw place.error("name " + problem);
+    if (std::find(cases.begin(), cases.end(), name) != cases.end())
+      throw place.error("the name of a load case too; allowed: names that differ");
+    Combination& combination = scene_.combinations.emplace_back();
+    combination.name = name;
+    for (const std::string& entry : names_of(list.sublist(name))) {
+      const double factor = list.sublist(name).get<double>(entry);
+      int number = 0;
+      const bool is_case = std::find(cases.begin(), cases.end(), entry) != cases.end();
+      const bool is_stage = entry.rfind(stage, 0) == 0 && parse_number(entry.substr(stage.size()), number).empty();
+      if (is_case)
+        combination.cases.emplace_back(entry, factor);
+      else if (is_stage && number >= 1)
+        combination.stages.emplace_back(number, factor);
+      else
+        throw place[entry].error("not a load case of the scene; allowed: names in \"Load Cases\": " +
+                                 quoted_list(cases) + ", or \"Stage 1\", ..." + did_you_mean(entry, cases));
+    }
   }
 }
 
@@ -83,16 +126,23 @@ void ConditionReader::check_stages() {
                    [](const UsedStage& a, const UsedStage& b) { return a.first < b.first; });
   std::vector<std::string> cases = scene_.load_cases;
   if (cases.empty()) cases.emplace_back();
-  for (const std::string& load_case : cases) check_stages_of_case(load_case);
+  for (const std::string& load_case : cases) check_stages_of_case({load_case});
+  for (const Combination& combination : scene_.combinations) {
+    std::set<std::string> acting;
+    for (const auto& [load_case, factor] : combination.cases) acting.insert(load_case);
+    check_stages_of_case(acting);
+  }
   scene_.stages = stages_in_use(scene_);
 }
 
-void ConditionReader::check_stages_of_case(const std::string& load_case) const {
+void ConditionReader::check_stages_of_case(const std::set<std::string>& acting) const {
   Stage last = 0;
   for (const UsedStage& used : stages_used_) {
-    if (!used.load_case.empty() && used.load_case != load_case) continue;
+    if (!used.load_case.empty() && acting.count(used.load_case) == 0) continue;
     if (used.first > last + 1) {
-      const std::string inside = load_case.empty() ? "" : " of load case \"" + excerpt(load_case) + "\"";
+      const std::vector<std::string> names(acting.begin(), acting.end());
+      const bool has_case = !names.empty() && !names.front().empty();
+      const std::string inside = has_case ? " of load case " + quoted_list(names) : "";
       throw used.place.error("value " + std::to_string(used.first) + ", but nothing acts in stage " +
                              std::to_string(last + 1) + inside + "; allowed: stages 1, 2, 3, ... without gaps");
     }
