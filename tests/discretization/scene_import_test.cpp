@@ -3,19 +3,21 @@
 #include "discretization/text/csv_file.hpp"
 
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 namespace mixbeam {
 namespace {
 
-/// A folder with tables beside a scene, removed in the end.
+/// A folder of its own with tables beside a scene, removed in the end: several users may test on one machine.
 class SceneImport : public ::testing::Test {
  protected:
   SceneImport() {
-    const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(::testing::TempDir()) / (std::string("mixbeam_import_") + test->name());
-    std::filesystem::create_directories(folder_);
+    std::string folder = (std::filesystem::temp_directory_path() / "mixbeam_import_XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder: " + folder);
+    folder_ = folder;
   }
   ~SceneImport() override { std::filesystem::remove_all(folder_); }
 
