@@ -13,6 +13,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kShareOfSyncs = 0.03;  // of the time of a run that waiting for the disk may take
+// A first guess at what waiting costs: a disk that turns takes as long to answer, and writes 100 MB in a second.
+constexpr double kFirstCost = 0.01, kCostOfByte = 1e-8;  // seconds
 
 /// The blocks in which tables lie, ascending.
 std::vector<std::uint64_t> blocks_of(const std::vector<ResultTable>& tables, const std::vector<std::uint64_t>& places,
@@ -82,9 +84,10 @@ std::vector<BlockSum> gathered(const Teuchos::Comm<int>& communicator, const std
 
 }  // namespace
 
-bool SyncBudget::affords() const {
+bool SyncBudget::affords(std::uint64_t bytes) const {
   const double spent = std::chrono::duration<double>(Clock::now() - since_).count();
-  return every_step_ || cost_ <= kShareOfSyncs * spent;
+  const double cost = cost_ ? *cost_ : kFirstCost + static_cast<double>(bytes) * kCostOfByte;
+  return every_step_ || cost <= kShareOfSyncs * spent;
 }
 
 void SyncBudget::spend(const std::function<void()>& sync) {
@@ -110,6 +113,7 @@ void PublishedFile::begin(std::uint64_t block, const Write& write) {
   file.close();
   next().exists = true;
   next().bytes = seal_.bytes;
+  written_ = seal_.bytes;
 }
 
 void PublishedFile::catch_up() {
@@ -117,6 +121,7 @@ void PublishedFile::catch_up() {
   std::vector<std::uint64_t> sizes;
   ranks_.on_root([&] {
     missing = next().exists ? changed_ : seal_.all();
+    written_ = missing.size() * seal_.block;
     DiskFile file(next().path, next().exists ? DiskAccess::write : DiskAccess::create);
     file.resize(next().bytes);  // cuts its old seal off
     file.reserve(seal_.bytes);
@@ -185,6 +190,7 @@ void PublishedFile::seal_next(const std::vector<BlockSum>& sums, const std::vect
   for (const BlockSum& of_frame : changed_) changed.insert(of_frame.block);
   changed_.clear();
   for (const std::uint64_t number : changed) changed_.push_back({number, seal_.sums[number]});
+  written_ += changed_.size() * seal_.block;
   next().exists = true;
   next().bytes = seal_.bytes;
 }
@@ -206,7 +212,7 @@ void PublishedFile::publish() {
     const FileNumber there = file_number(path_);
     if (there.inode != 0 && !(there == named_))
       throw DiskError("another program has replaced it; that file is left as it is, and the run ends");
-    is_synced_ = budget_.affords();
+    is_synced_ = budget_.affords(written_);
     if (is_synced_)
       budget_.spend([&] { give_name(); });
     else

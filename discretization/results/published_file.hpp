@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace mixbeam {
@@ -21,8 +22,8 @@ namespace mixbeam {
 class SyncBudget {
  public:
   explicit SyncBudget(bool every_step) : every_step_(every_step) {}
-  /// Whether a step that is complete now can afford it.
-  bool affords() const;
+  /// Whether a step that is complete now, and has written so many bytes, can afford it.
+  bool affords(std::uint64_t bytes) const;
   /// Runs `sync`, and learns what it costs.
   void spend(const std::function<void()>& sync);
   /// A step was published.
@@ -33,7 +34,7 @@ class SyncBudget {
 
   bool every_step_;
   Clock::time_point since_ = Clock::now();
-  double cost_ = 0.01;  ///< seconds of the last one; at first a guess
+  std::optional<double> cost_{};  ///< seconds of the last one
 };
 
 /// Throws ResultFileError. Functions are collective, but for those that belong to rank 0.
@@ -85,6 +86,7 @@ class PublishedFile {
   // Known to rank 0:
   Seal seal_;                      ///< of the latest copy; the other one lacks changed_
   std::vector<BlockSum> changed_;  ///< by the last step
+  std::uint64_t written_ = 0;      ///< bytes of the next copy, since it was published last
   FileNumber named_;               ///< the file of the name, as this left it
   bool is_synced_ = false;
 };
