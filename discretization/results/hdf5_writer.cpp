@@ -103,6 +103,8 @@ void Handle::close() noexcept {
   if (id_ >= 0 && close_function_(std::exchange(id_, -1)) < 0) a_close_failed = true;
 }
 
+void require(herr_t status, const std::string& action) { check(status, action); }
+
 Handle create_group(hid_t parent, const std::string& name) {
   return {H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "create group " + name};
 }
@@ -196,10 +198,6 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
   check(H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), action);
   const Handle source(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose, action);
   check(H5Dwrite(dataset, H5T_NATIVE_DOUBLE, source, target, H5P_DEFAULT, rows.data()), action);
-}
-
-void copy_link(hid_t source, const std::string& name, hid_t target) {
-  check(H5Ocopy(source, name.c_str(), target, name.c_str(), H5P_DEFAULT, H5P_DEFAULT), "copy " + name);
 }
 
 void remove_link(hid_t parent, const std::string& name) {

@@ -86,6 +86,9 @@ class File {
   Handle handle_;
 };
 
+/// Throws Error where a call has failed: "cannot <action>: " and the library's reason.
+void require(herr_t status, const std::string& action);
+
 Handle create_group(hid_t parent, const std::string& name);
 Handle open_group(hid_t parent, const std::string& name);
 

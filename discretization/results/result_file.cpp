@@ -241,4 +241,6 @@ void ResultFile::write_xdmf() {
   steps_in_xdmf_ = labels_.size();
 }
 
+void begin_results_library() { const hdf5::QuietScope first_use; }
+
 }  // namespace mixbeam

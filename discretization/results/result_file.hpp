@@ -122,4 +122,8 @@ class ResultFile {
   bool closed_ = false;
 };
 
+/// For programs that start MPI, before they do. An HDF5 library that is built for MPI closes itself where MPI ends, and
+/// there it would try for ever, and say so, to close a damaged file; begun earlier, it is never asked to.
+void begin_results_library();
+
 }  // namespace mixbeam

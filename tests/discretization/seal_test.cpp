@@ -196,6 +196,27 @@ TEST_F(Seals, DamagedStatesAreNotResumedFrom) {
   EXPECT_NO_THROW(read_run(file_));
 }
 
+/// The file was whole when it was looked at: what goes wrong now is met inside the HDF5 library.
+TEST_F(Seals, DamageThatIsMetWhileCopyingIsAnError) {
+  write_run(file_, 3);
+  const StoredRun run(file_);
+  const Bytes whole = read();
+  std::size_t refused = 0, blocks = 0;
+  for (std::size_t place = kPage / 2; place < whole.size(); place += kPage, ++blocks) {
+    Bytes bytes = whole;
+    bytes[place] ^= 1;
+    write(bytes);
+    try {
+      ResultFile{run};
+    } catch (const ResultFileError& error) {
+      EXPECT_NE(std::string(error.what()).find("damaged"), std::string::npos) << error.what();
+      EXPECT_EQ(read(), bytes) << "the file is left as it is";
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, blocks / 2) << "of " << blocks << "; the others hold what is not copied";
+}
+
 TEST_F(Seals, FilesWithoutSealAreRefusedUnlessTheirFormatHasNone) {
   write_run(file_, 1);
   Bytes bytes = read();

@@ -1,5 +1,6 @@
 #include "apps/common/session/mpi_session.hpp"
 
+#include "discretization/results/result_file.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <malloc.h>
@@ -53,6 +54,7 @@ void share_cores_between_ranks() {
 MpiSession::MpiSession() {
   keep_freed_memory();
   tell_open_mpi_that_it_is_alone();
+  begin_results_library();
   int provided = MPI_THREAD_SINGLE;
   // Tpetra would call plain MPI_Init; kernels run on threads, MPI is called by the main thread only.
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
