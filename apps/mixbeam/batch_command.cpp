@@ -3,6 +3,7 @@
 #include "apps/common/session/command_line.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/batch_results.hpp"
 #include "apps/mixbeam/case_groups.hpp"
@@ -78,6 +79,10 @@ class BatchRun {
   void write(const std::filesystem::path& stem) {
     const Stopwatch stopwatch(app_, "batch output");
     write_batch(stem, batch_, quantities_, solver_.results(), app_.xml.text);
+  }
+  /// From another thread than the one that solves: the cases that are solved by now.
+  void write_so_far(const std::filesystem::path& stem) const {
+    write_batch(stem, batch_, quantities_, solver_.results_so_far(), app_.xml.text);
   }
   /// Compares cases with the expected values that the table has for them.
   void check_expected();
@@ -260,6 +265,7 @@ int batch_command(const Arguments& arguments) {
     watch_for_interrupts();
     BatchRun run(app, chosen_case(app.scene, line.load_case));
     try {
+      const LastResort rows([&] { run.write_so_far(app.output / name); });
       run.solve();
     } catch (const MemberError& error) {
       throw placed(app, error);

@@ -96,14 +96,15 @@ bool BatchSolver::solve_together(const Range& range) {
   if (!simulation.result().finished) return false;
   const std::string& stable = simulation.stability().stable;
   if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
-  keep(simulation, range, merged.part_of_member, true);
+  std::vector<CaseResult> results =
+      checked(simulation, &(*scenes_)[range.first], scenes.size(), merged.part_of_member, true);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    if (results[i].converged) keep(range.first + i, std::move(results[i]));
   return true;
 }
 
 /// On a mesh of its own, see accurate_run.hpp.
-void BatchSolver::solve_accurately(std::size_t place) {
-  const Scene& scene = (*scenes_)[place];
-  CaseResult& result = results_[(*cases_)[place]];
+CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   AccurateRunObserver observer;
   observer.stop = stop_;
   observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
@@ -113,69 +114,75 @@ void BatchSolver::solve_accurately(std::size_t place) {
     app_.summary.newton_iterations += round.iterations;
   }
   for (const auto& [phase, seconds] : run.simulation.times()) app_.summary.seconds[phase] += seconds;
-  if (run.end == AccuracyEnd::interrupted) {
-    result = {};
-    return;
-  }
+  CaseResult result;
+  if (run.end == AccuracyEnd::interrupted) return result;
+  result.solved = result.alone = true;
   if (!run.simulation.result().finished) {
     result.cause = cause_of(run.simulation.result());
-    return;
+    return result;
   }
-  keep(run.simulation, {place, place + 1}, std::vector<int>(scene.members.size(), 0), false);
-  result.alone = true;
-  if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return;
+  result = checked_alone(run.simulation, scene);
+  if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return result;
   result.converged = false;
   result.values.clear();
   result.cause = text_of("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
+  return result;
 }
 
-void BatchSolver::solve_alone(std::size_t place) {
-  const Scene& scene = (*scenes_)[place];
-  CaseResult& result = results_[(*cases_)[place]];
-  result = {};
-  if (stop_()) return;
-  result.solved = result.alone = true;
-  if (scene.accuracy) return solve_accurately(place);
+/// Not solved where it was interrupted.
+CaseResult BatchSolver::solved_alone(const Scene& scene) {
+  CaseResult result;
+  if (stop_()) return result;
+  if (scene.accuracy) return solved_accurately(scene);
   PathControl control;
   control.stop = stop_;
   const Simulation simulation = app_.try_to_solve(scene, app_.solver, {}, control);
-  if (simulation.result().interrupted) {
-    result = {};
-    return;
-  }
+  if (simulation.result().interrupted) return result;
+  if (simulation.result().finished) return checked_alone(simulation, scene);
+  result.solved = result.alone = true;
   result.iterations = simulation.result().newton_iterations;
-  if (!simulation.result().finished) {
-    result.cause = cause_of(simulation.result());
-    return;
-  }
-  keep(simulation, {place, place + 1}, std::vector<int>(scene.members.size(), 0), false);
-  result.alone = true;
+  result.cause = cause_of(simulation.result());
+  return result;
 }
 
-/// Checks every case of a simulation at the end of its path by itself, and keeps what came out.
-void BatchSolver::keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member,
-                       bool merged) {
+void BatchSolver::solve_alone(std::size_t place) { keep(place, solved_alone((*scenes_)[place])); }
+
+void BatchSolver::keep(std::size_t place, CaseResult result) {
+  const std::lock_guard<std::mutex> lock(*results_mutex_);
+  results_[(*cases_)[place]] = std::move(result);
+}
+
+CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene& scene) {
+  const bool merged = false;
+  CaseResult result = checked(simulation, &scene, 1, std::vector<int>(scene.members.size(), 0), merged).front();
+  result.alone = true;
+  return result;
+}
+
+/// Checks every case of a simulation at the end of its path by itself.
+std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
+                                             const std::vector<int>& part_of_member, bool merged) {
   const StructureParts parts = structure_parts(simulation.model(), part_of_member);
   const std::vector<PartCheck> checks = simulation.check_parts(parts);
   SolvedCases solved{simulation, merged};
   solved.reactions = simulation.reactions();
   solved.energies = strain_energy_of_parts(simulation.model(), simulation.state(), parts);
-  for (std::size_t i = range.first, support = 0, member = 0; i < range.second; ++i) {
+  for (std::size_t i = 0, support = 0, member = 0; i < count; ++i) {
     solved.first_support.push_back(support);
     solved.first_member.push_back(static_cast<int>(member));
-    support += (*scenes_)[i].supports.size();
-    member += (*scenes_)[i].members.size();
+    support += scenes[i].supports.size();
+    member += scenes[i].members.size();
   }
+  std::vector<CaseResult> results(count);
   for (int part = 0; part < parts.count; ++part) {
     const PartCheck& check = checks[part];
-    CaseResult& result = results_[(*cases_)[range.first + part]];
-    result = {};
+    CaseResult& result = results[part];
     result.solved = true;
     result.iterations = simulation.result().newton_iterations;
     result.residual = check.residual;
     result.stable = simulation.stability().stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
-    const double allowed = balance_tolerance(elements_of((*scenes_)[range.first + part]));
+    const double allowed = balance_tolerance(elements_of(scenes[part]));
     const bool balances = check.force_error <= allowed && check.moment_error <= allowed;
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;
@@ -185,6 +192,7 @@ void BatchSolver::keep(const Simulation& simulation, const Range& range, const s
       result.cause = text_of("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
                              check.force_error, check.moment_error);
   }
+  return results;
 }
 
 }  // namespace mixbeam

@@ -5,6 +5,8 @@
 
 #include <functional>
 #include <map>
+#include <memory>
+#include <mutex>
 
 namespace mixbeam {
 
@@ -29,20 +31,30 @@ class BatchSolver {
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
 
   const std::vector<CaseResult>& results() const { return results_; }
+  /// As they are now, for other threads than the one that solves: final as far as they are solved.
+  std::vector<CaseResult> results_so_far() const {
+    const std::lock_guard<std::mutex> lock(*results_mutex_);
+    return results_;
+  }
 
  private:
   using Range = std::pair<std::size_t, std::size_t>;  ///< of the cases of the present group
   void solve_range(const Range& range);
   bool solve_together(const Range& range);
   void solve_alone(std::size_t place);
-  void solve_accurately(std::size_t place);
-  void keep(const Simulation& simulation, const Range& range, const std::vector<int>& part_of_member, bool merged);
+  CaseResult solved_alone(const Scene& scene);
+  CaseResult solved_accurately(const Scene& scene);
+  std::vector<CaseResult> checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
+                                  const std::vector<int>& part_of_member, bool merged);
+  CaseResult checked_alone(const Simulation& simulation, const Scene& scene);
+  void keep(std::size_t place, CaseResult result);
 
   Application& app_;
   const CaseQuantities& quantities_;
   std::function<bool()> stop_;
   bool may_merge_;
   std::vector<CaseResult> results_;
+  std::unique_ptr<std::mutex> results_mutex_ = std::make_unique<std::mutex>();
   const std::vector<std::size_t>* cases_ = nullptr;
   const std::vector<Scene>* scenes_ = nullptr;
 };

@@ -47,6 +47,8 @@ void watch_for_interrupts() { handle_both(on_signal); }
 
 void finish_in_order() { alarm(0); }
 
+bool interrupt_requested_here() { return requested != 0; }
+
 bool interrupt_requested(const Communicator& communicator) {
   const int here = requested;
   if (communicator->getSize() == 1) return here != 0;

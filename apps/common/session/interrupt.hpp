@@ -20,6 +20,9 @@ void watch_for_interrupts();
 /// Takes the limit of two seconds away from an orderly end that would lose its results, which are written as a whole.
 void finish_in_order();
 
+/// True as soon as this process was asked to stop.
+bool interrupt_requested_here();
+
 /// True on every rank as soon as one of them was asked to stop. Collective.
 bool interrupt_requested(const Communicator& communicator);
 
