@@ -1,5 +1,6 @@
 #include "apps/mixbeam/case_quantities.hpp"
 
+#include "apps/common/run/followed_points.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/scene/merged_scene.hpp"
 

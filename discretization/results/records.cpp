@@ -172,7 +172,18 @@ std::vector<MonitoredSeries> read_monitor(hid_t file) {
   return all;
 }
 
-void copy_steps(hid_t source, hid_t target, std::size_t steps) {
+std::vector<MonitoredSeries> own_time_series(hid_t file, const std::vector<std::string>& groups) {
+  std::vector<MonitoredSeries> all;
+  for (const std::string& name : kOwnTimeSeries) all.push_back({name});
+  const auto steps = hdf5::open_group(file, "steps");
+  for (const std::string& group : groups) {
+    const auto step = hdf5::open_group(steps, group);
+    for (MonitoredSeries& series : all) series.values.push_back(hdf5::read_number(step, series.name));
+  }
+  return all;
+}
+
+void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector<MonitoredSeries>& monitor) {
   write_header(target, read_header(source));
   for (const std::string& name : hdf5::link_names(source)) {
     const bool has_own_way = name == "scene" || name == "version" || name == "properties" || name == "imported" ||
@@ -184,12 +195,12 @@ void copy_steps(hid_t source, hid_t target, std::size_t steps) {
   const auto from = hdf5::open_group(source, "steps"), to = hdf5::open_group(target, "steps");
   const auto groups = step_groups(source);
   for (std::size_t i = 0; i < std::min(steps, groups.size()); ++i) hdf5::copy_link(from, groups[i], to);
-  const auto monitor = hdf5::open_group(target, "monitor");
-  for (MonitoredSeries& series : read_monitor(source)) {
+  const auto series_group = hdf5::open_group(target, "monitor");
+  for (MonitoredSeries series : monitor) {
     if (series.values.size() < steps * series.columns)
       throw hdf5::Error("cannot read time series " + series.name + ": it is too short");
     series.values.resize(steps * series.columns);
-    hdf5::append_rows(monitor, series.name, series.values, series.columns);
+    hdf5::append_rows(series_group, series.name, series.values, series.columns);
   }
 }
 

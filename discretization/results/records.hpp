@@ -44,8 +44,11 @@ StateSnapshot read_state(hid_t group);
 std::vector<RecordedCriticalPoint> read_critical_points(hid_t step);
 
 std::vector<MonitoredSeries> read_monitor(hid_t file);
+/// The time series that every run has, from these steps.
+std::vector<MonitoredSeries> own_time_series(hid_t file, const std::vector<std::string>& groups);
 
 /// Copies everything but steps behind the first `steps` from one file to an empty one, in the present format.
-void copy_steps(hid_t source, hid_t target, std::size_t steps);
+/// `monitor`: the time series of at least so many steps.
+void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector<MonitoredSeries>& monitor);
 
 }  // namespace mixbeam

@@ -108,10 +108,11 @@ ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, W
       const hdf5::File source(stored.content(), hdf5::FileUse::read);
       file_.begin(stored.is_sealed() ? stored.seal().block : kLargeBlock, [&](GuardedFile& content) {
         hdf5::File target(content, hdf5::FileUse::create);
-        copy_steps(source, target, labels_.size());
+        copy_steps(source, target, labels_.size(), run.monitor());
         target.close();
       });
     });
+    if (run.drops_the_rest()) file_.publish();  // there may be no step to come
   });
 }
 

@@ -40,7 +40,8 @@ auto reading(const fs::path& path, const Read& read) {
 
 }  // namespace
 
-StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step) : path_(path) {
+StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
+    : path_(path), drops_the_rest_(last_step.has_value()) {
   require_result_file(path);
   reading(path, [&](hid_t file) {
     header_ = read_header(file);
@@ -52,7 +53,13 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step) : path_
       steps_.push_back(read_point(step));
       stability_.push_back(read_stability(step));
     }
-    monitor_ = read_monitor(file);
+    try {
+      monitor_ = read_monitor(file);
+    } catch (const hdf5::Error&) {
+      if (!last_step) throw;
+      has_all_series_ = false;
+      monitor_ = own_time_series(file, groups_);
+    }
     layout_.members = read_members(file);
   });
   if (last_step && (steps_.empty() || steps_.back().step != *last_step))
@@ -67,6 +74,12 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step) : path_
   }
   layout_.monitored = layout_of(monitor_);
   if (!steps_.empty()) layout_.step = steps_.back().step;
+}
+
+void StoredRun::complete(const std::vector<MonitoredSeries>& series) {
+  monitor_.insert(monitor_.end(), series.begin(), series.end());
+  layout_.monitored = layout_of(monitor_);
+  has_all_series_ = true;
 }
 
 StateSnapshot StoredRun::state(std::size_t position) const {

@@ -31,7 +31,8 @@ struct MonitoredSeries {
 /// Keeps no file open. Whatever is read has been checked against the seal of the file.
 class StoredRun {
  public:
-  /// `last_step`: steps behind it do not count. Throws InputError when `path` is no readable result file of this
+  /// `last_step`: steps behind it do not count, and where the time series cannot be read, has_all_series() is false and
+  /// those that every run has come from the steps. Throws InputError when `path` is no readable result file of this
   /// program, or of a version that kept no states, or one with a format that this program does not know yet.
   explicit StoredRun(const std::filesystem::path& path, std::optional<int> last_step = {});
 
@@ -39,6 +40,11 @@ class StoredRun {
   const ResultHeader& header() const { return header_; }
   const std::vector<PathPoint>& steps() const { return steps_; }
   const std::vector<MonitoredSeries>& monitor() const { return monitor_; }
+  /// Whether a last step was chosen: the rest of the file does not count, and may be damaged.
+  bool drops_the_rest() const { return drops_the_rest_; }
+  bool has_all_series() const { return has_all_series_; }
+  /// Those that are missing, one row for each of steps().
+  void complete(const std::vector<MonitoredSeries>& series);
   /// Names and sizes of members and monitored quantities, and the number of the last step; no values.
   const StepRecord& layout() const { return layout_; }
 
@@ -58,6 +64,7 @@ class StoredRun {
   std::vector<PathPoint> steps_;
   std::vector<RecordedStability> stability_;
   std::vector<MonitoredSeries> monitor_;
+  bool drops_the_rest_ = false, has_all_series_ = true;
   StepRecord layout_;
 };
 

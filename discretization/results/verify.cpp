@@ -87,10 +87,13 @@ class Walk {
 
 bool begins_with(const std::string& text, const std::string& begin) { return text.rfind(begin, 0) == 0; }
 
+/// Time series are made anew from the steps.
+bool is_made_anew(const std::string& path) { return path == "/monitor" || begins_with(path, "/monitor/"); }
+
 /// A step is whole if it is and all that do not belong to a step are, and those before it.
 std::optional<int> last_whole_step(const std::vector<std::string>& groups, const std::vector<std::string>& damaged) {
   for (const std::string& path : damaged)
-    if (!begins_with(path, "/steps/")) return {};
+    if (!begins_with(path, "/steps/") && !is_made_anew(path)) return {};
   std::optional<int> last;
   for (const std::string& group : groups) {
     const std::string path = "/steps/" + group;
@@ -126,7 +129,7 @@ void rehearse_copy(hid_t source) {
   seal.block = kLargeBlock;
   GuardedFile content(file, seal);
   hdf5::File target(content, hdf5::FileUse::create);
-  copy_steps(source, target, step_groups(source).size());
+  copy_steps(source, target, step_groups(source).size(), read_monitor(source));
   try {
     target.close();
   } catch (const DiskError&) {  // no room for it: no fault of the file

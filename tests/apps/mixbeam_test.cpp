@@ -378,6 +378,37 @@ TEST_F(Disturbed, DamagedFilesAreRefusedByNameAndGoOnFromAWholeStep) {
   EXPECT_EQ(run({"resume", file.string(), "--from", "9999"}).exit_code, kBadInput);
 }
 
+/// The series of a run are made anew from its steps, unless the same block holds what all steps need.
+TEST_F(Disturbed, DamagedTimeSeriesLoseNoStep) {
+  const fs::path file = folder_ / "whole" / "scene.h5", table = folder_ / "whole" / "scene-monitor.csv";
+  const std::string whole = text_of(file), rows = text_of(table);
+  constexpr std::size_t kBegin = 24;  // three numbers: they follow each other nowhere else
+  int made_anew = 0;
+  for (const auto& [name, series] : whole_) {
+    const std::size_t colon = series.find(':');
+    if (name.rfind("monitor/", 0) != 0 || colon == std::string::npos) continue;
+    std::string damaged = whole;
+    const std::size_t place = damaged.find(series.substr(colon + 1, kBegin));
+    ASSERT_NE(place, std::string::npos) << name;
+    damaged[place + kBegin - 1] ^= 1;
+    write_text(file, damaged);
+    const Ended refused = run({"resume", file.string()});
+    EXPECT_EQ(refused.exit_code, kBadInput) << refused.out;
+    expect_in(refused.err, {"damaged: bytes "});
+    const std::size_t advice = refused.err.find("--from ");
+    if (refused.err.find("in them /monitor/") == std::string::npos || advice == std::string::npos) continue;
+    ++made_anew;
+    const std::string step = refused.err.substr(advice + 7, refused.err.find(' ', advice + 7) - advice - 7);
+    const Ended resumed = run({"resume", file.string(), "--from", step, "--quiet"});
+    EXPECT_EQ(resumed.exit_code, kOk) << resumed.err;
+    const auto contents = contents_of(file);
+    ASSERT_TRUE(contents);
+    EXPECT_EQ(differences(whole_, *contents), "") << name;
+    EXPECT_EQ(text_of(table), rows) << name;
+  }
+  EXPECT_GT(made_anew, 0);
+}
+
 TEST_F(Mixbeam, LostOutputIsNoticed) {
   const std::string command = program("mixbeam").string() + " --help 2> " + (folder_ / "err").string();
   const auto code_of = [](const std::string& shell) {

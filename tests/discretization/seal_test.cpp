@@ -144,6 +144,13 @@ std::size_t place_of(const Bytes& bytes, double number, std::size_t begin = 0) {
   return static_cast<std::size_t>(std::search(from, bytes.end(), first, first + sizeof number) - bytes.begin());
 }
 
+/// Where numbers stand one after the other.
+std::size_t place_of_row(const Bytes& bytes, const std::vector<double>& numbers) {
+  const auto* first = reinterpret_cast<const char*>(numbers.data());
+  const auto found = std::search(bytes.begin(), bytes.end(), first, first + numbers.size() * sizeof(double));
+  return static_cast<std::size_t>(found - bytes.begin());
+}
+
 TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
   constexpr std::size_t kSamples = 4000;  // tables of many blocks
   constexpr double kMarker = 1.2345678901234567;
@@ -178,6 +185,35 @@ TEST_F(Seals, TheDamagedObjectIsNamedAndTheStepsBeforeItGoOn) {
   EXPECT_EQ(mended.damage, "");
   EXPECT_EQ(mended.steps, (std::vector<int>{1, 2, 3}));
   EXPECT_THROW(StoredRun(file_, 7), InputError);
+}
+
+TEST_F(Seals, DamagedTimeSeriesLoseNoStep) {
+  write_run(file_, 3, 4000);
+  Bytes bytes = read();
+  const std::size_t place = place_of_row(bytes, {1.0, 2.0, 0.5, 1.0, 2.0, 1.0});  // of tip.displacement
+  ASSERT_LT(place, bytes.size());
+  bytes[place] ^= 1;
+  write(bytes);
+  const FileReport report = verify_results(file_);
+  EXPECT_NE(report.damage.find("/monitor"), std::string::npos) << report.damage;
+  ASSERT_TRUE(report.last_whole_step);
+  EXPECT_THROW(StoredRun{file_}, InputError);
+  StoredRun run(file_, *report.last_whole_step);
+  EXPECT_FALSE(run.has_all_series());
+  EXPECT_EQ(run.monitor().size(), 7u) << "those that steps have themselves";
+  MonitoredSeries series{"tip.displacement", 3, {}};
+  for (const PathPoint& step : run.steps()) series.values.insert(series.values.end(), {1.0, 2.0, 0.5 * step.step});
+  run.complete({series});
+  ResultFile results(run);
+  for (int step = *report.last_whole_step + 1; step <= 4; ++step) results.append_step(step_of(step, 4000));
+  results.close();
+  EXPECT_EQ(verify_results(file_).damage, "");
+  const StoredRun mended(file_);
+  EXPECT_EQ(mended.steps().size(), 4u);
+  for (const MonitoredSeries& of_run : mended.monitor())
+    if (of_run.name == series.name) {
+      EXPECT_EQ(of_run.values, (std::vector<double>{1.0, 2.0, 0.5, 1.0, 2.0, 1.0, 1.0, 2.0, 1.5, 1.0, 2.0, 2.0}));
+    }
 }
 
 TEST_F(Seals, DamagedStatesAreNotResumedFrom) {

@@ -1,6 +1,7 @@
 #include "apps/common/run/application.hpp"
 
 #include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/followed_points.hpp"
 #include "apps/common/run/monitor_table.hpp"
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/session/progress.hpp"
@@ -183,46 +184,7 @@ Simulation Application::solve_and_record(const Scene& solved, const SolverParame
   return record(solved, parameters, recording);
 }
 
-std::vector<std::string> followed_points(const Scene& scene) {
-  // a scene may hold thousands (a wall of supports); a time series for each of them would take longer to write than
-  // the run
-  constexpr std::size_t kMostFollowedPoints = 100;
-  std::vector<std::string> points;
-  for (const PointLoad& load : scene.point_loads) points.push_back(load.point);
-  for (const Support& support : scene.supports) points.push_back(support.point);
-  std::set<std::string> known;
-  const auto seen = [&known](const std::string& point) { return !known.insert(point).second; };
-  points.erase(std::remove_if(points.begin(), points.end(), seen), points.end());
-  points.resize(std::min(points.size(), kMostFollowedPoints));
-  std::sort(points.begin(), points.end());
-  return points;
-}
-
 namespace {
-
-/// Forces and moments of the supports among the followed points, as time series.
-void follow_reactions(const std::vector<std::string>& points, const std::vector<RecordedReaction>& reactions,
-                      std::vector<MonitoredQuantity>& monitored) {
-  std::map<std::string, std::array<Vector3, 2>> at;
-  for (const RecordedReaction& reaction : reactions) {
-    if (!std::binary_search(points.begin(), points.end(), reaction.point)) continue;
-    std::array<Vector3, 2>& sum = at[reaction.point];
-    for (int i = 0; i < 3; ++i) {
-      sum[0][i] += reaction.force[i];
-      sum[1][i] += reaction.moment[i];
-    }
-  }
-  for (const auto& [point, sum] : at) {
-    monitored.push_back({point + ".reaction_force", {sum[0].begin(), sum[0].end()}});
-    monitored.push_back({point + ".reaction_moment", {sum[1].begin(), sum[1].end()}});
-  }
-}
-
-void follow_reactions(const std::vector<std::string>& points, StepRecord& record) {
-  follow_reactions(points, record.reactions, record.monitored);
-  for (RecordedCriticalPoint& point : record.critical_points)
-    follow_reactions(points, point.reactions, point.monitored);
-}
 
 MonitorTable::Quantities quantity_columns(const QuantitySet* quantities, const Scene& scene) {
   MonitorTable::Quantities columns;
@@ -321,9 +283,22 @@ class Application::Recorder {
   bool has_steps_ = false;
 };
 
-Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+std::optional<StoredRun> Application::completed_series(const Scene& solved, const SolverParameters& parameters,
+                                                       const Recording& recording) const {
+  const StoredRun* const run = recording.resume;
+  if (run == nullptr || run->has_all_series()) return {};
+  SolverParameters chosen = parameters;
+  chosen.threads = threads_for(solved, parameters);
+  Simulation simulation(solved, chosen, communicator);
+  return with_all_series(*run, solved, recording.quantities, simulation);
+}
+
+Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& wanted) {
   require_memory(*this, solved, parameters);
-  require_disk(*this, solved, parameters, recording.file);
+  require_disk(*this, solved, parameters, wanted.file);
+  const std::optional<StoredRun> completed = completed_series(solved, parameters, wanted);
+  Recording recording = wanted;
+  if (completed) recording.resume = &*completed;
   Recorder recorder(*this, solved, parameters, recording);
   const auto prepare = [&](Simulation& simulation) {
     if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);

@@ -22,9 +22,6 @@ namespace mixbeam {
 
 using RunObserver = std::function<void(const Simulation& simulation, const StepReport& report)>;
 
-/// Points whose motion is followed: those that are held or loaded, the first hundred, in alphabetical order.
-std::vector<std::string> followed_points(const Scene& scene);
-
 /// Where and how a run is recorded.
 struct Recording {
   std::filesystem::path file{};     ///< result file; XDMF of the same name beside it
@@ -122,6 +119,9 @@ class Application {
   /// Writes the report to <stem of `results`>_failure.txt beside `results` and throws it as ConvergenceError.
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,
                             const std::filesystem::path& results) const;
+  /// Of a run that is resumed, made anew where they are damaged.
+  std::optional<StoredRun> completed_series(const Scene& solved, const SolverParameters& parameters,
+                                            const Recording& recording) const;
   void replay(Simulation& simulation, const StoredRun& run, const RunObserver& observer) const;
   void compare(const Simulation& simulation, const std::function<bool(const ExpectedValue&)>& is_due,
                const OwnQuantity& own_quantity);

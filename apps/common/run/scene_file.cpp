@@ -1,5 +1,6 @@
 #include "apps/common/run/scene_file.hpp"
 
+#include "apps/common/run/followed_points.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "discretization/checks/scene_warnings.hpp"
 #include "discretization/parameters/validate.hpp"
