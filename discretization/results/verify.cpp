@@ -148,7 +148,12 @@ void look_inside(SealedFile& file, const fs::path& path, const std::vector<Damag
     if (!is_table) groups = step_groups(results);
     if (!file.is_sealed() && walk.damaged().empty()) rehearse_copy(results);
   } catch (const hdf5::Error& error) {
-    report.damage = found.empty() ? error.what() : text_of_all(found, {"the structure of the file"});
+    const std::string structure = "the structure of the file";
+    if (!found.empty())
+      report.damage = text_of_all(found, {structure});
+    else
+      report.damage =
+          structure + (file.is_sealed() ? ": " : ", whose end with the checksums is missing: ") + error.what();
     return;
   }
   for (const std::string& group : groups) report.steps.push_back(std::atoi(group.c_str()));
