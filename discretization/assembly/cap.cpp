@@ -80,6 +80,7 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
                                section.force_cap_compliance[i], section.tangent_force_stiffness[i]));
       note_ratio(cap_component(moment_limit, section.moment_compliance[i], section.moment_cap_compliance[i],
                                section.moment_stiffness[i]));
+      cap.cuts_off = cap.cuts_off || section.force_cap_compliance[i] > 0.0 || section.moment_cap_compliance[i] > 0.0;
     }
   }
   return workspace.cap = cap;

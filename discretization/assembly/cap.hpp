@@ -11,6 +11,7 @@ struct Cap {
   /// Cap over stiffness, where that is largest among the stiffnesses that are cut off and finite; zero where there are
   /// none. (What is exactly rigid shares nothing by stiffness.)
   double least_ratio = 0.0;
+  bool cuts_off = false;       ///< whether it cuts off any stiffness: else the tangent is the true one
   StructureViews structure{};  ///< sections with the stiffness and the added compliance of tangents
 
   bool cuts_off_force(int member, int component) const {

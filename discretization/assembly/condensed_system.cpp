@@ -165,6 +165,14 @@ void CondensedSystem::expand(const DofVector& remaining_x, DofVector& x) const {
     chains_.expand(to);
 }
 
+void CondensedSystem::remaining_values(const DofVector& x, DofVector& remaining_x) const {
+  const KernelView<const double*> from = MixedVector::view_of(x);
+  const KernelView<double*> to = MixedVector::view_of(remaining_x);
+  const KernelView<int*> vertices = remaining_->vertices();
+  for (size_t r = 0; r < vertices.extent(0); ++r)
+    for (int c = 0; c < kVertexDofs; ++c) to(vertex_row(r, c)) = from(vertex_row(vertices(r), c));
+}
+
 double CondensedSystem::measure(const DofVector& b, const DofVector& x, const KernelView<double*>& residual) const {
   PhaseTimer timer(model_.times(), "check of the solve");
   const KernelView<const double*> rows = MixedVector::view_of(b), values = MixedVector::view_of(x);

@@ -32,6 +32,9 @@ class CondensedSystem {
   /// Second half.
   void expand(const DofVector& remaining_x, DofVector& x) const;
 
+  /// The entries of x at the vertices that remain.
+  void remaining_values(const DofVector& x, DofVector& remaining_x) const;
+
   /// max over the rows of chains of |b - K x|_i / (|K| X + |b|)_i as backward_error() measures it, and the same for
   /// what the condensed chains do to their end vertices. Collective.
   double chain_error(const DofVector& b, const DofVector& x) const { return measure(b, x, {}); }

@@ -124,6 +124,21 @@ double ChainSolver::solve(const DofVector& b, DofVector& x) {
   return whole_->solve(b, x);
 }
 
+std::optional<long> ChainSolver::negative_eigenvalues() const {
+  if (uses_whole_) return {};
+  const std::optional<long> remaining = remaining_->negative_eigenvalues();
+  if (!remaining) return {};
+  long of_chains = 0;
+  const long here = system_.negative_pivots();
+  Teuchos::reduceAll(*model_.map()->getComm(), Teuchos::REDUCE_SUM, 1, &here, &of_chains);
+  return *remaining + of_chains;
+}
+
+double ChainSolver::rounding_of_form(const DofVector& x) const {
+  system_.remaining_values(x, *remaining_x_);
+  return std::numeric_limits<double>::epsilon() * form_of_sizes(*system_.matrix(), *remaining_x_);
+}
+
 std::unique_ptr<TangentSolver> make_direct_tangent_solver(const Model& model, const std::string& method,
                                                           double residual_tolerance) {
   if (method == kChains || method == kAutomatic || method == kIterative)

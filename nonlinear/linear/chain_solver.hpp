@@ -19,6 +19,12 @@ class TangentSolver {
   virtual double solve(const DofVector& b, DofVector& x) = 0;
   /// As LinearSolver::iterates.
   virtual bool iterates() const { return false; }
+
+  /// Eigenvalues below zero of the tangent, element interiors not among them; none where the factors do not tell.
+  /// Collective.
+  virtual std::optional<long> negative_eigenvalues() const { return {}; }
+  /// Of a motion x, what rounding of what chains leave may change in x . K x; where that is known. Collective.
+  virtual double rounding_of_form(const DofVector&) const { return 0.0; }
 };
 
 /// Solves what chains leave.
@@ -35,6 +41,8 @@ class ChainSolver : public TangentSolver {
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x) override;
   bool iterates() const override { return remaining_->iterates(); }
+  std::optional<long> negative_eigenvalues() const override;
+  double rounding_of_form(const DofVector& x) const override;
 
   /// Tangents that had to be factorised as a whole.
   int fallback_factorizations() const { return fallback_factorizations_; }

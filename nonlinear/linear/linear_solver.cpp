@@ -92,6 +92,14 @@ class DirectSolver : public LinearSolver {
     return error;
   }
 
+  std::optional<long> negative_eigenvalues() const override {
+    long known[2] = {0, 0};  // whether it is known; how many
+    if (root_ == nullptr || root_->is_root())
+      if (const std::optional<long> here = factors_->negative_eigenvalues()) known[0] = 1, known[1] = *here;
+    if (root_ != nullptr) MPI_Bcast(known, 2, MPI_LONG, 0, root_->communicator());
+    return known[0] == 1 ? std::optional<long>(known[1]) : std::nullopt;
+  }
+
  private:
   std::string factorize_here() {
     try {
@@ -180,6 +188,21 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
       },
       Kokkos::Max<double>(largest));
   return maximum_over_ranks(comm, largest);
+}
+
+double form_of_sizes(const DofMatrix& matrix, const DofVector& x) {
+  DofVector ghosted(matrix.getColMap());
+  const auto importer = matrix.getGraph()->getImporter();
+  if (!importer.is_null()) ghosted.doImport(x, *importer, Tpetra::REPLACE);
+  const KernelView<const double*> rows = MixedVector::view_of(x),
+                                  columns = importer.is_null() ? rows : MixedVector::view_of(ghosted);
+  const auto local = matrix.getLocalMatrixHost();
+  double sum = 0.0, all = 0.0;
+  for (int i = 0; i < local.numRows(); ++i)
+    for (size_t k = local.graph.row_map(i); k < local.graph.row_map(i + 1); ++k)
+      sum += std::abs(rows(i) * local.values(k) * columns(local.graph.entries(k)));
+  Teuchos::reduceAll(*matrix.getRowMap()->getComm(), Teuchos::REDUCE_SUM, 1, &sum, &all);
+  return all;
 }
 
 std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,

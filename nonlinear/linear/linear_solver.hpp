@@ -5,6 +5,7 @@
 #include "discretization/mesh/tpetra_types.hpp"
 
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -27,6 +28,9 @@ class LinearSolver {
   /// refinement is tried, then LinearSolverError is thrown. Returns that error.
   virtual double solve(const DofVector& b, DofVector& x) = 0;
 
+  /// Eigenvalues below zero of the matrix factorised last; none where the factors do not tell. Collective.
+  virtual std::optional<long> negative_eigenvalues() const { return {}; }
+
   /// Whether it solves without factors because they would be too large.
   virtual bool iterates() const { return false; }
 };
@@ -47,5 +51,9 @@ std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& 
 /// max over rows of |b - A x|_i / (|A| X + |b|)_i, X the largest displacement or rotation in x: dimensionless, and
 /// blind to the units of rows and columns. Collective.
 double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b);
+
+/// |x| . |A| |x|: what entries that are wrong by a share of themselves change in x . A x is at most that share of it.
+/// Collective.
+double form_of_sizes(const DofMatrix& matrix, const DofVector& x);
 
 }  // namespace mixbeam

@@ -92,11 +92,21 @@ bool NetworkFactors::has_symmetry() const {
   });
 }
 
+/// Of the rows that are taken out.
+bool NetworkFactors::diagonal_is_positive() const {
+  const auto local = matrix_->getLocalMatrixHost();
+  for (size_t i = 0; i < alone_.size(); ++i)
+    for (size_t k = local.graph.row_map(i); alone_[i] != 0 && k < local.graph.row_map(i + 1); ++k)
+      if (local.graph.entries(k) == static_cast<int>(i) && !(local.values(k) > 0.0)) return false;
+  return true;
+}
+
 void NetworkFactors::factorize() {
   std::vector<unsigned char> alone = rows_alone();
   if (alone != alone_) take_out(std::move(alone));
   const auto values = matrix_->getLocalMatrixHost().values;
   for (size_t k = 0; k < entry_.size(); ++k) remaining_.value[k] = values(entry_[k]);
+  negative_.reset();
   if (row_.empty()) return;
   const auto kind = has_symmetry() ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
   if (factors_ == nullptr || kind != kind_) {
@@ -106,7 +116,9 @@ void NetworkFactors::factorize() {
     factors_ = std::make_unique<InertiaSolver>(kind_, remaining_);
   }
   PhaseTimer timer(times_, "numeric factorisation");
-  if (factors_->factorize(remaining_).null > 0) throw LinearSolverError("the matrix is singular");
+  const InertiaSolver::Signs signs = factors_->factorize(remaining_);
+  if (signs.null > 0) throw LinearSolverError("the matrix is singular");
+  if (is_symmetric() && diagonal_is_positive()) negative_ = signs.negative;
 }
 
 void NetworkFactors::solve(const DofVector& b, DofVector& x) {

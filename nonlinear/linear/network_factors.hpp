@@ -5,6 +5,8 @@
 #include "discretization/mesh/tpetra_types.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
 
+#include <optional>
+
 namespace mixbeam {
 
 class LocalFactors {
@@ -13,6 +15,8 @@ class LocalFactors {
   /// Factorises the present values of the matrix. Throws an exception derived from std::exception.
   virtual void factorize() = 0;
   virtual void solve(const DofVector& b, DofVector& x) = 0;
+  /// As LinearSolver::negative_eigenvalues.
+  virtual std::optional<long> negative_eigenvalues() const { return {}; }
 };
 
 /// Unknowns that have an equation of their own, as those that supports prescribe, are taken out: what remains is
@@ -25,6 +29,8 @@ class NetworkFactors : public LocalFactors {
 
   void factorize() override;
   void solve(const DofVector& b, DofVector& x) override;
+  /// Where the matrix is symmetric and what is taken out has a positive diagonal.
+  std::optional<long> negative_eigenvalues() const override { return negative_; }
   /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
   int unknowns() const { return remaining_.rows(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
@@ -35,6 +41,7 @@ class NetworkFactors : public LocalFactors {
   void take_out(std::vector<unsigned char> alone);
   void find_mirrors();
   bool has_symmetry() const;
+  bool diagonal_is_positive() const;
 
   Teuchos::RCP<DofMatrix> matrix_;
   PhaseTimes& times_;
@@ -45,6 +52,7 @@ class NetworkFactors : public LocalFactors {
   std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none
   InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
   std::unique_ptr<InertiaSolver> factors_;
+  std::optional<long> negative_;
   std::vector<double> rhs_;
 };
 

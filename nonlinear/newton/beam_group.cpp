@@ -108,12 +108,18 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeF() {
   return Ok;
 }
 
-NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
-  if (isJacobian()) return Ok;
+Linearization& BeamGroup::linearization() {
+  if (isJacobian()) return *linearization_;
   computeF();
   ++problem_->work.tangents;
   linearize(choice_.in_space);
   problem_->last_failure = linearization_->failure();
+  return *linearization_;
+}
+
+NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
+  if (valid_newton_ && isJacobian()) return Ok;
+  linearization();
   // the condensed residual is that of F now: the Newton increment costs one solve
   newton_cap_ = linearization_->tangent().cap();
   try {
@@ -133,7 +139,8 @@ NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
 void BeamGroup::linearize(bool in_space) const {
   ++problem_->work.factorizations;
   linearization_.reset();  // its arrays are used again
-  linearization_ = std::make_unique<Linearization>(*problem_, point_, cap(), TangentKind{in_space, false});
+  linearization_ =
+      std::make_unique<Linearization>(*problem_, point_, cap(), TangentKind{in_space, choice_.counts_interior});
 }
 
 Tangent BeamGroup::tangent() const { return Tangent(problem_->model, point_, cap(), {choice_.in_space, false}); }

@@ -32,6 +32,8 @@ class BeamGroup : public LOCA::Abstract::Group {
   const ResidualScales& scales() const { return point_.scales; }
   /// Of F.
   const EvaluationPoint& point() const { return point_; }
+  /// The tangent here with its factors, without the Newton increment.
+  Linearization& linearization();
   /// As the Newton increment here is computed with, taken anew.
   Tangent tangent() const;
   /// Largest equilibrium row (forces and moments, compatibility left out) of the scaled residual.

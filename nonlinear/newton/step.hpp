@@ -19,7 +19,8 @@ struct TangentChoice {
   double cap_raise = 1.0;  ///< of the usual cap
   /// Increments are those of the capped tangent, all of them.
   bool keeps_cap = false;
-  bool in_space = false;  ///< also in the plane of the scene: for right-hand sides that leave it
+  bool in_space = false;         ///< also in the plane of the scene: for right-hand sides that leave it
+  bool counts_interior = false;  ///< Tangent::interior_count() is asked for
 };
 
 /// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
@@ -42,6 +43,9 @@ class Linearization {
   void newton_increment(MixedVector& increment);
   /// The same for another right-hand side, scaled as the residual.
   void solve(const MixedVector& scaled_rhs, MixedVector& increment);
+  /// K dx = b of the condensed equations: forces and moments on all vertices that are projected on free motions.
+  void solve_vertices(const DofVector& b, DofVector& x) { solver_->solve(b, x); }
+  const TangentSolver& solver() const { return *solver_; }
   /// (J - J_c) d, scaled as the residual.
   void cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const;
 

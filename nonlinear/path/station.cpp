@@ -78,9 +78,21 @@ std::optional<StabilityResult> StepJudge::count(const State& state, double load_
   }
 }
 
+/// By the factors of the tangent here, where they tell.
+std::optional<StabilityResult> StepJudge::count_by(Linearization& at) const {
+  if (problem_->leave_if_asked) problem_->leave_if_asked();
+  if (stability_ == nullptr) return std::nullopt;
+  try {
+    const std::optional<StabilityResult> result = stability_->count_by(at);
+    return result && result->end_angle <= kLargestEndAngle ? result : std::nullopt;
+  } catch (const LinearSolverError&) {
+    return std::nullopt;
+  }
+}
+
 /// Theory (54) for the given derivative of the residual with the load factor, which grows along it.
 PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) const {
-  group.computeJacobian();
+  group.linearization();
   BeamVector by_load(problem_->model.create_vector());
   Teuchos::ParameterList none;
   group.applyJacobianInverse(none, BeamVector(slope), by_load);
@@ -88,18 +100,20 @@ PathDirection StepJudge::tangent_of(BeamGroup& group, const MixedVector& slope) 
   return scaled(rate, -1.0 / measure_.length(rate));
 }
 
-PathDirection StepJudge::tangent_at(const State& state, double load_factor) const {
-  BeamGroup group(corrector_.global(), problem_, state, load_factor, {});
-  group.computeF();
-  MixedVector slope = problem_->model.create_vector();
-  load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
-  return tangent_of(group, slope);
-}
-
 Station StepJudge::station(const State& state, double load_factor, const PathDirection* along, bool counts) const {
-  PathDirection tangent = tangent_at(state, load_factor);
-  if (along != nullptr && measure_.inner(*along, tangent) < 0.0) tangent = scaled(tangent, -1.0);
-  Station here{state, load_factor, std::move(tangent), counts ? count(state, load_factor) : std::nullopt};
+  Station here{state, load_factor, {problem_->model.create_vector(), 0.0}};
+  {
+    TangentChoice choice;
+    choice.counts_interior = counts;
+    BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
+    group.computeF();
+    MixedVector slope = problem_->model.create_vector();
+    load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
+    here.tangent = tangent_of(group, slope);
+    if (counts) here.stability = count_by(group.linearization());
+  }
+  if (along != nullptr && measure_.inner(*along, here.tangent) < 0.0) here.tangent = scaled(here.tangent, -1.0);
+  if (counts && !here.stability) here.stability = count(state, load_factor);
   here.cap_ratio = here.stability
                        ? here.stability->cap_ratio
                        : cap_for(problem_->model, scales_of(problem_->model, state, load_factor)).least_ratio;

@@ -105,12 +105,12 @@ class StepJudge {
     MixedVector newton, less_rate;
   };
   Linear linear_at(const State& start, const PathDirection& guess, double load_factor) const;
-  PathDirection tangent_at(const State& state, double load_factor) const;
   PathDirection tangent_of(BeamGroup& group, const MixedVector& slope) const;
   PathDirection secant_tangent(const Station& at, double from, double to) const;
   std::string objection_of_halves(const PathPiece& piece, const StepTest& test, int depth);
   std::string objection_to_count(const PathPiece& piece, int negative) const;
   std::optional<StabilityResult> count(const State& state, double load_factor) const;
+  std::optional<StabilityResult> count_by(Linearization& at) const;
   std::vector<Part> parts_of(const PathPiece& piece) const;
   Look look(const PathPiece& piece, PathDirection guess) const;
   Part whole(const PathPiece& piece) const;

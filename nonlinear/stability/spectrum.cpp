@@ -1,4 +1,5 @@
 // Modes and their corrected eigenvalues: the part of Stability that looks at more than signs.
+#include "nonlinear/stability/nearest_eigenvalue.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <algorithm>

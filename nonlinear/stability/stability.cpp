@@ -1,9 +1,10 @@
 #include "nonlinear/stability/stability.hpp"
 
+#include "nonlinear/stability/nearest_eigenvalue.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 
@@ -37,8 +38,6 @@ constexpr double kNearZero = 1e-4;
 constexpr double kNearRounding = 100.0;
 /// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
 constexpr int kFirstNull = 4, kMostNull = 16;
-/// Inverse iterations from an arbitrary vector: next to zero each gains many digits.
-constexpr int kInverseIterations = 3;
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
   for (int i = 0; i < matrix.rows(); ++i)
@@ -47,30 +46,13 @@ SparseMatrix shifted(SparseMatrix matrix, double shift) {
   return matrix;
 }
 
-/// The size of the eigenvalue of A nearest to zero, not below it, and the rounding in it, by inverse iteration.
-std::pair<double, double> nearest_to_zero(const SparseMatrix& a, InertiaSolver& solver) {
-  std::vector<double> y(a.rows());
-  for (int i = 0; i < a.rows(); ++i) y[i] = 1.0 + 0.5 * std::sin(1.0 + i);  // parallel to no mode
-  double length = std::sqrt(dot_product(y, y)), size = HUGE_VAL;
-  for (int i = 0; i < kInverseIterations; ++i) {
-    for (double& x : y) x /= length;
-    solver.solve(y.data(), 1);
-    length = std::sqrt(dot_product(y, y));
-    size = 1.0 / length;
-  }
-  for (double& x : y) x /= length;
-  return {size, rounding_level(a, y)};
+/// N L^2/EI or M L/EI, the larger one, with the largest EI of the structure.
+double stress_of(const Model& model, const StateMagnitude& size) {
+  const Structure& structure = model.structure();
+  return structure.length / structure.bending_reference * std::max(size.force * structure.length, size.moment);
 }
 
 }  // namespace
-
-double rounding_level(const SparseMatrix& a, const std::vector<double>& y) {
-  double sum = 0.0;
-  for (int i = 0; i < a.rows(); ++i)
-    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
-      sum += std::abs(y[i]) * std::abs(a.value[k]) * std::abs(y[a.column[k]]);
-  return std::numeric_limits<double>::epsilon() * sum;
-}
 
 const char* text_of(Verdict verdict) {
   switch (verdict) {
@@ -97,10 +79,7 @@ Stability::Stability(BeamProblem& problem) : problem_(problem) {}
 /// With a cap at which no pivot inside an element is zero, if there is one.
 Stability::Look Stability::evaluate_tangent(const State& state, double load_factor, double raise) {
   const Model& model = problem_.model;
-  const Structure& structure = model.structure();
-  const StateMagnitude size = magnitude_of(model, state, load_factor);
-  const double stress =
-      structure.length / structure.bending_reference * std::max(size.force * structure.length, size.moment);
+  const double stress = stress_of(model, magnitude_of(model, state, load_factor));
   const double share = stress >= kSmallStress ? std::min(1.0, stress) : std::max(stress, least_stiffness());
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
@@ -158,7 +137,7 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
 
 void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root) {
   if (matrix.rows() == 0 || root.result.null > 0 || !root.result.symmetric) return;
-  const auto [size, rounding] = nearest_to_zero(matrix, *solvers.symmetric);
+  const auto [size, rounding] = nearest_eigenvalue(matrix, *solvers.symmetric);
   root.nearest = size;
   root.is_near_zero = !(size > std::max(kNearZero / kZero * zero, kNearRounding * rounding));
 }
@@ -208,32 +187,14 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   return root;
 }
 
-/// Size of the eigenvalue nearest to zero of the whole tangent, not below it, by inverse iteration with the factors of
-/// chains and of what they leave: a mode may live in the chains alone.
-double Stability::nearest_with_chains(const Tangent& tangent) {
-  const Model& model = tangent.model();
-  const Structure& structure = model.structure();
-  const IndependentUnknowns& remaining = *unknowns_beside_chains_;
-  DofVector x(model.map()), b(model.map());
+/// None where the signs of pivots cannot be relied on, next to a critical point.
+std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
+  const RootResult root = factorized_beside_chains(look);
+  if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
+  if (!root.result.symmetric) return root.result;
   DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
-  const size_t rows = MixedVector::view_of(x).extent(0);
-  const double L = structure.length, share = structure.bending_reference / (L * model.mesh().vertices());
-  const auto weight = [&](size_t i) { return i % kVertexDofs < 3 ? share / (L * L) : share; };
-  const auto length_of = [&](const DofVector& v, bool is_force) {
-    const KernelView<const double*> values = MixedVector::view_of(v);
-    double sum = 0.0;
-    for (size_t i = 0; i < rows; ++i) sum += values(i) * values(i) * (is_force ? 1.0 / weight(i) : weight(i));
-    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, remaining.root().communicator());
-    return std::sqrt(sum);
-  };
-  for (size_t i = 0; i < rows; ++i)
-    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + model.map()->getGlobalElement(i));
-  double size = HUGE_VAL;
-  for (int step = 0; step < kInverseIterations; ++step) {
-    const double scale = 1.0 / length_of(x, false);
-    for (size_t i = 0; i < rows; ++i) MixedVector::view_of(b)(i) = scale * weight(i) * MixedVector::view_of(x)(i);
-    tangent.project_on_free_motions(MixedVector::view_of(b));
-    const double force = length_of(b, true);
+  const IndependentUnknowns& remaining = *unknowns_beside_chains_;
+  const auto solve = [&](const DofVector& b, DofVector& x) {
     chains_->condense_rows(b, remaining_b, x);
     std::vector<double> y = remaining.reduced_remaining_rows(remaining_b);
     on_root(remaining.root(), [&] {
@@ -241,18 +202,31 @@ double Stability::nearest_with_chains(const Tangent& tangent) {
     });
     remaining.expand(y.data(), remaining_x);
     chains_->expand(remaining_x, x);
-    size = force / length_of(x, false);
-  }
-  return size;
+  };
+  if (!(nearest_eigenvalue(look.tangent, solve).size > kNearZero / kZero * look.zero)) return std::nullopt;
+  return root.result;
 }
 
-/// None where the signs of pivots cannot be relied on, next to a critical point.
-std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
-  const RootResult root = factorized_beside_chains(look);
-  if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
-  if (root.result.symmetric && !(nearest_with_chains(look.tangent) > kNearZero / kZero * look.zero))
-    return std::nullopt;
-  return root.result;
+/// An eigenvalue of what chains leave is no nearer to zero than the nearest one of the whole tangent.
+std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
+  const Tangent& tangent = at.tangent();
+  if (tangent.is_planar() || tangent.cap().cuts_off || !at.failure().empty()) return std::nullopt;
+  const Tangent::InteriorCount interior = tangent.interior_count();
+  const std::optional<long> negative = at.solver().negative_eigenvalues();
+  if (interior.uncertain || !negative) return std::nullopt;
+  const EvaluationPoint& point = tangent.point();
+  const double zero = kZero * stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
+  const NearestEigenvalue nearest = nearest_eigenvalue(
+      tangent, [&](const DofVector& b, DofVector& x) { at.solve_vertices(b, x); },
+      [&](const DofVector& x) { return at.solver().rounding_of_form(x); });
+  if (!(nearest.size > std::max(kNearZero / kZero * zero, kNearRounding * nearest.rounding))) return std::nullopt;
+  StabilityResult result;
+  result.negative = static_cast<int>(*negative + interior.negative);
+  result.inside = interior.negative;
+  result.sign = sign_of(result.negative, 0);
+  result.cap_ratio = tangent.cap().least_ratio;
+  result.end_angle = largest_end_angle(problem_.model, point).angle;
+  return result;
 }
 
 /// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero.

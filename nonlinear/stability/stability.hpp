@@ -22,7 +22,7 @@
 #pragma once
 
 #include "discretization/assembly/condensed_system.hpp"
-#include "nonlinear/newton/beam_problem.hpp"
+#include "nonlinear/newton/step.hpp"
 #include "nonlinear/stability/block_krylov.hpp"
 #include "nonlinear/stability/eigen_mode.hpp"
 #include "nonlinear/stability/independent_unknowns.hpp"
@@ -43,7 +43,7 @@ struct StabilityResult {
   int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones that are known, at least the parity
   int null = 0;            ///< eigenvalues that are zero within their errors; not among `negative`
   bool symmetric = true;   ///< the tangent was treated as symmetric
-  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj)
+  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj); of count_by: not told
   int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
   double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was looked at
   double end_angle = 0.0;  ///< largest relative rotation between an element and its vertices; of Stability::count
@@ -80,8 +80,6 @@ struct SpaceValues {
 inline constexpr double kShiftBesideZero = 1e-7;
 /// Of the determinant of a symmetric tangent.
 inline int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
-/// What the rounding of the entries of A may change in y . A y, for y of unit length.
-double rounding_level(const SparseMatrix& a, const std::vector<double>& y);
 
 /// All functions are collective, give the same on every rank and throw LinearSolverError.
 class Stability {
@@ -91,6 +89,10 @@ class Stability {
   /// Inertia of the tangent: one factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero
   /// the nearest ones are looked at, by spectrum(). Unsymmetric: the sign of the determinant alone.
   StabilityResult count(const State& state, double load_factor);
+
+  /// The same by the factors that Newton's method has, where these tell and no eigenvalue may be zero: no joints,
+  /// slanting supports or loads without potential, no cap, a network of some size. `at`: TangentKind::counts_interior.
+  std::optional<StabilityResult> count_by(Linearization& at) const;
 
   /// The same while a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). `motion`: rows
   /// of vertices, as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the
@@ -145,7 +147,6 @@ class Stability {
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
   static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
   RootResult factorized_beside_chains(const Look& look);
-  double nearest_with_chains(const Tangent& tangent);
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
   StabilityResult inertia(const Look& look);
   InertiaSolver& solver(const StabilityResult& result);

@@ -1,0 +1,132 @@
+// Negative eigenvalues by the factors that Newton's method has, against LAPACK and against the count that makes its
+// own.
+#include "tests/nonlinear/stability_fixture.hpp"
+#include "tests/support/constrained_scenes.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+namespace mixbeam::test {
+namespace count_by_test {
+
+/// A cubic lattice whose columns carry `load` each.
+Scene compressed_lattice(double load, int elements) {
+  Scene scene = lattice(5, 1, elements);
+  for (PointLoad& push : scene.point_loads) push.force = {0, 0, -load};
+  return scene;
+}
+
+struct Counted {
+  explicit Counted(Scene scene) : fixture(std::move(scene)) {}
+
+  /// By the factors of the usual tangent.
+  std::optional<StabilityResult> by_factors(const State& state, double load_factor) {
+    BeamProblem& problem = fixture.problem();
+    MixedVector residual = problem.model.create_vector();
+    const EvaluationPoint point = mixed_residual(problem.model, state, load_factor, residual);
+    Linearization here(problem, point, cap_for(problem.model, point.scales), {false, true});
+    return fixture.stability().count_by(here);
+  }
+  /// At the equilibrium for a load factor.
+  std::optional<StabilityResult> by_factors(double load_factor) {
+    return by_factors(fixture.equilibrium(load_factor), load_factor);
+  }
+  /// What the undeformed structure answers a load factor of one with.
+  MixedVector linear_answer() {
+    BeamProblem& problem = fixture.problem();
+    MixedVector residual = problem.model.create_vector(), answer = residual.clone(false);
+    const EvaluationPoint point = mixed_residual(problem.model, problem.model.reference_state(), 1.0, residual);
+    Linearization(problem, point, cap_for(problem.model, point.scales), {}).newton_increment(answer);
+    return answer;
+  }
+
+  StabilityFixture fixture;
+};
+
+int negative_of(const SparseMatrix& sparse) {
+  const int n = sparse.rows();
+  std::vector<double> dense(static_cast<size_t>(n) * n, 0.0), values(n), work(4 * n);
+  for (int i = 0; i < n; ++i)
+    for (int k = sparse.row_start[i]; k < sparse.row_start[i + 1]; ++k)
+      dense[i + size_t(n) * sparse.column[k]] = sparse.value[k];
+  int info = 0;
+  Teuchos::LAPACK<int, double>().SYEV('N', 'L', n, dense.data(), n, values.data(), work.data(), 4 * n, &info);
+  EXPECT_EQ(info, 0);
+  return static_cast<int>(std::count_if(values.begin(), values.end(), [](double x) { return x < 0.0; }));
+}
+
+TEST(CountBy, AgreesWithLapack) {
+  Counted counted(compressed_lattice(1.0, 1));
+  int largest = 0;
+  for (double load : {0.0, 1.0, 4.0, 8.0, 12.0}) {
+    const std::optional<StabilityResult> result = counted.by_factors(load);
+    ASSERT_TRUE(result) << load;
+    const Tangent tangent = counted.fixture.tangent(load);
+    IndependentUnknowns unknowns(counted.fixture.problem().model);
+    const long expected = negative_of(unknowns.reduce(tangent)) + tangent.interior_count().negative;
+    EXPECT_EQ(result->negative, expected) << load;
+    EXPECT_EQ(result->sign, expected % 2 == 0 ? 1 : -1) << load;
+    largest = std::max(largest, result->negative);
+  }
+  EXPECT_GT(largest, 10);
+}
+
+/// With chains between junctions, and buckled ones among them.
+TEST(CountBy, AgreesWithTheCountOfItsOwn) {
+  Counted counted(compressed_lattice(1.0, 3));
+  int largest = 0;
+  for (double load : {0.0, 0.5, 5.0, 20.0, 60.0}) {
+    const std::optional<StabilityResult> result = counted.by_factors(load);
+    ASSERT_TRUE(result) << load;
+    const StabilityResult own = counted.fixture.count(load);
+    EXPECT_EQ(result->negative, own.negative) << load;
+    EXPECT_EQ(result->inside, own.inside) << load;
+    EXPECT_EQ(result->end_angle, own.end_angle) << load;
+    EXPECT_EQ(result->verdict(), own.verdict()) << load;
+    largest = std::max(largest, result->negative);
+  }
+  EXPECT_GT(largest, 100);
+}
+
+/// Next to a critical load no sign of a pivot is to be relied on.
+TEST(CountBy, SaysNothingNextToACriticalLoad) {
+  Counted counted(compressed_lattice(1.0, 1));
+  const Model& model = counted.fixture.problem().model;
+  const MixedVector answer = counted.linear_answer();
+  const auto state = [&](double load) { return model.apply(model.reference_state(), answer, load); };
+  const auto negative = [&](double load) { return counted.fixture.stability().count(state(load), load).negative; };
+  double below = 1.0, above = 12.0;
+  ASSERT_EQ(negative(below), 0);
+  ASSERT_GT(negative(above), 0);
+  constexpr double kNear = 1e-8;
+  while (above - below > kNear * above) {
+    const double middle = 0.5 * (below + above);
+    (negative(middle) == 0 ? below : above) = middle;
+  }
+  EXPECT_FALSE(counted.by_factors(state(below), below));
+  for (double load : {0.9 * below, 1.001 * above}) {
+    const std::optional<StabilityResult> beside = counted.by_factors(state(load), load);
+    ASSERT_TRUE(beside) << load;
+    EXPECT_EQ(beside->negative, negative(load));
+  }
+}
+
+/// What the factors do not tell is left to the count that takes its own.
+TEST(CountBy, SaysNothingWhereTheFactorsDoNot) {
+  const Scene plain = compressed_lattice(1.0, 1);
+  ASSERT_TRUE(Counted(plain).by_factors(0.5));
+  Scene follower = plain;
+  for (PointLoad& load : follower.point_loads) {
+    load.frame = LoadFrame::follower;
+    for (const Member& member : follower.members)
+      if (member.end_point == load.point) load.member = member.name;
+  }
+  EXPECT_FALSE(Counted(follower).by_factors(0.5));
+  Scene rigid = plain;
+  rigid.sections[0].axial_stiffness = kRigid;
+  EXPECT_FALSE(Counted(rigid).by_factors(0.5));
+  Scene small = lattice(3, 1, 2);  // by KLU2
+  EXPECT_FALSE(Counted(small).by_factors(0.5));
+}
+
+}  // namespace count_by_test
+}  // namespace mixbeam::test
