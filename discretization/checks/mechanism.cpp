@@ -287,36 +287,58 @@ RigidAssembly locked(const RigidAssembly& assembly) {
   return single;
 }
 
-void check_assembly(const RigidAssembly& assembly, const Scene& scene, const ParameterSource& source,
-                    const ParameterPath& path) {
+/// How it can move without strain; empty where it cannot.
+std::string motions_of(const RigidAssembly& assembly, const Scene& scene) {
   const Rows free = plain_motions(null_space(blocking_matrix(assembly, scene)));
-  if (free.empty()) return;
+  if (free.empty()) return "";
   constexpr std::size_t kMostMotions = 6;
   std::string motions;
   for (std::size_t i = 0; i < std::min(free.size(), kMostMotions); ++i)
     motions += (motions.empty() ? "" : "; ") + described(free[i], assembly, scene);
   if (free.size() > kMostMotions) motions += "; and " + std::to_string(free.size() - kMostMotions) + " more";
-  const bool joined = assembly.parts.size() > 1;
-  throw source.error(child(path, "Supports"),
-                     member_names(all_members(assembly), scene, "connected members ") + " can move without strain in " +
-                         std::to_string(free.size()) + (free.size() == 1 ? " way: " : " ways: ") + motions +
-                         "; allowed: " +
-                         (joined ? "supports, springs and joints that leave no motion without strain"
-                                 : "supports that block all six rigid motions of every connected part"));
+  return member_names(all_members(assembly), scene, "connected members ") + " can move without strain in " +
+         std::to_string(free.size()) + (free.size() == 1 ? " way: " : " ways: ") + motions;
 }
+
+std::string allowed_for(const RigidAssembly& assembly) {
+  return assembly.parts.size() > 1 ? "; allowed: supports, springs and joints that leave no motion without strain"
+                                   : "; allowed: supports that block all six rigid motions of every connected part";
+}
+
+/// The first one in full, of others a member each.
+struct Mechanisms {
+  std::string first, allowed;
+  std::vector<std::string> others{};
+
+  void note(const RigidAssembly& assembly, const Scene& scene) {
+    const std::string motions = motions_of(assembly, scene);
+    if (motions.empty()) return;
+    if (!first.empty()) return others.push_back(scene.members[all_members(assembly).front()].name);
+    first = motions;
+    allowed = allowed_for(assembly);
+  }
+  std::string text() const {
+    if (others.empty()) return first + allowed;
+    const std::string how_many =
+        others.size() == 1 ? "one more connected part is" : std::to_string(others.size()) + " more connected parts are";
+    return first + "; " + how_many + " not held either, with member " + quoted_list(others) + allowed;
+  }
+};
 
 }  // namespace
 
 std::string check_supports(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
   std::string skipped;
+  Mechanisms mechanisms;
   for (const RigidAssembly& assembly : rigid_assemblies(scene)) {
     const bool is_small = assembly.parts.size() <= kMostParts;
-    check_assembly(is_small ? assembly : locked(assembly), scene, source, path);
+    mechanisms.note(is_small ? assembly : locked(assembly), scene);
     if (!is_small)
       skipped = "whether joints let a part of the structure move without strain was not checked: " +
                 std::to_string(assembly.parts.size()) + " parts are joined, and the check takes " +
                 std::to_string(kMostParts) + " at most";
   }
+  if (!mechanisms.first.empty()) throw source.error(child(path, "Supports"), mechanisms.text());
   return skipped;
 }
 

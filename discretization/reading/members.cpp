@@ -12,7 +12,9 @@
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 namespace mixbeam {
 namespace {
@@ -221,8 +223,17 @@ void SceneReader::import_members() {
   if (!list_.isSublist("Import") || !list_.sublist("Import").isParameter("Members File")) return;
   const List& list = list_.sublist("Import");
   imported_members_.emplace(members_table(list, place_["Import"]));
+  std::map<std::array<std::string, 3>, std::string> seen;  // by their points in alphabetical order, and the section
   imported_members_->for_each([&](const CsvRecord& record) {
     Member member = imported_member(*imported_members_, record, list);
+    const auto [low, high] = std::minmax(member.start_point, member.end_point);
+    const auto [first, is_new] = seen.try_emplace({low, high, member.section}, member.name);
+    if (!is_new)
+      throw imported_members_->error(record, "name",
+                                     "member \"" + excerpt(member.name) + "\" of section \"" + excerpt(member.section) +
+                                         "\" is the same line as \"" + excerpt(first->second) + "\", from \"" +
+                                         excerpt(low) + "\" to \"" + excerpt(high) +
+                                         "\"; allowed: one of them, or different sections");
     if (member_index_.count(member.name) > 0) {
       throw imported_members_->error(
           record, "name",

@@ -100,6 +100,18 @@ TEST(MechanismCheck, NamesThePartThatIsNotHeld) {
   expect_in(refusal(scene), {"connected members \"c-d\", \"d-e\"", "6 ways"});
 }
 
+/// Islands of an imported network: the first in full, a member of each other one.
+TEST(MechanismCheck, NamesEveryPartThatIsNotHeld) {
+  Scene scene = beam({support("a", kAll, kAll)});
+  scene.points.insert(scene.points.end(), {point("c", {0, 0, 1}), point("d", {0, 1, 1}), point("e", {9, 0, 1}),
+                                           point("f", {9, 1, 1}), point("g", {9, 2, 5})});
+  scene.members.insert(scene.members.end(), {line("c", "d"), line("e", "f"), line("f", "g")});
+  expect_in(refusal(scene), {"member \"c-d\" can move without strain in 6 ways",
+                             "; one more connected part is not held either, with member \"e-f\"; allowed: "});
+  scene.supports.push_back(support("f", kAll, kAll));
+  EXPECT_EQ(refusal(scene).find("one more"), std::string::npos);
+}
+
 TEST(MechanismCheck, DoesNotDependOnScaleOrPlace) {
   for (const double scale : {1e-9, 1.0, 1e9}) {
     for (const double shift : {0.0, 1e3}) {

@@ -119,6 +119,8 @@ TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
   refused("m,A,B,flat\nn/1,B,C,flat\n", {"members.csv:2:1: ", "\"n/1\"", "without \"/\""});
   refused("m,A,B,flat\nn,B,B,flat\n", {"members.csv:2:1: ", "no length"});
   refused("m,A,B,flat\nm,B,C,flat\n", {"members.csv:2:1: ", "\"m\" is the name of another member"});
+  refused("m,A,B,flat\nn,B,C,flat\no,B,A,flat\n",
+          {"members.csv:3:1: ", "member \"o\" of section \"flat\" is the same line as \"m\", from \"A\" to \"B\""});
   refused("m,A,B,flat,1,9000000\nn,B,C,flat,1,9000000\n", {"members.csv:2:14: ", "18000000 elements"});
   refused("\n# nothing\n", {"Scene / Members", "no member"});
 }
