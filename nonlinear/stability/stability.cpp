@@ -207,6 +207,18 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) 
   return root.result;
 }
 
+namespace {
+
+/// Of all members, over the length of the structure, and at least one: eigenvalues of what chains leave are that much
+/// smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
+double relative_length(const Model& model) {
+  double length = 0.0;
+  for (const MeshMember& member : model.mesh().members) length += member.curve.length;
+  return std::max(1.0, length / model.structure().length);
+}
+
+}  // namespace
+
 /// An eigenvalue of what chains leave is no nearer to zero than the nearest one of the whole tangent.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   const Tangent& tangent = at.tangent();
@@ -215,11 +227,12 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   const std::optional<long> negative = at.solver().negative_eigenvalues();
   if (interior.uncertain || !negative) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
-  const double zero = kZero * stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
+  const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
+  const double near_zero = kNearZero * stress * relative_length(problem_.model);
   const NearestEigenvalue nearest = nearest_eigenvalue(
       tangent, [&](const DofVector& b, DofVector& x) { at.solve_vertices(b, x); },
       [&](const DofVector& x) { return at.solver().rounding_of_form(x); });
-  if (!(nearest.size > std::max(kNearZero / kZero * zero, kNearRounding * nearest.rounding))) return std::nullopt;
+  if (!(nearest.size > std::max(near_zero, kNearRounding * nearest.rounding))) return std::nullopt;
   StabilityResult result;
   result.negative = static_cast<int>(*negative + interior.negative);
   result.inside = interior.negative;

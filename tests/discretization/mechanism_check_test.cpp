@@ -1,6 +1,7 @@
 #include "discretization/checks/mechanism.hpp"
 
 #include "input_text.hpp"
+#include "tests/support/scenes.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -229,6 +230,21 @@ TEST(MechanismCheck, TellsWhenThereAreTooManyJoinedParts) {
   EXPECT_THROW(check_supports(scene, ParameterSource("scene.xml")), InputError);
   scene.supports = {support("p0", kAll, kAll)};
   expect_in(check_supports(scene, ParameterSource("scene.xml")), {"was not checked", "400 parts"});
+}
+
+/// At one corner of a lattice hangs an arm that swings: its members are named, in well below a second.
+TEST(MechanismCheck, NamesAnArmAtACornerOfALattice) {
+  constexpr int kPoints = 16;
+  Scene scene = test::lattice(kPoints);
+  const std::string corner = "15,15,15";
+  scene.points.insert(scene.points.end(), {point("elbow", {16, 15, 15}), point("hand", {16, 16, 15})});
+  scene.members.insert(scene.members.end(), {line(corner, "elbow"), line("elbow", "hand")});
+  EXPECT_GT(scene.members.size(), 10000U);
+  expect_held(scene);
+  scene.joints = {{"pin", corner, {corner + "-elbow"}, JointKind::ball, {}}};
+  const auto start = std::chrono::steady_clock::now();
+  expect_in(refusal(scene), {"in 3 ways", "members \"15,15,15-elbow\", \"elbow-hand\" by rotation"});
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5.0);
 }
 
 TEST(MechanismCheck, TakesAHundredThousandMembers) {
