@@ -181,6 +181,14 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
   app.summary.estimated_errors.push_back(errors);
 }
 
+void RunReport::add_stresses(Application& app, const std::string& run) const {
+  if (!last_.stresses) return;
+  for (const std::string& warning : stress_warnings(*last_.stresses)) {
+    app.summary.warnings.push_back(run + ": " + warning);
+    app.out() << "warning: " << warning << "\n";
+  }
+}
+
 void RunReport::print_errors(std::ostream& out) const {
   if (!last_.error_estimate) return;
   if (!last_.error_estimate->not_estimated.empty()) {
@@ -261,6 +269,7 @@ void RunReport::print(std::ostream& out) const {
   out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
                  last_.moment_energy);
   print_quantities(out);
+  if (last_.stresses) print_stresses(out, *last_.stresses);
   print_errors(out);
   const bool balanced = force_error_ <= balance_tolerance_ && moment_error_ <= balance_tolerance_;
   out << text_of("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",

@@ -34,8 +34,11 @@ class RunReport {
   /// Adds the quantities to the summary of the run, and a check for each that has a limit.
   void add_quantities(Application& app, const std::string& run) const;
 
-  /// Displacements of points and reactions of supports in the last step (a few of them), energies, estimated errors,
-  /// balance.
+  /// Adds what stresses and strains of the last step warn of to the summary of the run.
+  void add_stresses(Application& app, const std::string& run) const;
+
+  /// Displacements of points and reactions of supports in the last step (a few of them), energies, quantities, stresses,
+  /// estimated errors, balance.
   void print(std::ostream& out) const;
 
  private:
@@ -64,6 +67,12 @@ class RunReport {
 
 /// The last lines of a run, one for each end (two where a displacement is controlled): "column: stable: true".
 void print_ends(std::ostream& out, const Summary& summary, bool controlled);
+
+/// The most stressed members with place, point of the section and utilisation; notes on what the fields leave out.
+void print_stresses(std::ostream& out, const StressSummary& stresses);
+
+/// Strains that the linear law does not mean, members too curved for linear bending stresses; each without its run.
+std::vector<std::string> stress_warnings(const StressSummary& stresses);
 
 /// What an unstable end is.
 inline constexpr const char* kDoesNotStay = "a real structure does not stay there";

@@ -94,6 +94,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   if (accurate) report_mesh(app, file.stem().string(), *accurate);
   report.print(app.out());
   warn_of_uncertain_forces(app, file.stem().string(), simulation);
+  report.add_stresses(app, file.stem().string());
   report.add_errors(app, file.stem().string());
   report.add_quantities(app, file.stem().string());
   report.check_balance(app, file.stem().string());

@@ -3,6 +3,7 @@
 import numpy as np
 
 import style
+from results import InputError
 
 NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
 NO_LOAD = 1e-12  # and so are moments below this share of EI / size, when nothing in the structure is larger
@@ -37,6 +38,19 @@ class Field:
         return NOISE * max(_largest(step.field(self.source)), 1e-6)
 
 
+class StressField(Field):
+    """A stress over the section at every sample: nan, which is drawn grey, where the section has no shape."""
+
+    def __init__(self, label, source, signed=False):
+        super().__init__(label, source, [0] if signed else [])
+
+    def values(self, step, size):
+        if not step.has(self.source):
+            raise InputError(f"step {step.number} has no stresses: they are of the last step (Stresses in the list "
+                             "Analysis asks for every step), of sections given by Shape and Material")
+        return step.field(self.source).ravel()
+
+
 SECTION_FORCES = {
     "axial_force": Field("axial force $N$", "material_force", [0]),
     "shear_2": Field("shear force $Q_2$", "material_force", [1]),
@@ -56,8 +70,12 @@ FIELDS = {
     "twist": Field(r"twist $\kappa_1$", "moment_strain", [0]),
     "curvature": Field(r"bending strain $\sqrt{\kappa_2^2+\kappa_3^2}$", "moment_strain", [1, 2]),
     "displacement": Field("displacement $|u|$", "displacement", [0, 1, 2]),
+    "von_mises": StressField(r"von Mises stress, largest of the section", "von_mises_stress"),
+    "normal_stress": StressField(r"normal stress $\sigma_{11}$, largest of the section", "largest_normal_stress", True),
+    "shear_stress": StressField(r"shear stress $|\tau|$, largest of the section", "largest_shear_stress"),
 }
 OVERVIEW = ("bending", "torsion", "axial_force", "shear", "curvature", "axial_strain")
+STRESS_OVERVIEW = ("von_mises",) + OVERVIEW[:-1]  # where a step has stresses
 
 
 def power_of_ten(largest):
@@ -76,11 +94,14 @@ def color_scale(field, values):
     """Colour map and norm: signed fields are symmetric about a grey zero, magnitudes start at zero."""
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
-    largest = float(np.abs(values).max(initial=0.0)) or 1.0
+    largest = _largest(values) or 1.0
     if field.signed:
         steps = [style.BLUE, "#7FB2D6", "#BDBDBD", "#E8A36B", style.RED]
-        return LinearSegmentedColormap.from_list("signed", steps), Normalize(-largest, largest)
-    return style.plt.get_cmap("viridis"), Normalize(0.0, largest)
+        colors, norm = LinearSegmentedColormap.from_list("signed", steps), Normalize(-largest, largest)
+    else:
+        colors, norm = style.plt.get_cmap("viridis").copy(), Normalize(0.0, largest)
+    colors.set_bad(style.GREY)
+    return colors, norm
 
 
 def _bending_stiffness(step):

@@ -96,7 +96,7 @@ def _figures(kind, run, view, chosen, options):
         yield kind, path_figures.iteration_figure(view)
     elif len(run.steps) > 1 and kind == "load_path":
         yield kind, path_figures.load_displacement_figure(view)
-    elif len(run.steps) > 1:
+    elif len(run.steps) > 1 and all(step.has(field.source) for step in shape_figures.strip_steps(run.steps)):
         shown = shape_figures.strip_steps(run.steps)
         yield kind, shape_figures.strip_figure(shape_figures.View(run, shown), shown, field)
 

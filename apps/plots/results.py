@@ -161,6 +161,10 @@ class Step:
         values = self._group[name]
         return values[member.samples] if member is not None else values[:]
 
+    def has(self, name):
+        """Whether a field is there: stresses are not in every step."""
+        return name in self._group
+
     def rows(self, name, numbers):
         """Some rows of a field without reading the others; `numbers` ascending."""
         return self._group[name][numbers]

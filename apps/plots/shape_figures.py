@@ -45,7 +45,7 @@ def shape_figure(view, step, field, triads=False):
     flat = canvas.add_axes((0.53, 0.13, 0.45, 0.74))
     position = step.field("position")
     values = field.values(step, view.size)
-    exponent = fields.power_of_ten(np.abs(values).max(initial=0.0))
+    exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
     values = values / 10.0 ** exponent
     scale = fields.color_scale(field, values)
     width = line_width(view.structure)
@@ -76,7 +76,8 @@ def overview_figure(view, step):
     """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
     position = step.field("position")
     slopes = tangents(position, view.structure.starts)
-    shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in fields.OVERVIEW)]
+    overview = fields.STRESS_OVERVIEW if step.has("von_mises_stress") else fields.OVERVIEW
+    shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in overview)]
     shown = [entry for entry in shown if np.any(entry[1])] or shown[:1]
     shown_points = position if view.has_shrunk(position) else view.everything
     projected = shown_points @ view.plane.T
@@ -88,7 +89,7 @@ def overview_figure(view, step):
         axes.set_visible(False)
     grey, _ = view.lines(view.structure.reference)
     for axes, (field, values) in zip(panels.flat, shown):
-        exponent = fields.power_of_ten(np.abs(values).max(initial=0.0))
+        exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
         values = values / 10.0 ** exponent
         lines, colors = view.lines(position, values, slopes)
         width = 0.8 * line_width(view.structure)
@@ -106,7 +107,7 @@ def strip_figure(view, steps, field):
     """Some steps of the path side by side, all in one scale and one colour scale."""
     position = [step.field("position") for step in steps]
     values = [field.values(step, view.size) for step in steps]
-    exponent = fields.power_of_ten(max(np.abs(value).max(initial=0.0) for value in values))
+    exponent = fields.power_of_ten(max(np.nanmax(np.abs(value), initial=0.0) for value in values))
     values = [value / 10.0 ** exponent for value in values]
     scale = fields.color_scale(field, np.concatenate(values))
     projected = view.everything @ view.plane.T

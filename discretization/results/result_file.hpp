@@ -16,7 +16,8 @@
 ///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,
 ///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
 ///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
-///                               triad_3 (n,3), triad (n,4: w,x,y,z); residual_history (iterations,3: attempt,
+///                               triad_3 (n,3), triad (n,4: w,x,y,z); largest_normal_stress, largest_shear_stress,
+///                               von_mises_stress (n; NaN: section without shape) where asked for; residual_history (iterations,3: attempt,
 ///                               iteration, scaled maximum norm); reactions (supports,6: force, moment), balance
 ///                               (2,6: applied force and moment, those of the reactions) and attributes
 ///                               force_balance_error, moment_balance_error

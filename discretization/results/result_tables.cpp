@@ -195,6 +195,20 @@ void add_fields(const std::string& group, const std::vector<MemberSamples>& memb
     tables.push_back(triad_table(group + "triad_" + std::to_string(i + 1), members, i));
 }
 
+ResultTable scalar_table(const std::string& name, const std::vector<MemberSamples>& members,
+                         std::vector<double> MemberSamples::*field) {
+  return sample_table(name, 1, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
+    *row = (member.*field)[sample];
+  });
+}
+
+void add_stresses(const std::string& group, const std::vector<MemberSamples>& members,
+                  std::vector<ResultTable>& tables) {
+  tables.push_back(scalar_table(group + "largest_normal_stress", members, &MemberSamples::largest_normal_stress));
+  tables.push_back(scalar_table(group + "largest_shear_stress", members, &MemberSamples::largest_shear_stress));
+  tables.push_back(scalar_table(group + "von_mises_stress", members, &MemberSamples::von_mises_stress));
+}
+
 void add_state(const std::string& group, const StateShare& state, std::vector<ResultTable>& tables) {
   const StateSnapshot& held = state.held;
   tables.push_back(table_of(group + "vertex_displacement", state.vertices, 3, held.vertex_displacement.data()));
@@ -239,6 +253,7 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
     add("/buckling/" + std::to_string(i) + "/mode", record.buckling[i].mode);
   const std::string group = "/steps/" + step_group_name(record.step) + "/";
   add_fields(group, record.members, tables);
+  if (record.stresses && !record.stresses->members.empty()) add_stresses(group, record.members, tables);
   for (std::size_t i = 0; i < record.critical_points.size(); ++i) {
     const RecordedCriticalPoint& point = record.critical_points[i];
     const std::string inside = group + "critical_points/" + std::to_string(i) + "/";

@@ -5,6 +5,7 @@
 
 #include "discretization/scene/scene.hpp"
 #include "discretization/state/resume_point.hpp"
+#include "discretization/stresses/section_stresses.hpp"
 
 #include <array>
 #include <cstddef>
@@ -41,6 +42,9 @@ struct MemberSamples : SampledMember {
   std::vector<Vector3> moment_strain;       ///< kappa, material (torsion, bending 2, bending 3), 1/length
   std::vector<Vector3> material_force;      ///< N, material
   std::vector<Vector3> material_moment;     ///< M, material
+  /// Of the section at each sample, where they are asked for (else empty): normal with its sign. NaN: a section that is
+  /// not given by its shape.
+  std::vector<double> largest_normal_stress, largest_shear_stress, von_mises_stress;
 
   /// Samples that are held here.
   std::size_t size() const { return arc_length.size(); }
@@ -68,6 +72,8 @@ struct MemberSamples : SampledMember {
                               &material_force, &material_moment}) {
       if (field->size() != size()) return false;
     }
+    for (const auto* stress : {&largest_normal_stress, &largest_shear_stress, &von_mises_stress})
+      if (!stress->empty() && stress->size() != size()) return false;
     return element.size() == size() && triad.size() == size();
   }
 };
@@ -142,6 +148,30 @@ struct RecordedErrorEstimate : ErrorSummary {
   std::vector<double> element_displacement{}, element_moment{};  ///< (element of the mesh)
 };
 
+/// The sample of a member with the largest von Mises stress.
+struct StressedMember {
+  std::string member{};
+  double arc_length = 0.0, length = 0.0;  ///< s there, and of the whole member
+  LargestStresses stresses{};
+  std::optional<double> utilisation{};  ///< von Mises stress over the strength of the material, where it is given
+  double torsion_share = 0.0;           ///< of an I: share of the von Mises stress that is there for the torque alone
+};
+
+/// A number that is the largest of its kind, and where.
+struct LargestAlong {
+  std::string member{};
+  double arc_length = 0.0;
+  double value = 0.0;
+  double limit = 0.0;  ///< above which it is worth a warning
+};
+
+/// What a report says of stresses and strains.
+struct StressSummary {
+  std::vector<StressedMember> members{};  ///< at most kMostStressed, the largest von Mises stress first
+  LargestAlong strain{};                  ///< the largest over its limit, see Section::largest_strain
+  LargestAlong curvature{};  ///< see SectionStresses::curvature_error; of the members whose section has a shape
+};
+
 /// How a converged configuration was reached, and its numbers: the same on every rank.
 struct StepSummary {
   int step = 0;               ///< 0 is the state before any load; grows from record to record
@@ -155,8 +185,9 @@ struct StepSummary {
   std::vector<RecordedReaction> reactions{};                        ///< same supports in every record of a run
   RecordedBalance balance{};
   RecordedStability stability{};
-  std::vector<NewtonIteration> history{};  ///< of all attempts at this step
-  PathPoint point{};                       ///< of the state
+  std::optional<StressSummary> stresses{};  ///< where the members hold stresses
+  std::vector<NewtonIteration> history{};   ///< of all attempts at this step
+  PathPoint point{};                        ///< of the state
 };
 
 /// A converged configuration. On several ranks each holds its own share of the samples and of the state.

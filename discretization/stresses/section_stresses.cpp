@@ -43,7 +43,19 @@ NormalStress StressField::normal(const SectionForces& f) const {
   return {f.force[0] / g.area, -f.moment[2] / g.second_moment[1], f.moment[1] / g.second_moment[0]};
 }
 
-SectionStresses::SectionStresses(const SectionShape& shape) : field_(field_of(shape)) {}
+SectionStresses::SectionStresses(const SectionShape& shape) : field_(field_of(shape)) {
+  const std::array<ShearLoad, 3> units = {ShearLoad{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  for (std::size_t i = 0; i < units.size(); ++i) unit_shear_[i] = field_->largest_von_mises({}, units[i]);
+}
+
+/// sqrt(3) times it. One force alone scales what the unit force makes.
+LargestStress SectionStresses::largest_shear(const SectionForces& forces) const {
+  const ShearLoad load = shear_load(forces);
+  const int only = load.only_one();
+  if (only < 0) return field_->largest_von_mises({}, load);
+  const LargestStress& unit = unit_shear_[static_cast<std::size_t>(only)];
+  return {unit.value * std::abs(load.of(only)), unit.point};
+}
 
 PointStress SectionStresses::at(const SectionForces& forces, const SectionPoint& point) const {
   PointStress stress;
@@ -64,7 +76,7 @@ LargestStresses SectionStresses::largest(const SectionForces& forces) const {
     largest.von_mises = {std::abs(largest.normal.value), largest.normal.point};
     return largest;
   }
-  largest.shear = field_->largest_von_mises({}, load);
+  largest.shear = largest_shear(forces);
   largest.von_mises = normal.constant == 0.0 && normal.slope2 == 0.0 && normal.slope3 == 0.0
                           ? largest.shear
                           : field_->largest_von_mises(normal, load);
@@ -75,6 +87,17 @@ LargestStresses SectionStresses::largest(const SectionForces& forces) const {
 double SectionStresses::largest_edge_strain(double axial, double bending2, double bending3) const {
   const SectionPoint p = field_->farthest(-bending3, bending2);
   return std::abs(axial) + std::abs(bending2 * p[1] - bending3 * p[0]);
+}
+
+double SectionStresses::curvature_error(double kappa2, double kappa3) const {
+  const double kappa = std::hypot(kappa2, kappa3);
+  if (kappa == 0.0) return 0.0;
+  const double d2 = kappa3 / kappa, d3 = kappa2 / kappa;  // where the centre of curvature is, but for the sign
+  const SectionPoint p = field_->farthest(d2, d3);
+  const SectionGeometry& g = field_->geometry();
+  const double distance = p[0] * d2 + p[1] * d3;
+  const double second_moment = g.second_moment[1] * d2 * d2 + g.second_moment[0] * d3 * d3;
+  return kappa * (distance - second_moment / (g.area * distance));
 }
 
 }  // namespace mixbeam

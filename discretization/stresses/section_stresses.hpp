@@ -72,8 +72,16 @@ class SectionStresses {
   /// centerline: at its edge.
   double largest_edge_strain(double axial, double bending2, double bending3) const;
 
+  /// By what share the bending stress at the inner fibre of a curved member is larger than the linear one, to first
+  /// order in size over radius (Winkler and Bach): kappa (c - I / (A c)), c the distance of that fibre. h / (3 R) for a
+  /// rectangle, 3 d / (8 R) for a circle. `kappa2`, `kappa3`: undeformed curvature about axes 2 and 3.
+  double curvature_error(double kappa2, double kappa3) const;
+
  private:
-  std::shared_ptr<const StressField> field_;  ///< immutable, so copies share it
+  LargestStress largest_shear(const SectionForces& forces) const;
+
+  std::shared_ptr<const StressField> field_;   ///< immutable, so copies share it
+  std::array<LargestStress, 3> unit_shear_{};  ///< of unit T, Q2, Q3
 };
 
 }  // namespace mixbeam

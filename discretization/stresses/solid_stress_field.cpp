@@ -18,8 +18,7 @@ namespace {
 
 constexpr int kAngles = 32;  // fields of round sections have at most four maxima around
 constexpr std::size_t kMostNodes = 256;
-constexpr int kMostStarts = 6;       // local maxima that are followed
-constexpr double kWorthwhile = 0.7;  // a local maximum between samples exceeds them by less than 1 / this
+constexpr int kMostStarts = 6;  // local maxima that are followed
 
 /// Samples of the section: a grid of rows and columns, with the shear stresses of unit forces there.
 struct SectionGrid {
@@ -35,16 +34,17 @@ class Starts {
  public:
   struct Start {
     double value = 0.0;
+    double bound = 0.0;  ///< what F hardly exceeds around it
     std::size_t node = 0;
     int curve = -1;  ///< of the boundary; -1: inside
   };
 
-  void add(double value, std::size_t node, int curve) {
+  void add(double value, double bound, std::size_t node, int curve) {
     if (count_ == kMostStarts && value <= starts_[count_ - 1].value) return;
     if (count_ < kMostStarts) ++count_;
     int i = count_ - 1;
     for (; i > 0 && starts_[i - 1].value < value; --i) starts_[i] = starts_[i - 1];
-    starts_[i] = {value, node, curve};
+    starts_[i] = {value, bound, node, curve};
   }
   const Start* begin() const { return starts_.data(); }
   const Start* end() const { return starts_.data() + count_; }
@@ -98,7 +98,7 @@ class SolidStressField : public StressField {
     const bool inside = load.force2 != 0.0 || load.force3 != 0.0;
     if (inside) add_inner_starts(values.data(), starts);
     for (const Starts::Start& start : starts) {
-      if (start.value < kWorthwhile * largest.value) break;
+      if (start.bound < largest.value) continue;
       climb_from(start, inside, f, largest);
     }
     return {std::sqrt(largest.value), largest.point};
@@ -189,7 +189,7 @@ class SolidStressField : public StressField {
     const auto add = [&](std::size_t before, std::size_t node, std::size_t after, int curve) {
       if (values[node] >= values[before] && values[node] >= values[after] &&
           (values[node] > values[before] || values[node] > values[after]))
-        starts.add(values[node], node, curve);
+        starts.add(values[node], bound(values, node), node, curve);
     };
     if (!rectangle_) {
       for (const std::size_t row : {last_row, std::size_t{0}}) {
@@ -209,6 +209,23 @@ class SolidStressField : public StressField {
             column == 0 ? 2 : 3);
   }
 
+  /// F at a sample and what parabolas through its neighbours in both directions add, four times over.
+  double bound(const double* values, std::size_t n) const {
+    const std::size_t row = n / grid_.columns, column = n % grid_.columns;
+    const auto rise = [&](std::size_t place, std::size_t count, std::size_t stride, bool round,
+                          const std::vector<double>& x) {
+      const std::size_t first = n - place * stride;
+      const std::size_t middle = round ? place : std::clamp<std::size_t>(place, 1, count - 2);
+      const std::size_t a = first + (middle + count - 1) % count * stride, b = first + middle * stride,
+                        c = first + (middle + 1) % count * stride;
+      const double before = rectangle_ ? x[b] - x[a] : 1.0, after = rectangle_ ? x[c] - x[b] : 1.0;
+      return 0.5 * std::max(before, after) *
+             std::abs((values[c] - values[b]) / after - (values[b] - values[a]) / before);
+    };
+    return values[n] + rise(row, grid_.rows, grid_.columns, false, grid_.x2) +
+           rise(column, grid_.columns, 1, !rectangle_, grid_.x3);
+  }
+
   void add_inner_starts(const double* values, Starts& starts) const {
     const std::size_t columns = grid_.columns;
     const std::size_t first = rectangle_ ? 1 : 0, last = rectangle_ ? columns - 2 : columns - 1;
@@ -218,20 +235,24 @@ class SolidStressField : public StressField {
         const std::size_t before = (i + columns - 1) % columns, after = (i + 1) % columns;
         bool highest = here >= values[node(row, before)] && here > values[node(row, after)];
         for (const std::size_t beside : {row - 1, row + 1}) highest = highest && here >= values[node(beside, i)];
-        if (highest) starts.add(here, node(row, i), -1);
+        if (highest) starts.add(here, bound(values, node(row, i)), node(row, i), -1);
       }
     if (rectangle_ || hole_ > 0.0) return;
     const double* ring = values + columns;  // around the centre
-    if (values[0] >= *std::max_element(ring, ring + columns)) starts.add(values[0], 0, -1);
+    if (values[0] >= *std::max_element(ring, ring + columns)) starts.add(values[0], 2.0 * values[0], 0, -1);
   }
 
   void climb_from(const Starts::Start& start, bool inside, const StressSum& f, LargestSum& largest) const {
     SectionPoint p = {grid_.x2[start.node], grid_.x3[start.node]};
     if (start.curve >= 0) p = rectangle_ ? climb_side(start, f, largest) : climb_circle(start, f, largest);
-    if (!inside) return;  // otherwise the maximum may lie between the boundary and the first samples inside
+    if (!inside || is_corner(p)) return;  // otherwise the maximum may lie between boundary and first samples inside
     const SectionPoint size = {half_[0] * (1.0 - hole_), half_[1] * (1.0 - hole_)};
     climb_inside(
         p, size, [&](const SectionPoint& q) { return contains(q[0], q[1]); }, f, largest);
+  }
+
+  bool is_corner(const SectionPoint& p) const {
+    return rectangle_ && std::abs(p[0]) == half_[0] && std::abs(p[1]) == half_[1];
   }
 
   SectionPoint climb_circle(const Starts::Start& start, const StressSum& f, LargestSum& largest) const {
@@ -244,6 +265,17 @@ class SolidStressField : public StressField {
     return climb_along(circle, angle - step, angle + step, angle, f, largest);
   }
 
+  /// Whether F falls from a corner, where shear stresses are zero, up to a place of a side beside it.
+  template <class Side>
+  static bool falls_from_corner(const Side& side, double corner, double place, const StressSum& f) {
+    const CurvePoint p = side(corner), q = side(place);
+    const double sigma = f.normal.at(p.x2, p.x3), slope = f.normal.slope2 * p.d2 + f.normal.slope3 * p.d3;
+    const double outward = place > corner ? 1.0 : -1.0;
+    if (!(sigma * slope * outward < 0.0)) return false;
+    const PlaneJet j = f.jet(q.x2, q.x3);
+    return (j.d2 * q.d2 + j.d3 * q.d3) * outward < 0.0;
+  }
+
   /// Along a side of the rectangle between the samples beside a start. At a corner derivatives are infinite.
   SectionPoint climb_side(const Starts::Start& start, const StressSum& f, LargestSum& largest) const {
     const bool along3 = start.curve < 2;
@@ -253,13 +285,12 @@ class SolidStressField : public StressField {
     const double fixed = along3 ? grid_.x2[start.node] : grid_.x3[start.node], here = x[start.node];
     const double from = place == 0 ? here : x[start.node - stride];
     const double to = place + 1 == count ? here : x[start.node + stride];
-    constexpr double kOffCorner = 0.05;
-    const double t = place == 0           ? from + kOffCorner * (to - from)
-                     : place + 1 == count ? to - kOffCorner * (to - from)
-                                          : here;
+    const bool corner = place == 0 || place + 1 == count;
+    const double t = corner ? 0.5 * (from + to) : here;
     const auto side = [&](double s) {
       return along3 ? CurvePoint{fixed, s, 0.0, 1.0, 0.0, 0.0} : CurvePoint{s, fixed, 1.0, 0.0, 0.0, 0.0};
     };
+    if (corner && falls_from_corner(side, here, t, f)) return {grid_.x2[start.node], grid_.x3[start.node]};
     return climb_along(side, from, to, t, f, largest);
   }
 

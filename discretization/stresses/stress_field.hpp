@@ -12,6 +12,12 @@ namespace mixbeam {
 struct ShearLoad {
   double torque = 0.0, force2 = 0.0, force3 = 0.0;
   bool is_zero() const { return torque == 0.0 && force2 == 0.0 && force3 == 0.0; }
+  /// Which of T, Q2, Q3 is the only one; -1: none or several.
+  int only_one() const {
+    if ((torque != 0.0) + (force2 != 0.0) + (force3 != 0.0) != 1) return -1;
+    return torque != 0.0 ? 0 : force2 != 0.0 ? 1 : 2;
+  }
+  double of(int component) const { return component == 0 ? torque : component == 1 ? force2 : force3; }
 };
 
 /// sigma = constant + slope2 x2 + slope3 x3

@@ -53,6 +53,12 @@ BoundList<AnalysisParameters> analysis_parameters() {
                 "Estimate the discretization error of the state at the end of the path, for about two Newton "
                 "iterations; auto: in structures of at most 100,000 elements.",
                 {{"auto", ErrorEstimation::automatic}, {"on", ErrorEstimation::on}, {"off", ErrorEstimation::off}});
+  analysis.bind(
+      &AnalysisParameters::stresses, text("Stresses").by_default(),
+      "Compute the largest normal, shear and von Mises stress along members whose section is given by Shape and "
+      "Material, and look at strains (Largest Strain); auto: at the end of the path, in structures of at most "
+      "20,000 elements.",
+      {{"auto", StressesOf::automatic}, {"every step", StressesOf::every_step}, {"off", StressesOf::none}});
   analysis.bind_list(&AnalysisParameters::control, "Control", control_parameters(), Presence::optional);
   const Form with_branch{{}, {"Branch Point", "Branch Component"}};
   analysis.spec.with_forms("Branch", {{"primary", {Form{}}}, {"positive", {with_branch}}, {"negative", {with_branch}}});

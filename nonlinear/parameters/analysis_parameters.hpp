@@ -26,6 +26,9 @@ struct MonitoredComponent {
 /// Whether the discretization error of the state at the end of the path is estimated.
 enum class ErrorEstimation { automatic, on, off };
 
+/// Of which states the stresses along members are computed, for sections given by their shape.
+enum class StressesOf { automatic, every_step, none };
+
 struct AnalysisParameters {
   /// Count the negative eigenvalues of every converged state and locate critical points. Not said: for all but the
   /// largest meshes (kVerticesForStability).
@@ -37,6 +40,7 @@ struct AnalysisParameters {
   int buckling_modes = 0;  ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};
   ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate
+  StressesOf stresses = StressesOf::automatic;                  ///< automatic: see kElementsForStresses
 };
 
 /// Above this size the factorisations that stability needs take longer, and more memory, than the rest of a load step.
@@ -45,6 +49,16 @@ inline constexpr int kVerticesForStability = 100'000;
 /// Above this number of elements only those who ask for it get an error estimate with a run: what it costs, about two
 /// Newton iterations and a second set of equations in memory, is of a size there that one wants to be asked.
 inline constexpr int kElementsForEstimate = 100'000;
+
+/// Up to this number of elements the stresses of the state at the end of a path are computed unasked: a few
+/// microseconds for each sample, together about what a few Newton iterations take.
+inline constexpr int kElementsForStresses = 20'000;
+
+/// Whether the stresses of a state are computed.
+inline bool computes_stresses(const AnalysisParameters& parameters, size_t elements, bool end_of_path) {
+  if (parameters.stresses == StressesOf::automatic) return end_of_path && elements <= kElementsForStresses;
+  return parameters.stresses == StressesOf::every_step;
+}
 
 /// Whether the error of the state at the end of a path is estimated in a mesh of this many elements.
 inline bool estimates_error(const AnalysisParameters& parameters, size_t elements) {

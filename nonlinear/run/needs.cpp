@@ -41,6 +41,8 @@ constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
+/// Stresses of a sample, in memory and in a step of the file. [byte]
+constexpr double kStressBytes = 3.0 * sizeof(double);
 /// HDF5's own. [byte]
 constexpr double kFileBytesOfMember = 250.0, kFileBytesOfStep = 12000.0;
 
@@ -217,7 +219,8 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
                members = static_cast<double>(needs.members);
   // critical points are looked for in smaller structures even if nobody asks for the stability of steps
   const bool counts = needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false);
-  const double samples = kSampleBytes * sums.samples, stability = counts ? sums.stability : 0.0;
+  const double of_stresses = parameters.analysis.stresses == StressesOf::every_step ? kStressBytes : 0.0;
+  const double samples = (kSampleBytes + of_stresses) * sums.samples, stability = counts ? sums.stability : 0.0;
   needs.memory = sums.run + samples + stability;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
     needs.memory = std::max(needs.memory, kShareDuringEstimate * sums.run + sums.estimate + stability);
@@ -226,8 +229,8 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
       kBytesOfMember * members + kBytesOfFactorEntry * junctions.entries + kBytesOfMatrixEntry * junctions.matrix;
   needs.factors = sizeof(double) * (chain_factor(needs.planar) * elements + junctions.entries);
   needs.file = kFileBytesOfPlace * sums.samples + kFileBytesOfMember * members;
-  needs.file_per_step =
-      kFileBytesOfSample * sums.samples + sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
+  needs.file_per_step = (kFileBytesOfSample + of_stresses) * sums.samples +
+                        sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
   needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation + junctions.entries * kSecondsOfFactorEntry;
   return needs;

@@ -1,5 +1,6 @@
 #include "nonlinear/run/simulation.hpp"
 
+#include "discretization/state/member_stresses.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
@@ -123,6 +124,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.state = share_of(model(), state_);
   record.point = report.point;
   record.members = sample_own_elements(scene(), model(), state_, points_per_element);
+  if (computes_stresses(parameters_.analysis, model().mesh().elements.size(), is_end_of_path(load_factor_)))
+    record.stresses = sample_stresses(scene(), model().mesh(), model().map()->getComm(), record.members);
   record.reactions = reactions();
   const Balance sums = balance();
   record.balance = {sums.applied_force,   sums.applied_moment, sums.reaction_force,

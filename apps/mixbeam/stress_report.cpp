@@ -1,0 +1,75 @@
+// What a run says of stresses and strains when it has ended.
+#include "apps/mixbeam/run_report.hpp"
+
+#include "apps/mixbeam/text_of.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+namespace mixbeam {
+
+namespace {
+
+/// Share of the von Mises stress of an I that its torque makes, above which warping deserves a note.
+constexpr double kTorsionNote = 0.1;
+
+/// Strains below this are what is left of larger numbers: a structure that only eigenstrains deform has no stresses.
+constexpr double kNoStrain = 1e-12;
+
+/// Place over the length of the member.
+std::string share_text(const StressedMember& m) {
+  return text_of("%.4g", m.length > 0.0 ? m.arc_length / m.length : 0.0);
+}
+
+/// "0.05, -0.1"; a coordinate that is rounding beside the other is zero.
+std::string point_text(const SectionPoint& p) {
+  constexpr double kRounding = 1e-9;
+  const double size = kRounding * std::max(std::abs(p[0]), std::abs(p[1]));
+  return text_of("%.4g, %.4g", std::abs(p[0]) < size ? 0.0 : p[0], std::abs(p[1]) < size ? 0.0 : p[1]);
+}
+
+bool any_utilisation(const StressSummary& stresses) {
+  return std::any_of(stresses.members.begin(), stresses.members.end(),
+                     [](const StressedMember& m) { return m.utilisation.has_value(); });
+}
+
+std::string percent(double value) { return text_of("%.3g %%", 100.0 * value); }
+
+}  // namespace
+
+void print_stresses(std::ostream& out, const StressSummary& stresses) {
+  if (stresses.members.empty() || (stresses.strain.value > 0.0 && stresses.strain.value < kNoStrain)) return;
+  out << text_of("  %-24s %14s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "at s", "s / L",
+                 "point of section x2, x3", any_utilisation(stresses) ? " utilisation" : "");
+  for (const StressedMember& m : stresses.members) {
+    const LargestStress& s = m.stresses.von_mises;
+    out << text_of("  %-24.60s %14.6g %14.6g %9s   %-24s", m.member.c_str(), s.value, m.arc_length,
+                   share_text(m).c_str(), point_text(s.point).c_str());
+    out << (m.utilisation ? text_of(" %11.3g", *m.utilisation) : "") << "\n";
+  }
+  for (const StressedMember& m : stresses.members)
+    if (m.torsion_share > kTorsionNote) {
+      out << "  note: of the stress in \"" << m.member << "\" torsion makes " << percent(m.torsion_share)
+          << "; an open section that is held against warping has other stresses than these (Saint-Venant's)\n";
+      break;
+    }
+}
+
+std::vector<std::string> stress_warnings(const StressSummary& stresses) {
+  std::vector<std::string> warnings;
+  const LargestAlong &strain = stresses.strain, &curved = stresses.curvature;
+  if (!strain.member.empty() && strain.value > strain.limit)
+    warnings.push_back(
+        "member \"" + strain.member + "\" is strained by " + percent(strain.value) +
+        " at s = " + text_of("%.6g", strain.arc_length) + ", more than " + percent(strain.limit) +
+        ": hardly any material stays linear that far (\"Largest Strain\" of its section changes the limit)");
+  if (!curved.member.empty() && curved.value > curved.limit)
+    warnings.push_back("member \"" + curved.member +
+                       "\" is curved so much that the bending stress at its inner fibre is "
+                       "too low by about " +
+                       percent(curved.value) + " (Winkler and Bach), for its section is thick against its radius");
+  return warnings;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,222 @@
+#include "discretization/state/member_stresses.hpp"
+
+#include "discretization/scene/section_law.hpp"
+#include "kernels/execution/execution_space.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+/// Fewer samples of a member are not worth the start of threads.
+constexpr std::size_t kSamplesForThreads = 64;
+
+constexpr double kNoStress = std::numeric_limits<double>::quiet_NaN();
+
+/// Stresses of one section, none where it has no shape.
+struct KnownSection {
+  std::optional<SectionStresses> stresses{};
+  std::optional<double> strength{};
+  bool open_walls = false;  ///< an I
+
+  KnownSection() = default;
+  explicit KnownSection(const Section& section) {
+    if (!section.shape) return;
+    stresses.emplace(*section.shape);
+    strength = section.shape->strength;
+    open_walls = section.shape->kind == SectionShapeKind::i_section;
+  }
+};
+
+/// The section of a member at any place: one for all, or from its taper.
+struct SectionAlong {
+  const KnownSection* plain = nullptr;
+  SectionLaw law{};
+  double length = 0.0, largest_strain = 0.0;
+
+  KnownSection at(double arc_length) const {
+    return plain != nullptr ? *plain : KnownSection(law.section(std::clamp(arc_length / length, 0.0, 1.0)));
+  }
+};
+
+class SectionsOfScene {
+ public:
+  SectionsOfScene(const Scene& scene, const Mesh& mesh) : scene_(scene), mesh_(mesh) {
+    for (const Section& section : scene.sections) known_.emplace(section.name, KnownSection(section));
+    for (const Section& section : scene.sections) largest_strain_.emplace(section.name, section.largest_strain);
+  }
+  SectionAlong of(std::size_t m) const {
+    const Member& member = scene_.members[m];
+    SectionAlong along;
+    along.length = mesh_.members[m].curve.length;
+    along.largest_strain = largest_strain_.at(member.section);
+    if (member.end_section.empty())
+      along.plain = &known_.at(member.section);
+    else
+      along.law = SectionLaw(scene_, member);
+    return along;
+  }
+
+ private:
+  const Scene& scene_;
+  const Mesh& mesh_;
+  std::map<std::string, KnownSection> known_;
+  std::map<std::string, double> largest_strain_;
+};
+
+/// Force strains, and the strain at the edge of the section.
+double largest_strain(const KnownSection& section, const Vector3& force, const Vector3& moment) {
+  const double shear = std::max(std::abs(force[1]), std::abs(force[2]));
+  if (!section.stresses) return std::max(std::abs(force[0]), shear);
+  return std::max(section.stresses->largest_edge_strain(force[0], moment[1], moment[2]), shear);
+}
+
+/// Numbers of one sample that the summary compares.
+struct SampleNumbers {
+  double strain = 0.0, curvature = 0.0;
+};
+
+SectionForces forces_at(const MemberSamples& member, std::size_t i) {
+  return {member.material_force[i], member.material_moment[i]};
+}
+
+SampleNumbers fill_sample(const SectionAlong& along, const ReferenceCurve& curve, std::size_t i,
+                          MemberSamples& member) {
+  const double s = member.arc_length[i];
+  std::optional<KnownSection> local;
+  if (along.plain == nullptr) local = along.at(s);
+  const KnownSection& section = local ? *local : *along.plain;
+  SampleNumbers numbers;
+  numbers.strain = largest_strain(section, member.force_strain[i], member.moment_strain[i]);
+  member.largest_normal_stress[i] = member.largest_shear_stress[i] = member.von_mises_stress[i] = kNoStress;
+  if (!section.stresses) return numbers;
+  const LargestStresses largest = section.stresses->largest(forces_at(member, i));
+  member.largest_normal_stress[i] = largest.normal.value;
+  member.largest_shear_stress[i] = largest.shear.value;
+  member.von_mises_stress[i] = largest.von_mises.value;
+  const auto kappa = curve.curvature(s);
+  numbers.curvature = section.stresses->curvature_error(kappa[1], kappa[2]);
+  return numbers;
+}
+
+/// Of the I: what the torque adds to the von Mises stress.
+double torsion_share(const KnownSection& section, SectionForces forces, double with_torque) {
+  if (!section.open_walls || !(with_torque > 0.0)) return 0.0;
+  forces.moment[0] = 0.0;
+  return 1.0 - section.stresses->largest(forces).von_mises.value / with_torque;
+}
+
+void keep_largest(LargestAlong& largest, const std::string& member, double arc_length, double value, double limit) {
+  if (!(value * largest.limit > largest.value * limit) && !largest.member.empty()) return;
+  largest = {member, arc_length, value, limit};
+}
+
+bool more_stressed(const StressedMember& a, const StressedMember& b) {
+  return a.stresses.von_mises.value > b.stresses.von_mises.value;
+}
+
+/// Fills a member and adds what it has to the summary of this rank.
+void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberSamples& member,
+                 StressSummary& summary) {
+  const std::size_t count = member.size();
+  for (auto* field : {&member.largest_normal_stress, &member.largest_shear_stress, &member.von_mises_stress})
+    field->resize(count);
+  std::vector<SampleNumbers> numbers(count);
+  const auto fill = [&](std::size_t i) { numbers[i] = fill_sample(along, curve, i, member); };
+  const bool shared = along.plain != nullptr && count >= kSamplesForThreads;  // formulas of tapers belong to one thread
+  for (std::size_t i = 0; i < count && !shared; ++i) fill(i);
+  if (shared) Kokkos::parallel_for("mixbeam::stresses", Kokkos::RangePolicy<ExecutionSpace>(0, count), fill);
+  std::size_t worst = count;
+  for (std::size_t i = 0; i < count; ++i) {
+    keep_largest(summary.strain, member.name, member.arc_length[i], numbers[i].strain, along.largest_strain);
+    keep_largest(summary.curvature, member.name, member.arc_length[i], numbers[i].curvature, kCurvatureError);
+    if (std::isnan(member.von_mises_stress[i])) continue;
+    if (worst == count || member.von_mises_stress[i] > member.von_mises_stress[worst]) worst = i;
+  }
+  if (worst == count) return;
+  const KnownSection section = along.at(member.arc_length[worst]);
+  StressedMember stressed{member.name,  member.arc_length[worst],
+                          along.length, section.stresses->largest(forces_at(member, worst)),
+                          {},           0.0};
+  const double von_mises = stressed.stresses.von_mises.value;
+  if (section.strength) stressed.utilisation = von_mises / *section.strength;
+  stressed.torsion_share = torsion_share(section, forces_at(member, worst), von_mises);
+  const auto place = std::upper_bound(summary.members.begin(), summary.members.end(), stressed, more_stressed);
+  summary.members.insert(place, std::move(stressed));
+  if (summary.members.size() > kMostStressed) summary.members.pop_back();
+}
+
+/// A summary as numbers that ranks exchange; members by their number in the scene, -1: none.
+constexpr std::size_t kNumbersOfMember = 14, kNumbersOfLargest = 4;
+constexpr std::size_t kNumbersOfSummary = kMostStressed * kNumbersOfMember + 2 * kNumbersOfLargest;
+
+std::vector<double> numbers_of(const StressSummary& summary, const std::map<std::string, int>& index) {
+  std::vector<double> numbers;
+  const auto add_stress = [&](const LargestStress& s) {
+    numbers.insert(numbers.end(), {s.value, s.point[0], s.point[1]});
+  };
+  for (const StressedMember& m : summary.members) {
+    numbers.insert(numbers.end(), {static_cast<double>(index.at(m.member)), m.arc_length, m.length});
+    for (const LargestStress* s : {&m.stresses.normal, &m.stresses.shear, &m.stresses.von_mises}) add_stress(*s);
+    numbers.insert(numbers.end(), {m.utilisation.value_or(-1.0), m.torsion_share});
+  }
+  numbers.resize(kMostStressed * kNumbersOfMember, -1.0);
+  for (const LargestAlong* l : {&summary.strain, &summary.curvature})
+    numbers.insert(numbers.end(), {l->member.empty() ? -1.0 : static_cast<double>(index.at(l->member)), l->arc_length,
+                                   l->value, l->limit});
+  return numbers;
+}
+
+void add_numbers(const double* n, const std::vector<MemberSamples>& members, StressSummary& summary) {
+  const auto name = [&](double number) { return members[static_cast<std::size_t>(number)].name; };
+  for (std::size_t i = 0; i < kMostStressed; ++i, n += kNumbersOfMember) {
+    if (n[0] < 0.0) continue;
+    const auto stress = [n](std::size_t at) { return LargestStress{n[at], {n[at + 1], n[at + 2]}}; };
+    StressedMember m{name(n[0]), n[1], n[2], {stress(3), stress(6), stress(9)}, {}, n[13]};
+    if (n[12] >= 0.0) m.utilisation = n[12];
+    const auto same = std::find_if(summary.members.begin(), summary.members.end(),
+                                   [&](const StressedMember& other) { return other.member == m.member; });
+    if (same == summary.members.end())
+      summary.members.push_back(std::move(m));
+    else if (more_stressed(m, *same))
+      *same = std::move(m);
+  }
+  for (LargestAlong* l : {&summary.strain, &summary.curvature}) {
+    if (n[0] >= 0.0) keep_largest(*l, name(n[0]), n[1], n[2], n[3]);
+    n += kNumbersOfLargest;
+  }
+}
+
+/// The largest of all ranks, each of which has the largest of its own samples.
+StressSummary over_ranks(const Teuchos::Comm<int>& comm, const std::vector<MemberSamples>& members,
+                         const StressSummary& mine) {
+  std::map<std::string, int> index;
+  for (std::size_t m = 0; m < members.size(); ++m) index.emplace(members[m].name, static_cast<int>(m));
+  const std::vector<double> numbers = numbers_of(mine, index);
+  std::vector<double> all(kNumbersOfSummary * comm.getSize());
+  Teuchos::gatherAll(comm, static_cast<int>(numbers.size()), numbers.data(), static_cast<int>(all.size()), all.data());
+  StressSummary summary;
+  for (int rank = 0; rank < comm.getSize(); ++rank) add_numbers(&all[kNumbersOfSummary * rank], members, summary);
+  std::stable_sort(summary.members.begin(), summary.members.end(), more_stressed);
+  if (summary.members.size() > kMostStressed) summary.members.resize(kMostStressed);
+  return summary;
+}
+
+}  // namespace
+
+StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm,
+                              std::vector<MemberSamples>& members) {
+  const SectionsOfScene sections(scene, mesh);
+  StressSummary summary;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    fill_member(sections.of(m), mesh.members[m].curve, members[m], summary);
+  return comm->getSize() == 1 ? summary : over_ranks(*comm, members, summary);
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,134 @@
+/// What `mixbeam run` says of stresses and strains, and what the result file holds of them.
+#include "mixbeam_files.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace mixbeam::stress_report_test {
+namespace {
+
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+}
+
+const std::string kMaterial = parameter("E", "double", "210e9") + parameter("nu", "double", "0.3");
+const std::string kCircle = parameter("Shape", "string", "circle") + parameter("Diameter", "double", "0.02");
+
+std::string with_material(const std::string& shape, const std::string& more = "") {
+  return shape + "<ParameterList name=\"Material\">" + kMaterial + more + "</ParameterList>";
+}
+
+/// A cantilever of length 1 along x with a force at its tip.
+std::string cantilever(const std::string& section, const std::string& force, const std::string& analysis = "",
+                       const std::string& more = "") {
+  return R"xml(<ParameterList name="cantilever"><ParameterList name="Scene">
+    <ParameterList name="Sections"><ParameterList name="rod">)xml" +
+         section + R"xml(</ParameterList></ParameterList>
+    <ParameterList name="Points"><Parameter name="wall" type="Array(double)" value="{0, 0, 0}"/>
+      <Parameter name="tip" type="Array(double)" value="{1, 0, 0}"/></ParameterList>
+    <ParameterList name="Members"><ParameterList name="beam">
+      <Parameter name="Start" type="string" value="wall"/><Parameter name="End" type="string" value="tip"/>
+      <Parameter name="Section" type="string" value="rod"/>
+      <Parameter name="Second Axis" type="Array(double)" value="{0, 1, 0}"/>
+      <Parameter name="Elements" type="int" value="10"/>)xml" +
+         more + R"xml(</ParameterList></ParameterList>
+    <ParameterList name="Supports"><ParameterList name="clamp">
+      <Parameter name="Point" type="string" value="wall"/></ParameterList></ParameterList>
+    <ParameterList name="Point Loads"><ParameterList name="load">
+      <Parameter name="Point" type="string" value="tip"/>)xml" +
+         force + "</ParameterList></ParameterList></ParameterList>" + analysis + "</ParameterList>";
+}
+
+std::string force_z(const std::string& value) { return parameter("Force", "Array(double)", "{0, 0, " + value + "}"); }
+
+std::string stresses(const std::string& choice) {
+  return "<ParameterList name=\"Analysis\">" + parameter("Stresses", "string", choice) + "</ParameterList>";
+}
+
+class StressReport : public ::testing::Test {
+ protected:
+  Ended run(const std::string& scene) {
+    write_text(folder_ / "scene.xml", scene);
+    return run_process(program("mixbeam"), {"run", (folder_ / "scene.xml").string(), "--output", results()}, folder_);
+  }
+  std::string results() const { return (folder_ / "results").string(); }
+  FileContents contents() const { return contents_of(folder_ / "results" / "scene.h5").value_or(FileContents{}); }
+
+  TemporaryFolder folder_;
+};
+
+/// Numbers of a dataset as `contents_of` gives it: count, colon, bytes.
+std::vector<double> numbers(const std::string& bytes) {
+  const std::size_t colon = bytes.find(':');
+  std::vector<double> values((bytes.size() - colon - 1) / sizeof(double));
+  std::memcpy(values.data(), bytes.data() + colon + 1, values.size() * sizeof(double));
+  return values;
+}
+
+TEST_F(StressReport, NamesTheMostStressedMembers) {
+  const Ended ended = run(cantilever(with_material(kCircle, parameter("Strength", "double", "1e8")), force_z("-10")));
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  // M c / I = 32 * 10 / (pi d^3) = 1.27324e7 at the clamp, tension on the upper side
+  expect_in(ended.out, {"largest stress in", "beam", "1.27324e+07", "0.01", "utilisation", "0.127"});
+  EXPECT_EQ(ended.out.find("warning"), std::string::npos);
+  const FileContents file = contents();
+  const auto last = file.find("steps/000001/von_mises_stress");
+  ASSERT_NE(last, file.end());
+  const std::vector<double> von_mises = numbers(last->second);
+  EXPECT_NEAR(von_mises.front(), 32.0 * 10.0 / (3.14159265358979324 * 8e-6), 1e-5 * von_mises.front());
+  // at the tip Q alone: (3 + 2 nu) / (8 (1 + nu)) Q a^2 / I in the middle, by sqrt(3)
+  const double shear = 3.6 / 10.4 * 10.0 * 4.0 / (3.14159265358979324 * 1e-4);
+  EXPECT_NEAR(numbers(file.at("steps/000001/largest_shear_stress")).back(), shear, 1e-4 * shear);
+  EXPECT_EQ(file.count("steps/000000/von_mises_stress"), 0u);  // of the end of the path only
+}
+
+TEST_F(StressReport, EveryStepOrNone) {
+  EXPECT_EQ(run(cantilever(with_material(kCircle), force_z("-10"), stresses("every step"))).exit_code, 0);
+  EXPECT_EQ(contents().count("steps/000000/von_mises_stress"), 1u);
+  const Ended off = run(cantilever(with_material(kCircle), force_z("-10"), stresses("off")));
+  EXPECT_EQ(off.exit_code, 0);
+  EXPECT_EQ(off.out.find("largest stress"), std::string::npos);
+  EXPECT_EQ(contents().count("steps/000001/von_mises_stress"), 0u);
+  const Ended bad = run(cantilever(with_material(kCircle), force_z("-10"), stresses("evry step")));
+  EXPECT_EQ(bad.exit_code, 2);
+  expect_in(bad.err, {"Stresses", "evry step", "every step"});
+}
+
+TEST_F(StressReport, NothingForSectionsWithoutShape) {
+  std::string stiffnesses;
+  for (const char* name : {"EA", "GA2", "GA3", "GIt", "EI2", "EI3"}) stiffnesses += parameter(name, "double", "1e3");
+  const Ended ended = run(cantilever(stiffnesses, force_z("-10")));
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  EXPECT_EQ(ended.out.find("largest stress"), std::string::npos);
+  EXPECT_EQ(contents().count("steps/000001/von_mises_stress"), 0u);
+}
+
+TEST_F(StressReport, WarnsOfStrainsAndOfThickCurvedMembers) {
+  const std::string thick = parameter("Shape", "string", "circle") + parameter("Diameter", "double", "0.2");
+  const std::string arc = "<ParameterList name=\"Curve\">" + parameter("Shape", "string", "arc") +
+                          parameter("Center", "Array(double)", "{0.5, 0, 0}") +
+                          parameter("Axis", "Array(double)", "{0, 1, 0}") + "</ParameterList>";
+  const Ended curved = run(cantilever(with_material(thick), force_z("-10"), "", arc));
+  EXPECT_EQ(curved.exit_code, 0) << curved.err;
+  expect_in(curved.out, {"warning: member \"beam\" is curved", "15 %"});  // 3 d / (8 R)
+  EXPECT_EQ(curved.out.find("is strained by"), std::string::npos);
+  const std::string roll = parameter("Moment", "Array(double)", "{0, 16493.361431346415, 0}");  // EI2 * 10: radius 0.1
+  const Ended strained = run(cantilever(with_material(kCircle), roll));
+  EXPECT_EQ(strained.exit_code, 0) << strained.err;
+  expect_in(strained.out, {"warning: member \"beam\" is strained by 10 %", "more than 5 %", "Largest Strain"});
+  const Ended allowed = run(cantilever(with_material(kCircle) + parameter("Largest Strain", "double", "0.2"), roll));
+  EXPECT_EQ(allowed.out.find("is strained by"), std::string::npos);
+}
+
+TEST_F(StressReport, NotesTorsionOfOpenSections) {
+  const std::string profile = parameter("Shape", "string", "I") + parameter("Width", "double", "0.1") +
+                              parameter("Height", "double", "0.2") + parameter("Flange", "double", "0.0085") +
+                              parameter("Web", "double", "0.0056");
+  const Ended twisted = run(cantilever(with_material(profile), parameter("Moment", "Array(double)", "{100, 0, 0}")));
+  EXPECT_EQ(twisted.exit_code, 0) << twisted.err;
+  expect_in(twisted.out, {"torsion makes 100 %", "warping"});
+  EXPECT_EQ(run(cantilever(with_material(profile), force_z("-10"))).out.find("warping"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace mixbeam::stress_report_test
