@@ -3,7 +3,6 @@
 #include "discretization/checks/survey.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/amplitude.hpp"
-#include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -32,7 +31,6 @@ constexpr double kMostElementRatio = 100.0;      // of neighbours: the longer on
 constexpr int kManyUnknowns = 1'000'000;         // order times elements of one member
 constexpr int kFewElementsOfOrderOne = 4;
 constexpr double kMostAngleOfElement = 1.6;  // pi/2: beyond, one element describes more than a quarter of a circle
-constexpr double kMostLoad = 1e6;            // F L^2 / EI; a strut buckles at 2.5 to 40, a coil of ten turns needs 4e3
 // The range that scenes.md states ("Ratios are free in wide ranges"): what is softer drowns in the rounding of the
 // rest.
 constexpr double kMostStiffnessRatio = 1e12;
@@ -40,13 +38,11 @@ constexpr double kNoticeableStart = 1e-12;  // of an amplitude at t = 0: less is
 
 std::string number(double value) { return rounded(value, 3); }
 
-std::string place(const std::string& list, const std::string& name) { return list + " / " + excerpt(name) + ": "; }
-
 double largest(const std::array<double, 2>& pair) { return std::max(pair[0], pair[1]); }
 double smallest(const std::array<double, 2>& pair) { return std::min(pair[0], pair[1]); }
 
 void add_section_warnings(const Section& section, WarningList& list) {
-  const std::string at = place("Sections", section.name);
+  const std::string at = warned_place("Sections", section.name);
   const double bending = largest(section.bending_stiffness) / smallest(section.bending_stiffness);
   if (bending > kMostBendingRatio)
     list.add("sections with unequal bending stiffness",
@@ -83,16 +79,16 @@ void add_slenderness_warnings(const SceneSurvey& survey, WarningList& list) {
     const double shortest = survey.element_lengths(i)[0];
     const std::string radius_text = "radius of gyration sqrt(EI/EA) = " + number(radius);
     if (radius > kMostGyrationOfSize * survey.size && seen.insert(member.section).second) {
-      list.add("sections thicker than the structure", place("Sections", member.section) + radius_text +
+      list.add("sections thicker than the structure", warned_place("Sections", member.section) + radius_text +
                                                           " in a structure of size " + number(survey.size) +
                                                           "; usually EA and EI are in different units, as N with mm^2");
     } else if (radius < kLeastGyrationOfLength * survey.curves[i].length && seen.insert(member.section).second) {
-      list.add("sections without thickness", place("Sections", member.section) + radius_text +
+      list.add("sections without thickness", warned_place("Sections", member.section) + radius_text +
                                                  " in a member of length " + number(survey.curves[i].length) +
                                                  "; usually EA and EI are in different units");
     } else if (radius > kMostGyrationOfElement * shortest) {
       list.add("members with elements shorter than thick",
-               place("Members", member.name) + "elements of length " + number(shortest) + ", " + radius_text +
+               warned_place("Members", member.name) + "elements of length " + number(shortest) + ", " + radius_text +
                    "; usually far more elements than needed, or a scene in other units than its section");
     }
   }
@@ -101,7 +97,7 @@ void add_slenderness_warnings(const SceneSurvey& survey, WarningList& list) {
 void add_division_warnings(const SceneSurvey& survey, WarningList& list) {
   for (std::size_t i = 0; i < survey.scene.members.size(); ++i) {
     const Member& member = survey.scene.members[i];
-    const std::string at = place("Members", member.name);
+    const std::string at = warned_place("Members", member.name);
     if (member.order * static_cast<double>(member.elements) > kManyUnknowns)
       list.add("members with many elements", at + std::to_string(member.elements) + " elements of order " +
                                                  std::to_string(member.order) +
@@ -144,44 +140,10 @@ void add_neighbour_warnings(const SceneSurvey& survey, WarningList& list) {
     if (found == at_point.end() || found->second.longest <= kMostElementRatio * found->second.shortest) continue;
     const Range& range = found->second;
     list.add("points where very different elements meet",
-             place("Points", point.name) + "an element of length " + number(range.longest) + " (\"" +
+             warned_place("Points", point.name) + "an element of length " + number(range.longest) + " (\"" +
                  excerpt(range.long_member) + "\") meets one of " + number(range.shortest) + " (\"" +
                  excerpt(range.short_member) + "\"); usually the longer member needs more elements");
   }
-}
-
-/// Largest finite bending stiffness: the most a load may lean on.
-double bending_scale(const SceneSurvey& survey) {
-  double scale = 0.0;
-  for (const Member& member : survey.scene.members)
-    for (const double stiffness : survey.section_of(member).bending_stiffness)
-      if (std::isfinite(stiffness)) scale = std::max(scale, stiffness);
-  return scale;
-}
-
-void add_load_warning(const std::string& at, double force, double moment, const SceneSurvey& survey, double bending,
-                      WarningList& list) {
-  const double load = std::max(force * survey.size * survey.size, moment * survey.size) / bending;
-  if (bending == 0.0 || !(load > kMostLoad)) return;
-  list.add("loads of such size", at + "the load times size of the structure squared over EI is " + number(load) +
-                                     "; a strut buckles at about 10; usually units of the load or of EI");
-}
-
-void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
-  const Scene& scene = survey.scene;
-  const double bending = bending_scale(survey);
-  for (const PointLoad& load : scene.point_loads)
-    add_load_warning(place("Point Loads", "at " + load.point), norm(load.force), norm(load.moment), survey, bending,
-                     list);
-  for (const DistributedLoad& load : scene.distributed_loads) {
-    const double length =
-        survey.curves[static_cast<std::size_t>(survey.names.member(load.member) - scene.members.data())].length;
-    add_load_warning(place("Distributed Loads", "on " + load.member), norm(load.force) * length,
-                     norm(load.couple) * length, survey, bending, list);
-  }
-  const bool nothing = scene.point_loads.empty() && scene.distributed_loads.empty() && scene.eigenstrains.empty() &&
-                       std::none_of(scene.supports.begin(), scene.supports.end(), prescribes_motion);
-  if (nothing) list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
 }
 
 /// A spring as a bending stiffness: moment per angle times length, force per way times its third power.
@@ -239,7 +201,8 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
   }
   for (const Section& section : scene.sections)
     if (used.count(section.name) == 0)
-      list.add("unused sections", place("Sections", section.name) + "no member has it; usually a name is misspelt");
+      list.add("unused sections",
+               warned_place("Sections", section.name) + "no member has it; usually a name is misspelt");
   std::unordered_set<std::string> touched;
   for (const Member& member : scene.members) {
     touched.insert({member.start_point, member.end_point});
@@ -248,7 +211,7 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
   for (const Point& point : scene.points)  // imported ones: others are refused
     if (touched.count(point.name) == 0)
       list.add("unused points",
-               place("Points", point.name) +
+               warned_place("Points", point.name) +
                    "imported, but no member starts, ends or passes there; usually members are missing");
   std::set<std::string> cases;
   for (const PointLoad& load : scene.point_loads) cases.insert(load.load_case);
@@ -258,7 +221,7 @@ void add_unused_warnings(const Scene& scene, WarningList& list) {
   for (const std::string& name : scene.load_cases)
     if (cases.count(name) == 0)
       list.add("load cases without loads",
-               place("Load Cases", name) + "nothing belongs to it; usually \"Case\" is missing");
+               warned_place("Load Cases", name) + "nothing belongs to it; usually \"Case\" is missing");
 }
 
 }  // namespace

@@ -51,6 +51,12 @@ class WarningList {
   std::map<std::string, std::size_t> count_;
 };
 
+/// `Sections / tube: `
+std::string warned_place(const std::string& list, const std::string& name);
+
+/// Loads of impossible size against the stiffnesses: usually a slip of units. Scenes on which nothing acts.
+void add_load_warnings(const SceneSurvey& survey, WarningList& list);
+
 /// Connections that were probably meant but are not there: points that all but coincide, members that lie on each
 /// other, points that lie on a member which does not know them.
 void add_geometry_warnings(const SceneSurvey& survey, WarningList& list);

@@ -70,6 +70,7 @@ TEST(SceneWarnings, OfUnits) {
   expect_only(frame_with([](Scene& s) {
                 s.sections[0].bending_stiffness = {4.9e11, 4.9e11};
                 s.sections[0].torsional_stiffness = 3.8e11;
+                s.point_loads[0].force[2] = -1e6;  // else it would not move visibly
               }),
               {"Sections / steel", "sqrt(EI/EA) = 25", "size 7.07", "different units"});
   expect_only(frame_with([](Scene& s) {
@@ -88,6 +89,28 @@ TEST(SceneWarnings, OfUnits) {
                 s.distributed_loads = {load};
               }),
               {"Distributed Loads / on arm"});
+}
+
+/// F l^2 / EI of the frame is 0.051, its strain 5.1e-4; r = 0.025.
+TEST(SceneWarnings, LoadsInOtherUnitsThanStiffnesses) {
+  expect_only(frame_with([](Scene& s) { s.point_loads[0].force[2] = -2e6; }),  // elastica: 2 r sqrt(2 F / EI) = 0.143
+              {"Point Loads / at end", "about 14.3 %", "units"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) { s.point_loads[0].force[2] = -1.9e6; })).empty());
+  expect_only(frame_with([](Scene& s) { s.point_loads[0].force[2] = -0.019; }), {"nothing moves visibly", "9.69e-07"});
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) { s.point_loads[0].force[2] = -0.02; })).empty());
+}
+
+/// Neither where a formula says how large they are, nor where something else moves the structure.
+TEST(SceneWarnings, LoadsOfUnknownSize) {
+  for (const double force : {-2e6, -0.01})
+    EXPECT_TRUE(warnings(frame_with([&](Scene& s) {
+                  s.point_loads[0].force[2] = force;
+                  s.point_loads[0].amplitude = "1e3*t";
+                })).empty());
+  EXPECT_TRUE(warnings(frame_with([](Scene& s) {
+                s.point_loads[0].force[2] = -0.01;
+                s.supports[0].prescribed_displacement = {0.1, 0, 0};
+              })).empty());
 }
 
 TEST(SceneWarnings, OfRigidSectionsThereIsNothingToSay) {

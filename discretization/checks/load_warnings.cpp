@@ -1,0 +1,142 @@
+#include "discretization/checks/survey.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+std::string warned_place(const std::string& list, const std::string& name) {
+  return list + " / " + excerpt(name) + ": ";
+}
+
+namespace {
+
+using namespace vector_algebra;
+
+constexpr double kMostLoad = 1e6;  // F L^2 / EI; a strut buckles at 2.5 to 40, a coil of ten turns needs 4e3
+// Steel breaks at 1 %, wood and glass below; the law of the section, linear in its strains, says little beyond.
+constexpr double kMostStrain = 0.1;
+// And F l^2 / EI far above all that buckles a member: thick members may strain so much and mean it.
+constexpr double kLoadOfStrain = 100.0;
+// F l^2 / EI where nobody could measure a deflection: a millionth of a millimetre on a metre.
+constexpr double kLeastLoad = 1e-6;
+
+struct ActingForce {
+  std::string at;
+  double force, moment;
+};
+
+/// What is known without a computation: loads without formulas.
+struct ForceSurvey {
+  std::vector<ActingForce> forces{};
+  bool has_formulas = false;
+};
+
+template <class Load>
+bool has_formula(const Load& load) {
+  return !load.amplitude.empty();
+}
+bool has_formula(const DistributedLoad& load) {
+  const auto given = [](const std::string& text) { return !text.empty(); };
+  return given(load.amplitude) || std::any_of(load.force_formula.begin(), load.force_formula.end(), given) ||
+         std::any_of(load.couple_formula.begin(), load.couple_formula.end(), given);
+}
+
+ForceSurvey forces_of(const SceneSurvey& survey) {
+  ForceSurvey found;
+  for (const PointLoad& load : survey.scene.point_loads) {
+    if (has_formula(load)) found.has_formulas = true;
+    found.forces.push_back({warned_place("Point Loads", "at " + load.point), norm(load.force), norm(load.moment)});
+  }
+  for (const DistributedLoad& load : survey.scene.distributed_loads) {
+    const auto member = static_cast<std::size_t>(survey.names.member(load.member) - survey.scene.members.data());
+    const double length = survey.curves[member].length;
+    if (has_formula(load)) found.has_formulas = true;
+    found.forces.push_back({warned_place("Distributed Loads", "on " + load.member), norm(load.force) * length,
+                            norm(load.couple) * length});
+  }
+  return found;
+}
+
+/// The stiffest and the softest of all members; infinite ones do not count, and leave zero or infinity where all are.
+struct StiffnessRange {
+  double most_bending = 0.0, most_axial = 0.0;
+  double least_bending = std::numeric_limits<double>::infinity();
+  double longest = 0.0;  ///< member
+};
+
+StiffnessRange stiffness_range(const SceneSurvey& survey) {
+  StiffnessRange found;
+  for (std::size_t i = 0; i < survey.scene.members.size(); ++i) {
+    const Section& section = survey.section_of(survey.scene.members[i]);
+    for (const double bending : section.bending_stiffness) {
+      if (std::isfinite(bending)) found.most_bending = std::max(found.most_bending, bending);
+      found.least_bending = std::min(found.least_bending, bending);
+    }
+    found.most_axial = std::max(found.most_axial, section.axial_stiffness);
+    found.longest = std::max(found.longest, survey.curves[i].length);
+  }
+  return found;
+}
+
+/// Strain of fibres at twice the radius of gyration r (a round rod) of a member of length l that a force bends: as a
+/// lever, 2 F l r / EI, but no more than of the elastica, whose curvature stays below sqrt(2 F / EI). Zero where the
+/// force is not far above what the member bears.
+double strain_by(double force, const StiffnessRange& stiffness) {
+  const double bending = stiffness.most_bending, axial = stiffness.most_axial, length = stiffness.longest;
+  if (bending == 0.0 || !std::isfinite(axial) || force * length * length < kLoadOfStrain * bending) return 0.0;
+  const double radius = std::sqrt(bending / axial);
+  const double curvature = std::min(force * length / bending, std::sqrt(2.0 * force / bending));
+  return std::max(force / axial, 2.0 * radius * curvature);
+}
+
+void warn_of_large(const ForceSurvey& found, const StiffnessRange& stiffness, double size, WarningList& list) {
+  for (const ActingForce& acting : found.forces) {
+    const double load = std::max(acting.force * size * size, acting.moment * size) / stiffness.most_bending;
+    if (stiffness.most_bending > 0.0 && load > kMostLoad) {
+      list.add("loads of such size", acting.at + "the load times size of the structure squared over EI is " +
+                                         rounded(load, 3) +
+                                         "; a strut buckles at about 10; usually units of the load or of EI");
+      continue;
+    }
+    const double strain = found.has_formulas ? 0.0 : strain_by(acting.force, stiffness);
+    if (strain > kMostStrain)
+      list.add("loads that strain so much",
+               acting.at + "the force strains the stiffest members by about " + rounded(100.0 * strain, 3) +
+                   " %; steel yields at 0.2 %; usually units of the load, of E or of the section");
+  }
+}
+
+void warn_of_small(const ForceSurvey& found, const StiffnessRange& stiffness, WarningList& list) {
+  if (found.has_formulas || found.forces.empty() || !std::isfinite(stiffness.least_bending)) return;
+  const double length = stiffness.longest;
+  double largest = 0.0;
+  for (const ActingForce& acting : found.forces)
+    largest = std::max(largest, std::max(acting.force * length * length, acting.moment * length));
+  const double load = largest / stiffness.least_bending;
+  if (load > 0.0 && load < kLeastLoad)
+    list.add("scenes", "Point Loads, Distributed Loads: the largest load times length of a member squared over EI is " +
+                           rounded(load, 3) +
+                           ", so that nothing moves visibly; usually units of the load, of E or of the section");
+}
+
+}  // namespace
+
+void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
+  const Scene& scene = survey.scene;
+  const ForceSurvey found = forces_of(survey);
+  const StiffnessRange stiffness = stiffness_range(survey);
+  warn_of_large(found, stiffness, survey.size, list);
+  const bool is_moved =
+      !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), prescribes_motion);
+  if (found.forces.empty() && !is_moved)
+    list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
+  if (!is_moved) warn_of_small(found, stiffness, list);
+}
+
+}  // namespace mixbeam
