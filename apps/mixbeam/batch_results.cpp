@@ -12,9 +12,9 @@ namespace {
 
 std::filesystem::path with_ending(std::filesystem::path stem, const std::string& ending) { return stem += ending; }
 
-/// Name of a quantity, and its value in a case; none (nan) where the case did not converge.
+/// Of a quantity in a case; none (nan) where there is no state.
 double value_of(const CaseResult& result, std::size_t quantity) {
-  return result.converged ? result.values[quantity] : std::numeric_limits<double>::quiet_NaN();
+  return result.values.empty() ? std::numeric_limits<double>::quiet_NaN() : result.values[quantity];
 }
 
 /// A column holds numbers: 1 for true, 0 for false, 0.5 for neutral, nan for unknown.

@@ -124,7 +124,6 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   result = checked_alone(run.simulation, scene);
   if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return result;
   result.converged = false;
-  result.values.clear();
   result.cause = text_of("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
   return result;
 }
