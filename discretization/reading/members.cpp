@@ -22,7 +22,7 @@ namespace {
 using namespace vector_algebra;
 
 constexpr int kLargestOrder = 8;
-constexpr double kSameAngle = 1e-6;  // of twists, which are written with six digits. [radian]
+constexpr double kSameTwist = 1e-6;  // of twists, which are written with six digits. [radian]
 
 void bind_section_along(BoundList<Member>& member) {
   member.bind(&Member::section, text("Section").required(), "Name of its section.")
@@ -87,7 +87,7 @@ BoundList<Member> declared_member_parameters() {
   member
       .bind(&Member::twist, real("Twist").at_least(-kLargestAngle).at_most(kLargestAngle),
             "Pre-twist: angle by which the section turns about the tangent from start to end [radian].")
-      .compared_within(kSameAngle);
+      .compared_within(kSameTwist);
   member.spec.add_list("Curve", curve_parameters().spec, Presence::optional);
   return member;
 }

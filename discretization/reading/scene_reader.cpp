@@ -15,6 +15,12 @@
 
 namespace mixbeam {
 
+namespace {
+
+constexpr std::size_t kLongestUnit = 16;  // letters: labels of axes have no more room
+
+}  // namespace
+
 ListSpec scene_spec() {
   ListSpec spec(
       "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
@@ -31,6 +37,9 @@ ListSpec scene_spec() {
   spec.add(real("Accuracy").above(kBestAccuracy).below(1.0),
            "Wanted error of displacements over the largest of them, at the end of the path: order and number of "
            "elements are chosen for every member that does not give them itself.");
+  spec.add(text("Units"),
+           "Units of length and force, as \"m, N\": words for the labels of pictures and for reports. Nothing is "
+           "converted.");
   add_condition_lists(spec);
   return spec;
 }
@@ -47,6 +56,7 @@ SceneReader::SceneReader(const List& list, const InputPlace& place) : list_(list
 Scene SceneReader::read() {
   scene_.name = place_.source().root_name();
   if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
+  read_units();
   read_sections();
   read_points();
   import_points();
@@ -60,6 +70,19 @@ Scene SceneReader::read() {
   read_conditions(list_, place_, scene_);
   check_points_are_used();
   return std::move(scene_);
+}
+
+void SceneReader::read_units() {
+  if (!list_.isParameter("Units")) return;
+  scene_.units = list_.get<std::string>("Units");
+  const std::size_t comma = scene_.units.find(',');
+  const auto is_word = [](const std::string& word) {
+    return !trimmed(word).empty() && word.size() <= kLongestUnit && word.find(',') == std::string::npos;
+  };
+  if (comma != std::string::npos && is_word(scene_.units.substr(0, comma)) && is_word(scene_.units.substr(comma + 1)))
+    return;
+  throw place_["Units"].error("value \"" + excerpt(scene_.units) +
+                              "\"; allowed: a unit of length, a comma and a unit of force, as \"m, N\"");
 }
 
 void SceneReader::read_sections() {

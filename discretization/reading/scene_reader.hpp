@@ -39,6 +39,7 @@ class SceneReader {
   };
 
   // scene_reader.cpp
+  void read_units();
   void read_sections();
   void read_points();
   void import_points();

@@ -31,6 +31,7 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members);
 std::vector<MemberSamples> read_members(hid_t file);
 
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);
+void write_acting(hid_t file, const Acting& acting);
 
 /// All of a step but its tables.
 void write_step(hid_t file, const StepRecord& record);

@@ -176,6 +176,7 @@ void ResultFile::write_step_of(const StepRecord& record) {
       if (is_first) {
         write_members(results, record.members);
         write_supports(results, record.reactions);
+        if (record.acting) write_acting(results, *record.acting);
       }
       write_step(results, record);
       for (const ResultTable& table : tables) {

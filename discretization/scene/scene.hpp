@@ -204,6 +204,7 @@ struct Combination {
 
 struct Scene {
   std::string name{};
+  std::string units{};  ///< of length and force, as "m, N": words for labels and reports; empty: not said
   std::vector<Section> sections{};
   std::vector<Point> points{};
   std::vector<Member> members{};

@@ -4,12 +4,14 @@
 #pragma once
 
 #include "discretization/scene/scene.hpp"
+#include "discretization/state/acting.hpp"
 #include "discretization/state/resume_point.hpp"
 #include "discretization/stresses/section_stresses.hpp"
 
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -197,6 +199,7 @@ struct StepRecord : StepSummary {
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for
   StateShare state{};                                     ///< for resuming; empty: this record cannot be resumed from
+  std::shared_ptr<const Acting> acting{};                 ///< what acts on the structure; of the first record of a run
 };
 
 /// All but the fields at samples, vertices and elements: what a step takes few bytes for.

@@ -132,6 +132,7 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
   record.monitored = motions(monitored_points);
   record.stability = stability_;
+  if (report.step == 0) record.acting = std::make_shared<const Acting>(acting_on(scene(), model().mesh()));
   for (const CriticalPoint& point : report.critical_points)
     record.critical_points.push_back(
         at(point.state, point.load_factor).record(point, points_per_element, monitored_points));

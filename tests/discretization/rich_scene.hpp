@@ -8,6 +8,7 @@ namespace mixbeam {
 inline const std::string kRichScene = R"xml(<?xml version="1.0" encoding="UTF-8"?>
 <ParameterList name="everything">
   <ParameterList name="Scene">
+    <Parameter name="Units" type="string" value="m, N"/>
     <Parameter name="Load Cases" type="Array(string)" value="{wind, snow}"/>
     <ParameterList name="Sections">
       <ParameterList name="steel">

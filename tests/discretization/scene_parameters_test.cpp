@@ -91,6 +91,15 @@ TEST(SceneParameters, DeclaredEndsMustAgree) {
                  {"\"Scene / Members / arch / End\"", "\"tip\" is at (15, 5, 1e-06)", "but the curve ends at", "1e-9"});
 }
 
+TEST(SceneParameters, UnitsAreTextOfTwoWords) {
+  const std::string sections = "<ParameterList name=\"Sections\">";
+  EXPECT_EQ(scene_from(kBowScene).units, "");
+  EXPECT_EQ(scene_from(changed(kBowScene, sections, text_parameter("Units", "m, kN") + sections)).units, "m, kN");
+  for (const char* units : {"", "m", "m, ", "m, N, s", "metres, the heavy kilonewtons"})
+    expect_refused(sections, text_parameter("Units", units) + sections,
+                   {"scene.xml:4: ", "\"Scene / Units\"", "a unit of length, a comma and a unit of force"});
+}
+
 TEST(SceneParameters, SwitchesMakeStiffnessesInfinite) {
   const std::string ea = "<Parameter name=\"EA\" type=\"double\" value=\"1e4\"/>";
   const std::string inextensible = "<Parameter name=\"Inextensible\" type=\"bool\" value=\"true\"/>";

@@ -1,0 +1,92 @@
+#include "discretization/state/acting.hpp"
+
+#include "discretization/text/expression.hpp"
+
+#include <array>
+#include <set>
+#include <unordered_map>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+/// Finds places of points. Members that are joined at a point stand behind all others.
+class PlaceFinder {
+ public:
+  PlaceFinder(const Scene& scene, const Mesh& mesh) : mesh_(mesh) {
+    std::set<std::pair<std::string, std::string>> joined;  // point, member
+    for (const Joint& joint : scene.joints)
+      for (const std::string& member : joint.members) joined.emplace(joint.point, member);
+    for (std::size_t m = 0; m < scene.members.size(); ++m) {
+      const Member& member = scene.members[m];
+      index_.emplace(member.name, static_cast<int>(m));
+      const double length = mesh.members[m].curve.length;
+      const auto add = [&](const std::string& point, double s) {
+        auto& places = joined.count({point, member.name}) > 0 ? joined_ : free_;
+        places[point].emplace_back(static_cast<int>(m), s);
+      };
+      add(member.start_point, 0.0);
+      for (const InnerPoint& inner : member.inner_points) add(inner.point, inner.position * length);
+      add(member.end_point, length);
+    }
+  }
+
+  int member(const std::string& name) const { return index_.at(name); }
+  PlaceOnMember place(const std::string& point, const std::string& member = "") const {
+    for (const auto* places : {&free_, &joined_}) {
+      const auto found = places->find(point);
+      if (found == places->end()) continue;
+      for (const auto& [index, s] : found->second)
+        if (member.empty() || index == index_.at(member)) return {index, s, position_of(point)};
+    }
+    return {0, 0.0, position_of(point)};  // of a scene whose points nobody checked
+  }
+
+ private:
+  using Places = std::unordered_map<std::string, std::vector<std::pair<int, double>>>;
+
+  Vector3 position_of(const std::string& point) const { return mesh_.vertex_position[vertex_of(mesh_, point)]; }
+
+  const Mesh& mesh_;
+  Places free_, joined_;
+  std::unordered_map<std::string, int> index_;
+};
+
+/// Values at the places of a line load.
+std::vector<Vector3> sampled_values(const Vector3& constant, const std::array<std::string, 3>& formula, double length) {
+  std::vector<Vector3> values(kPlacesOfLineLoad, constant);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (formula[i].empty()) continue;
+    const Expression component(formula[i], {"s", "x"});
+    for (int place = 0; place < kPlacesOfLineLoad; ++place) {
+      const double x = static_cast<double>(place) / (kPlacesOfLineLoad - 1);
+      values[place][i] = component({x * length, x});
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
+Acting acting_on(const Scene& scene, const Mesh& mesh) {
+  const PlaceFinder places(scene, mesh);
+  Acting acting;
+  acting.units = scene.units;
+  for (const Support& support : scene.supports) acting.supports.push_back({support, places.place(support.point)});
+  for (const Joint& joint : scene.joints)
+    for (const std::string& member : joint.members) acting.joints.push_back({joint, places.place(joint.point, member)});
+  for (const PointLoad& load : scene.point_loads) {
+    const bool follows = load.frame == LoadFrame::follower;
+    acting.point_loads.push_back({load, places.place(load.point, follows ? load.member : "")});
+  }
+  for (const DistributedLoad& load : scene.distributed_loads) {
+    const int member = places.member(load.member);
+    const double length = mesh.members[member].curve.length;
+    acting.line_loads.push_back({load, member, sampled_values(load.force, load.force_formula, length),
+                                 sampled_values(load.couple, load.couple_formula, length)});
+  }
+  return acting;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,45 @@
+/// What acts on a structure, for result files and pictures: each support, joint and load with its place, patterns,
+/// wildcards and tables resolved.
+#pragma once
+
+#include "discretization/mesh/mesh.hpp"
+#include "discretization/scene/scene.hpp"
+
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// A place on the centerline of a member.
+struct PlaceOnMember {
+  int member = 0;           ///< in the order of the scene
+  double arc_length = 0.0;  ///< from its start [length]
+  Vector3 position{};       ///< undeformed
+};
+
+template <class Item>
+struct PlacedItem {
+  Item item{};
+  PlaceOnMember place{};
+};
+
+/// A line load with its values at kPlacesOfLineLoad places from start to end of the member, evenly spread.
+struct SampledLineLoad {
+  DistributedLoad load{};
+  int member = 0;
+  std::vector<Vector3> force{}, couple{};  ///< (place) spatial, or material where it follows [force / length, force]
+};
+inline constexpr int kPlacesOfLineLoad = 9;
+
+struct Acting {
+  std::string units{};  ///< as Scene::units
+  std::vector<PlacedItem<Support>> supports{};
+  std::vector<PlacedItem<Joint>> joints{};           ///< one for each member that it joins
+  std::vector<PlacedItem<PointLoad>> point_loads{};  ///< one that follows is on its member
+  std::vector<SampledLineLoad> line_loads{};
+};
+
+/// Of a scene and its mesh. A point lies on the first member there that no joint moves against it.
+Acting acting_on(const Scene& scene, const Mesh& mesh);
+
+}  // namespace mixbeam
