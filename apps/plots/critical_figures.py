@@ -30,7 +30,7 @@ def modes_figure(view, points):
 
 
 def _draw_mode(axes, view, point):
-    position, mode = point.field("position"), point.field("mode")
+    position, mode = view.position(point), point.field("mode")
     plane = _projection(view.plane, mode)
     largest = np.linalg.norm(mode, axis=1).max(initial=0.0)
     mode = mode * (MODE_SHARE * view.size / largest if largest else 0.0)

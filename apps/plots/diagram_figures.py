@@ -38,19 +38,40 @@ def over_arc_length_figure(view, step):
             axes.plot(members[j].arc_length / 10.0 ** long, level[members[j].samples], color=COLORS[rank % len(COLORS)],
                       linestyle=DASHES[(rank // 2) % len(DASHES)] if len(named) > 1 else "-", label=members[j].name)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        axes.set_ylabel(fields.SECTION_FORCES[name].label.split(" ", 1)[1].split(" ", 1)[-1] + fields.times(exponent))
-        axes.set_title(fields.SECTION_FORCES[name].label.rsplit(" ", 1)[0], fontsize=11)
-        _limits(axes, level)
+        name_axis(axes, view, name, exponent)
+        limits(axes, level)
+        for j in named[:1] if len(named) == 1 else ():
+            name_extremes(axes, members[j].arc_length / 10.0 ** long, level[members[j].samples])
         if i % 3 == 2:
-            axes.set_xlabel("arc length $s$ of the undeformed member" + fields.times(long))
+            axes.set_xlabel("arc length $s$ of the undeformed member" + fields.times(long, view.run.units[0]))
     if len(members) > 1:
         _legend(canvas, panels[0, 0], len(members) - len(named))
-    canvas.suptitle(f"{view.run.scene_name[:60]}: section forces and moments, step {step.number}, "
-                    f"load factor {step.load_factor:.6g}", fontsize=13)
+    canvas.suptitle(f"{view.title(step)}: section forces and moments", fontsize=13)
     return canvas
 
 
-def _limits(axes, level):
+def name_axis(axes, view, name, exponent):
+    field = fields.SECTION_FORCES[name]
+    words, symbol = field.label.rsplit(" ", 1)
+    axes.set_ylabel(symbol + fields.times(exponent, field.unit(view.run.units)))
+    axes.set_title(words, fontsize=11)
+
+
+def name_extremes(axes, places, values):
+    """Largest and smallest value at their places; one of them where all are the same or it is zero."""
+    largest = np.abs(values).max(initial=0.0)
+    if not largest > 0.0:
+        return
+    for at in {int(np.argmax(values)), int(np.argmin(values))}:
+        if abs(values[at]) < ROUND_OFF * largest or values.max() - values.min() < ROUND_OFF * largest and at > 0:
+            continue
+        axes.plot([places[at]], [values[at]], "o", color=style.BLACK, markersize=3.5, zorder=6, gid="extreme")
+        axes.annotate(f"{values[at]:.4g}", (places[at], values[at]), xytext=(0, 4 if values[at] > 0 else -11),
+                      textcoords="offset points", fontsize=9, zorder=7, gid="value",
+                      ha="left" if places[at] < np.mean([places[0], places[-1]]) else "right")
+
+
+def limits(axes, level):
     low, high = min(level.min(), 0.0), max(level.max(), 0.0)
     if low == high:
         axes.set_ylim(-1.0, 1.0)
@@ -59,7 +80,7 @@ def _limits(axes, level):
         return
     spread = high - low
     flat = abs(level.max() - level.min()) < 1e-6 * spread  # a constant: no ticks that differ in the tenth digit only
-    axes.set_ylim(low - (0.25 if flat else 0.07) * spread, high + (0.25 if flat else 0.07) * spread)
+    axes.set_ylim(low - (0.25 if flat else 0.16) * spread, high + (0.25 if flat else 0.16) * spread)
     axes.locator_params(axis="y", nbins=5)
 
 
@@ -91,11 +112,12 @@ def _most_loaded(members, values):
 def on_structure_figure(view, step):
     """Each section force that does not vanish as filled diagram along the deformed members in the best plane.
 
-    A positive value stands to the left of the direction of growing arc length.
+    A positive value stands to the left of the direction of growing arc length; bending moments stand on the side that
+    --moments says, where the picture shows it.
     """
     values = {name: field.values(step, view.size) for name, field in fields.SECTION_FORCES.items()}
     shown = [name for name in values if np.any(values[name])] or ["bending_3"]
-    position = step.field("position") @ view.plane.T / view.unit
+    position = view.position(step) @ view.plane.T / view.unit
     low, high = position.min(axis=0), position.max(axis=0)
     aspect = np.clip((high[1] - low[1]) / ((high[0] - low[0]) or 1.0), 0.35, 1.5)
     columns = min(3, len(shown)) if len(shown) != 4 else 2
@@ -104,11 +126,30 @@ def on_structure_figure(view, step):
     for axes in panels.flat[len(shown):]:
         axes.set_visible(False)
     for axes, name in zip(panels.flat, shown):
-        _hedgehog(axes, view, step, values[name])
-        axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]), fontsize=11.5)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: step {step.number}, load factor {step.load_factor:.6g}; positive values "
-                    "stand left of the direction of $s$", fontsize=12)
+        _hedgehog(axes, view, step, values[name], side_of(view, step, name))
+        unit = fields.SECTION_FORCES[name].unit(view.run.units)
+        axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]) + f" {unit}".rstrip(), fontsize=11.5)
+    moments = "moments too" if view.look.moments == "left" else f"moments on the {view.look.moments} side"
+    canvas.suptitle(f"{view.title(step)}\nblue: positive, orange: negative; positive forces stand left of the direction of "
+                    f"$s$, {moments}; {view.scale_words()}", fontsize=12)
     return canvas
+
+
+def side_of(view, step, name):
+    """(n,) 1 where positive values stand to the left of the direction of s in the picture, -1 where to the right.
+
+    A moment M2 stretches the side of axis 3, M3 that against axis 2: the strain of a fibre is y3 kappa2 - y2 kappa3.
+    """
+    position = view.position(step)
+    if name not in ("bending_2", "bending_3") or view.look.moments == "left":
+        return np.ones(len(position))
+    stretched = step.field("triad_3") if name == "bending_2" else -step.field("triad_2")
+    if view.look.moments == "compression":
+        stretched = -stretched
+    tangent = tangents(position, view.structure.starts) @ view.plane.T
+    shown = stretched @ view.plane.T
+    left = tangent[:, 0] * shown[:, 1] - tangent[:, 1] * shown[:, 0]
+    return np.where(left < -NEARLY_ALONG_VIEW * np.linalg.norm(tangent, axis=1), -1.0, 1.0)
 
 
 def _range(values):
@@ -119,25 +160,42 @@ def _range(values):
     return f": {high:.4g}" if high - low < ROUND_OFF * largest else f": {low:.4g} to {high:.4g}"
 
 
-def _hedgehog(axes, view, step, values):
+def _hedgehog(axes, view, step, values, sides):
     largest = np.abs(values).max(initial=0.0) or 1.0
-    position = step.field("position")
-    nodes, tangent, (level,), owner = view.structure.nodes(position, tangents(position, view.structure.starts),
-                                                          values / largest)
+    position = view.position(step)
+    nodes, tangent, (level, turned), owner = view.structure.nodes(position, tangents(position, view.structure.starts),
+                                                                  values / largest, sides)
     nodes, tangent = nodes @ view.plane.T / view.unit, tangent @ view.plane.T
     along = np.linalg.norm(tangent, axis=2)
     side = np.stack([-tangent[..., 1], tangent[..., 0]], axis=2) / np.maximum(along, 1e-30)[..., None]
     visible = along.min(axis=1) > NEARLY_ALONG_VIEW
     level = np.where(visible[:, None], level, 0.0)
+    side = side * np.where(turned < 0.0, -1.0, 1.0)[..., None]
     spine = _height(view, position @ view.plane.T / view.unit) * side
     for sign, color in ((1, style.BLUE), (-1, style.RED)):
         part = np.maximum(sign * level, 0.0)
         areas = _areas(nodes, nodes + sign * part[..., None] * spine, part, owner)
         axes.add_collection(PolyCollection(areas, facecolors=(*style.rgb(color), 0.28), edgecolors=color, linewidth=0.9,
-                                           rasterized=len(level) > RASTER_PIECES))
+                                           rasterized=len(level) > RASTER_PIECES, gid="positive" if sign > 0 else "negative"))
     add_lines(axes, np.stack([nodes[:, :-1], nodes[:, 1:]], axis=2).reshape(-1, 2, 2), color=style.BLACK,
               width=0.5 * line_width(view.structure), zorder=4)
+    _name_values(axes, nodes, nodes + level[..., None] * spine, level, largest)
     _frame(axes, view, np.concatenate([nodes, nodes + level[..., None] * spine]).reshape(-1, 2))
+
+
+def _name_values(axes, nodes, tips, level, largest):
+    """The largest and the smallest value, each at the tip of its spine."""
+    if not np.any(level):
+        return
+    ends = {np.unravel_index(choose(level), level.shape) for choose in (np.argmax, np.argmin)}
+    flat = level.max() - level.min() < ROUND_OFF
+    for at in sorted(ends)[:1] if flat else sorted(ends):
+        if abs(level[at]) < ROUND_OFF:
+            continue
+        away = tips[at] - nodes[at]
+        away = away / (np.linalg.norm(away) or 1.0)
+        axes.annotate(f"{largest * level[at]:.4g}", tips[at], xytext=8 * away, textcoords="offset points", fontsize=9.5,
+                      ha="center", va="center", zorder=7, annotation_clip=False, gid="value")
 
 
 def _areas(axis, tips, part, owner):

@@ -19,6 +19,13 @@ class Field:
     def signed(self):
         return len(self.components) == 1
 
+    def unit(self, units):
+        """Of its values, `units` being those of length and force; empty where they are not known or there is none."""
+        length, force = units
+        kinds = {"material_force": force, "material_moment": f"{force} {length}", "moment_strain": f"1/{length}",
+                 "displacement": length}
+        return kinds.get(self.source, "") if length else ""
+
     def values(self, step, size):
         """(n,) values of a step; round-off becomes zero. `size` of the structure turns forces into moments."""
         columns = step.field(self.source)[:, self.components]
@@ -85,9 +92,10 @@ def power_of_ten(largest):
     return int(3 * np.floor(np.log10(largest) / 3))
 
 
-def times(exponent):
-    """Words behind an axis label for numbers that were divided by 10^exponent."""
-    return rf" $\;[10^{{{exponent}}}]$" if exponent else ""
+def times(exponent, unit=""):
+    """Words behind an axis label for numbers in a unit that were divided by 10^exponent."""
+    words = [rf"$10^{{{exponent}}}$"] * bool(exponent) + [unit] * bool(unit)
+    return f"  [{' '.join(words)}]" if words else ""
 
 
 def color_scale(field, values):

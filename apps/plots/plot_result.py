@@ -9,11 +9,12 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "fields": "bending, torsion, axial force, shear and strains in the best plane",
          "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
          "diagrams": "the same drawn on the structure",
+         "along": "with --along: N, Q2, Q3, T, M2, M3 of members in a row over their running length",
          "load_path": "monitored quantities over the load factor; with critical points: load factor over them",
          "critical_modes": "structure and mode at limit points and bifurcations",
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
-OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams")
+OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams", "along")
 BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
@@ -44,48 +45,69 @@ def _options():
     parser.add_argument("--case", metavar="NAME", help="load case: takes FILE-NAME.h5 beside FILE.h5")
     parser.add_argument("--picture", nargs="+", choices=KINDS, metavar="PICTURE", help="these only: " + ", ".join(KINDS))
     parser.add_argument("--triads", action="store_true", help="draw axes 1, 2, 3 of some sections in space")
+    parser.add_argument("--view", metavar="VIEW", help="xy, xz, yz, iso or azimuth/elevation [degrees]; default: the best")
+    parser.add_argument("--members", nargs="+", metavar="PATTERN", help="these members only; * stands for any characters")
+    parser.add_argument("--scale", type=float, default=1.0, metavar="FACTOR", help="of displacements (default: 1)")
+    parser.add_argument("--moments", choices=("tension", "compression", "left"), default="tension",
+                        help="side on which diagrams of bending moments stand (default: tension)")
+    parser.add_argument("--along", nargs="+", metavar="PATTERN", help="one diagram along these members, which form a path")
     parser.add_argument("--dots", type=int, metavar="N", help="dots per inch of a PNG")
-    return parser.parse_args()
+    words = sys.argv[1:]
+    for i, word in enumerate(words[:-1]):  # a negative azimuth is no option
+        if word == "--view":
+            words[i:i + 2] = ["", f"--view={words[i + 1]}"]
+    return parser.parse_args([word for word in words if word])
 
 
 def _draw(options, style):
     """Draws what is asked for, and yields the paths of the files."""
+    import numpy as np
+
     import fields
     from results import InputError, Run
-    from shape_figures import View
+    from view import Look, View
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
     if not formats or set(formats) - {"png", "svg", "pdf"}:
         raise InputError(f"--format {options.format}: allowed are png, svg, pdf, separated by commas")
     if options.field not in fields.FIELDS:
         raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.FIELDS))
+    if not (np.isfinite(options.scale) and options.scale >= 0.0):
+        raise InputError(f"--scale {options.scale:g}: allowed are numbers from 0 on; 1 is the true scale")
+    if options.picture and "along" in options.picture and not options.along:
+        raise InputError("--picture along: needs --along with the names of members")
     if options.dots:
         style.plt.rcParams["savefig.dpi"] = options.dots
-    with Run(options.result, options.case) as run:
+    with Run(options.result, options.case, options.members) as run:
         chosen = _chosen_steps(run, options.step, options.result)
         folder = options.output or options.result.parent
         folder.mkdir(parents=True, exist_ok=True)
         stem = run.path.stem
-        view = View(run, chosen)
-        for kind in options.picture or KINDS:
+        look = Look(options.view, options.scale, options.moments)
+        view = View(run, chosen, look)
+        every = ["along"] if options.along else [kind for kind in KINDS if kind != "along"]
+        for kind in options.picture or every:
             for name, canvas in _figures(kind, run, view, chosen, options):
                 yield from style.save_all(canvas, folder / f"{stem}_{name}", formats)
 
 
 def _figures(kind, run, view, chosen, options):
     """(name, figure) of every picture of a kind; nothing where the file has nothing to show."""
+    import along_figures
     import critical_figures
     import diagram_figures
     import fields
     import path_figures
     import shape_figures
+    from view import View
 
     field = fields.FIELDS[options.field]
     if kind in OF_ONE_STEP:
         draw = {"shape": lambda step: shape_figures.shape_figure(view, step, field, options.triads),
                 "fields": lambda step: shape_figures.overview_figure(view, step),
                 "section_forces": lambda step: diagram_figures.over_arc_length_figure(view, step),
-                "diagrams": lambda step: diagram_figures.on_structure_figure(view, step)}[kind]
+                "diagrams": lambda step: diagram_figures.on_structure_figure(view, step),
+                "along": lambda step: along_figures.along_figure(view, step, options.along)}[kind]
         for step in chosen:
             yield kind if options.step == "last" else f"{kind}_{step.number:06d}", draw(step)
     elif kind == "critical_modes":
@@ -98,7 +120,7 @@ def _figures(kind, run, view, chosen, options):
         yield kind, path_figures.load_displacement_figure(view)
     elif len(run.steps) > 1 and all(step.has(field.source) for step in shape_figures.strip_steps(run.steps)):
         shown = shape_figures.strip_steps(run.steps)
-        yield kind, shape_figures.strip_figure(shape_figures.View(run, shown), shown, field)
+        yield kind, shape_figures.strip_figure(View(run, shown, view.look), shown, field)
 
 
 def _chosen_steps(run, wanted, path):

@@ -1,6 +1,8 @@
 """Reads what the applications write: CSV tables and HDF5 result files (layout: discretization/results/result_file.hpp)."""
 
 import csv
+import difflib
+import re
 from functools import cached_property
 from pathlib import Path
 
@@ -79,7 +81,9 @@ def _column(texts):
 class Member:
     """Where a member's samples stand in the fields of a step, and its undeformed shape, read when first asked for."""
 
-    def __init__(self, name, first, count, read):
+    def __init__(self, name, index, first, count, read):
+        self.index = index  # in the scene
+        self.first_in_file = first
         self.name = name
         self.samples = slice(first, first + count)
         self._read = read
@@ -106,8 +110,8 @@ def _members(group):
     """Of a result file, in the order of the scene."""
     if not isinstance(group.get("names"), h5py.Dataset):  # before format 4 a group for each
         ordered = sorted(group, key=lambda name: group[name].attrs["index"])
-        return [Member(name, int(group[name].attrs["first_sample"]), int(group[name].attrs["samples"]),
-                       lambda field, name=name: group[name][field][:]) for name in ordered]
+        return [Member(name, index, int(group[name].attrs["first_sample"]), int(group[name].attrs["samples"]),
+                       lambda field, name=name: group[name][field][:]) for index, name in enumerate(ordered)]
     whole = {}  # each field is read at once: members are many and short
 
     def part(field, first, end):
@@ -116,23 +120,46 @@ def _members(group):
         return whole[field][first:end]
 
     places = zip(group["names"][:], group["first_sample"][:].tolist(), group["samples"][:].tolist())
-    return [Member(_text(name), first, count, lambda field, first=first, end=first + count: part(field, first, end))
-            for name, first, count in places]
+    return [Member(_text(name), index, first, count, lambda field, first=first, end=first + count: part(field, first, end))
+            for index, (name, first, count) in enumerate(places)]
+
+
+class Selection:
+    """The rows of the fields that belong to the members of a run: all of them, or those of chosen members."""
+
+    def __init__(self, members=None):
+        """Gives the chosen members their places among each other."""
+        self._rows = None
+        if members is None:
+            return
+        self._rows, first = [], 0
+        for member in members:
+            count = member.samples.stop - member.samples.start
+            self._rows.append(np.arange(member.first_in_file, member.first_in_file + count))
+            member.samples = slice(first, first + count)
+            first += count
+        self._rows = np.concatenate(self._rows)
+
+    def of(self, values):
+        return values[:] if self._rows is None else values[:][self._rows]
+
+    def numbers(self, numbers):
+        return numbers if self._rows is None else self._rows[numbers]
 
 
 class CriticalPoint:
     """A limit point or bifurcation between two steps; fields as those of a step, and the critical mode."""
 
-    def __init__(self, group):
+    def __init__(self, group, selection):
         self.kind = _text(group.attrs["kind"])
         self.load_factor = float(group.attrs["load_factor"])
         self.negative_before = int(group.attrs["negative_before"])
         self.negative_after = int(group.attrs["negative_after"])
         self.modes = int(group.attrs["modes"])
-        self._group = group
+        self._group, self._selection = group, selection
 
     def field(self, name):
-        return self._group[name][:]
+        return self._selection.of(self._group[name])
 
     def monitored(self, name):
         """Components of a monitored quantity, None where the file has none of that name."""
@@ -143,23 +170,23 @@ class CriticalPoint:
 class Step:
     """One converged configuration; `fields[name]` holds a row per sample of all members."""
 
-    def __init__(self, group):
+    def __init__(self, group, selection):
         self.number = int(group.attrs["step"])
         self.load_factor = float(group.attrs["load_factor"])
         self.newton_iterations = int(group.attrs.get("newton_iterations", 0))
         self.negative = int(group.attrs.get("negative_eigenvalues", -1))  # -1: not counted
         told = {-1: "unknown", 0: "true"}.get(self.negative, "false")  # files of versions that only counted
         self.stable = _text(group.attrs["stable"]) if "stable" in group.attrs else told
-        self._group = group
+        self._group, self._selection = group, selection
 
     def critical_points(self):
         """Those that the path passed since the step before."""
         group = self._group.get("critical_points", {})
-        return [CriticalPoint(group[name]) for name in sorted(group, key=int)]
+        return [CriticalPoint(group[name], self._selection) for name in sorted(group, key=int)]
 
     def field(self, name, member=None):
-        values = self._group[name]
-        return values[member.samples] if member is not None else values[:]
+        values = self._selection.of(self._group[name])
+        return values[member.samples] if member is not None else values
 
     def has(self, name):
         """Whether a field is there: stresses are not in every step."""
@@ -167,7 +194,7 @@ class Step:
 
     def rows(self, name, numbers):
         """Some rows of a field without reading the others; `numbers` ascending."""
-        return self._group[name][numbers]
+        return self._group[name][self._selection.numbers(numbers)]
 
     def residual_histories(self):
         """Scale-free residuals of every attempt at the step, the successful one last; empty where the file has none."""
@@ -185,9 +212,12 @@ def file_of_case(path, case):
 
 
 class Run:
-    """An open result file: its members in the order of the scene, and its steps in the order of the path."""
+    """An open result file: its members in the order of the scene, and its steps in the order of the path.
 
-    def __init__(self, path, case=None):
+    `members`: patterns of the names of those to look at, * for any characters; None: all.
+    """
+
+    def __init__(self, path, case=None, members=None):
         path = Path(path)
         if case and file_of_case(path, case).is_file():
             path = file_of_case(path, case)
@@ -205,10 +235,15 @@ class Run:
         if case and case != self.case:
             what = f"of load case {self.case}" if self.case else "of a scene without load cases"
             raise InputError(f"{path}: the file is {what}, and there is no {file_of_case(path, case).name} beside it")
+        self._by_index = None
+        self._units = _text(self._file["acting"].attrs.get("units", "")) if "acting" in self._file else ""
         self.scene_name = _text(self._file.attrs.get("scene_name", path.stem))
         try:
             self.members = _members(self._file["members"])
-            self.steps = [Step(self._file["steps"][name]) for name in sorted(self._file["steps"])]
+            if members is not None:
+                self.members = self.members_meant(members)
+            selection = Selection(members and self.members)
+            self.steps = [Step(self._file["steps"][name], selection) for name in sorted(self._file["steps"])]
         except KeyError as error:
             raise InputError(f"{path}: a result file of mixbeam, but incomplete ({error.args[0]})") from None
         if not self.steps:
@@ -219,6 +254,36 @@ class Run:
 
     def __exit__(self, *_):
         self._file.close()
+
+    def members_meant(self, patterns, option="--members"):
+        """Those of the run whose names match one of the patterns; each pattern must match some."""
+        names = {member.name: member for member in self.members}
+        chosen = set()
+        for pattern in patterns:
+            matching = re.compile(".*".join(re.escape(part) for part in pattern.split("*")), re.DOTALL)
+            found = {name for name in names if matching.fullmatch(name)}
+            if not found:
+                near = difflib.get_close_matches(pattern, names, 3, 0.0)
+                raise InputError(f"{option} {pattern}: no member of that name; the nearest are {', '.join(near)}")
+            chosen |= found
+        return [member for member in self.members if member.name in chosen]
+
+    def member_of_index(self, index):
+        """Of the scene; None where it is not looked at."""
+        if self._by_index is None:
+            self._by_index = {member.index: member for member in self.members}
+        return self._by_index.get(index)
+
+    def acting(self):
+        """What acts on the structure, {"supports", "joints", "point_loads", "line_loads"}: tables by their columns."""
+        group = self._file.get("acting", {})
+        return {name: {column: _column_of(group[name][column]) for column in group[name]} for name in group}
+
+    @property
+    def units(self):
+        """(length, force) as the scene names them, empty where it does not."""
+        words = [word.strip() for word in self._units.split(",")]
+        return tuple(words) if len(words) == 2 else ("", "")
 
     def step_at(self, load_factor):
         """The step whose load factor is nearest."""
@@ -242,9 +307,10 @@ class Run:
         names = _text(self._file["quantities"][()]).split("\n") if asked is not None else []
         return {**series, **{name: asked[:, i] for i, name in enumerate(names) if name}}
 
-    def scene_text(self):
-        """The input of the run, word for word."""
-        return _text(self._file["scene"][()]) if "scene" in self._file else ""
+
+def _column_of(dataset):
+    """Numbers, or the lines of a text."""
+    return dataset[:] if dataset.shape else _text(dataset[()]).split("\n")
 
 
 def _text(value):

@@ -1,95 +1,192 @@
-"""Places of supports and loads, as far as the scene text inside a result file and the member ends tell them."""
-
-import re
-from xml.etree import ElementTree
+"""What acts on a structure, as the result file holds it: supports by their kind, joints, point and line loads."""
 
 import numpy as np
+from matplotlib.path import Path as Shape
 
-SAME_PLACE = 1e-6  # of the extent: farther from a point than this, a sample is another place
-MOST_POINTS = 500  # looked up by coordinates, each in one pass over all samples
+import style
+
+SAME_PLACE = 1e-6   # of the extent: farther from a point than this, a sample is another place
+MARK_SHARE = 0.12   # length of an arrow over the size of the structure
+LINE_SHARE = 0.08   # of the arrows of the largest line load
+MOST_ARROWS = 240   # of all line loads together
+MANY_SUPPORTS = 20  # get small signs
+FACING = 0.2        # a direction whose share in the picture is smaller points at the reader
+
+# Signs below the point, which is at the origin, in sizes of a marker.
+SIGNS = {
+    "clamp": Shape([(-1, 0), (1, 0), (-1, 0), (-1.3, -0.5), (-0.3, 0), (-0.6, -0.5), (0.3, 0), (0.0, -0.5), (1, 0), (0.7, -0.5)],
+                   [1, 2, 1, 2, 1, 2, 1, 2, 1, 2]),
+    "hinge": Shape([(0, 0), (-0.7, -1.2), (0.7, -1.2), (0, 0)]),
+    "roller": Shape([(0, 0), (-0.7, -1.1), (0.7, -1.1), (0, 0), (-1, -1.5), (1, -1.5)], [1, 2, 2, 2, 1, 2]),
+    "guide": Shape([(-1, -0.2), (1, -0.2), (-1, -0.7), (1, -0.7)], [1, 2, 1, 2]),
+    "spring": Shape([(0, 0), (0, -0.4), (0.5, -0.6), (-0.5, -0.9), (0.5, -1.2), (-0.5, -1.5), (0, -1.7), (0, -2)]),
+}
+JOINT_SIGNS = {"hinge": "o", "ball": "o", "slider": "D"}
+
+
+def kind_of_support(fixed, stiffness):
+    """Word for `fixed` (6) displacements and rotations; springs count only where nothing is fixed."""
+    displacements, rotations = int(np.sum(fixed[:3])), int(np.sum(fixed[3:]))
+    if displacements + rotations == 0:
+        return "spring"
+    if displacements == 3:
+        return "clamp" if rotations == 3 else "hinge"
+    return "guide" if rotations == 3 or displacements == 0 else "roller"
 
 
 class Marks:
-    """Sample numbers at which a picture shows supports, and (sample number, direction) of point forces."""
+    """What acts at a step, by numbers of samples; vectors are spatial.
 
-    def __init__(self, run, load_factor, reference):
-        self.supports, self.forces = [], []
-        try:
-            scene = _child(ElementTree.fromstring(run.scene_text() or "<none/>"), "Scene")
-        except ElementTree.ParseError:
-            return
-        if scene is None:
-            return
-        places = _point_samples(scene, run, reference)
-        for support in _lists(_child(scene, "Supports")):
-            self.supports += [sample for _, sample in _matches(places, support)]
-        for load in _lists(_child(scene, "Point Loads")):
-            if int(_value(load, "Stage", "1")) - 1 >= load_factor:
-                continue  # its stage has not begun
-            if _value(load, "Frame", "dead").lower() != "dead":
-                continue  # its direction is in a triad, which the text does not tell
-            for _, sample in _matches(places, load):
-                _keep(self.forces, sample, _vector(load, "Force"))
-
-
-def _keep(marks, sample, vector):
-    if vector is not None and np.linalg.norm(vector) > 0:
-        marks.append((sample, vector / np.linalg.norm(vector)))
-
-
-def _point_samples(scene, run, reference):
-    """First or last sample of a member that starts or ends at the point; else the sample at the point's coordinates.
-
-    Points that only patterns or tables make are not found: the text does not name them.
+    supports [(sample, kind)]; joints [(sample, kind)]; forces and moments [(sample, direction of length 1)];
+    line_loads [(samples, forces per length (places, 3))].
     """
-    members = {member.name: member for member in run.members}
-    places = {}
-    for member in _lists(_child(scene, "Members")):
-        samples = members.get(member.get("name"))
-        if samples is None:
-            continue
-        places.setdefault(_value(member, "Start", ""), samples.samples.start)
-        places.setdefault(_value(member, "End", ""), samples.samples.stop - 1)
-    places.pop("", None)
-    near = SAME_PLACE * np.ptp(reference, axis=0).max()
-    points = _child(scene, "Points")
-    for point in ([] if points is None else list(points))[:MOST_POINTS]:
-        position = _numbers(point.get("value", ""))
-        if position is None or point.get("name") in places:
-            continue
-        distance = np.linalg.norm(reference - position, axis=1)
-        if distance.min() <= near:
-            places[point.get("name")] = int(distance.argmin())
-    return places
+
+    def __init__(self, run, step, reference):
+        self._run, self._step, self._reference = run, step, reference
+        self._near = SAME_PLACE * (np.ptp(reference, axis=0).max() or 1.0)
+        self.supports, self.joints, self.forces, self.moments, self.line_loads = [], [], [], [], []
+        acting = run.acting()
+        self._add_supports(acting.get("supports", {}))
+        self._add_joints(acting.get("joints", {}))
+        self._add_point_loads(acting.get("point_loads", {}))
+        self._add_line_loads(acting.get("line_loads", {}))
+
+    def _add_supports(self, table):
+        for place, fixed, stiffness in _rows(table, "place", "position", "fixed", "stiffness"):
+            self._keep(self.supports, place, kind_of_support(fixed, stiffness))
+            if np.any(stiffness > 0) and np.any(fixed):
+                self._keep(self.supports, place, "spring")
+
+    def _add_joints(self, table):
+        for number, (place,) in enumerate(_rows(table, "place", "position")):
+            self._keep(self.joints, place, table["kind"][number])
+
+    def _add_point_loads(self, table):
+        for place, force, moment, follows, begins in _rows(table, "place", "position", "force", "moment", "follower", "begins"):
+            sample = self._sample(*place)
+            if sample is None or not self._has_begun(begins):
+                continue
+            for vector, marks in ((force, self.forces), (moment, self.moments)):
+                if np.any(vector):
+                    marks.append((sample, self._turned(vector / np.linalg.norm(vector), follows, [sample])[0]))
+
+    def _add_line_loads(self, table):
+        for member, force, follows, begins in _rows(table, "member", None, "force", "follower", "begins"):
+            samples = self._samples_along(int(member), len(force) // 3)
+            if samples is not None and np.any(force) and self._has_begun(begins):
+                self.line_loads.append((samples, self._turned(force.reshape(-1, 3), follows, samples)))
+
+    def _has_begun(self, begins):
+        return not np.isfinite(begins) or begins < self._step.load_factor
+
+    def _keep(self, marks, place, kind):
+        sample = self._sample(*place)
+        if sample is not None:
+            marks.append((sample, kind))
+
+    def _sample(self, place, position):
+        """Of a place (member, arc length); of its position where that member is not shown."""
+        member = self._run.member_of_index(int(place[0]))
+        if member is not None:
+            return member.samples.start + int(np.argmin(np.abs(member.arc_length - place[1])))
+        distance = np.linalg.norm(self._reference - position, axis=1)
+        return int(distance.argmin()) if distance.min() <= self._near else None
+
+    def _samples_along(self, index, count):
+        member = self._run.member_of_index(index)
+        if member is None:
+            return None
+        places = np.linspace(0.0, member.arc_length[-1], count)
+        return [member.samples.start + int(np.argmin(np.abs(member.arc_length - s))) for s in places]
+
+    def _turned(self, vectors, follows, samples):
+        """Components in the triads of samples become spatial ones where the load follows them."""
+        vectors = np.atleast_2d(vectors)
+        if not follows:
+            return vectors
+        triads = [self._step.field(f"triad_{i}")[samples] for i in (1, 2, 3)]
+        return sum(vectors[:, i:i + 1] * triads[i] for i in range(3))
 
 
-def _child(node, name):
-    return None if node is None else next((child for child in node if child.get("name") == name), None)
+def _rows(table, place, position, *names):
+    """Rows of the columns; a place comes with its position."""
+    if not table:
+        return
+    for number in range(len(table[place])):
+        head = table[place][number]
+        yield ((head, table[position][number]) if position else head, *(table[name][number] for name in names))
 
 
-def _lists(node):
-    return [] if node is None else [child for child in node if child.tag == "ParameterList"]
+def draw_marks(axes, marks, points, projection, length):
+    """Draws into 3-D or plane axes; `points` (n, 2 or 3) of all samples; `length` of an arrow. Returns words for the caption."""
+    flat = axes.name != "3d"
+    words = []
+    _draw_supports(axes, marks.supports, points, words)
+    for kind in sorted({kind for _, kind in marks.joints}):
+        samples = [sample for sample, of in marks.joints if of == kind]
+        axes.plot(*points[samples].T, JOINT_SIGNS[kind], color=style.BLACK, markerfacecolor="white", markersize=6,
+                  zorder=6, gid=f"joint {kind}")
+        words.append(f"white: {kind}s" if kind != "ball" else "white: ball joints")
+    for sample, direction in marks.forces:
+        _arrow(axes, flat, points[sample], length * projection @ direction, length, style.RED, "force")
+    for sample, direction in marks.moments:
+        _turn(axes, flat, points[sample], direction, projection, length)
+    _draw_line_loads(axes, flat, marks.line_loads, points, projection, length * LINE_SHARE / MARK_SHARE)
+    words += ["arrows: directions of point forces"] if marks.forces else []
+    words += ["purple: moments"] if marks.moments else []
+    words += ["combs: line loads"] if marks.line_loads else []
+    return words
 
 
-def _value(node, name, default):
-    child = _child(node, name)
-    return default if child is None else child.get("value", default)
+def _draw_supports(axes, supports, points, words):
+    if not supports:
+        return
+    small = len(supports) >= MANY_SUPPORTS
+    at = sorted({sample for sample, _ in supports})
+    axes.plot(*points[at].T, "s", color=style.BLACK, markersize=3 if small else 4.5, linestyle="", zorder=5, gid="supports")
+    for kind in SIGNS:
+        samples = [sample for sample, of in supports if of == kind]
+        if samples:
+            axes.plot(*points[samples].T, marker=SIGNS[kind], color=style.BLACK, markerfacecolor="none", linestyle="",
+                      markersize=9 if small else 16, markeredgewidth=0.8 if small else 1.2, zorder=5, gid=f"support {kind}")
+    words.append("squares: supports (" + ", ".join(kind for kind in SIGNS if any(of == kind for _, of in supports)) + ")")
 
 
-def _matches(places, node):
-    """(name, sample) of the points that the "Point" of a support or load means; * stands for any characters."""
-    pattern = re.compile(".*".join(re.escape(part) for part in _value(node, "Point", "").split("*")), re.DOTALL)
-    return [(name, sample) for name, sample in places.items() if pattern.fullmatch(name)]
+def _arrow(axes, flat, tail, arrow, length, color, gid, width=1.6):
+    if not flat:
+        axes.quiver(*tail, *arrow, color=color, linewidth=width, arrow_length_ratio=0.3, gid=gid)
+    elif np.linalg.norm(arrow) < FACING * length:
+        axes.plot(*tail, "o", color=color, markersize=7, markerfacecolor="none", zorder=5, gid=gid)
+    else:
+        axes.annotate("", tail + arrow, tail, annotation_clip=False, zorder=5, gid=gid,
+                      arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0})
 
 
-def _vector(node, name):
-    return _numbers(_value(node, name, ""))
+def _turn(axes, flat, point, direction, projection, length):
+    """A moment: an arrow along its axis, a turning arrow where that points at the reader."""
+    arrow = length * projection @ direction
+    if not flat or np.linalg.norm(arrow) >= FACING * length:
+        return _arrow(axes, flat, point, arrow, length, style.PURPLE, "moment")
+    toward = np.cross(projection[0], projection[1]) @ direction > 0
+    axes.annotate("\u21ba" if toward else "\u21bb", point, color=style.PURPLE, fontsize=24, ha="center", va="center",
+                  annotation_clip=False, zorder=6, gid="moment")
 
 
-def _numbers(text):
-    """The three numbers of "{1, 2, 3}"; None for anything else."""
-    try:
-        values = [float(number) for number in text.strip("{} ").split(",")]
-    except ValueError:
-        return None
-    return np.array(values) if len(values) == 3 else None
+def _draw_line_loads(axes, flat, line_loads, points, projection, length):
+    largest = max((np.linalg.norm(forces, axis=1).max() for _, forces in line_loads), default=0.0)
+    if not largest > 0.0:
+        return
+    every = max(1, int(np.ceil(sum(len(samples) for samples, _ in line_loads) / MOST_ARROWS)))
+    for samples, forces in line_loads:
+        arrows = length / largest * forces @ projection.T
+        heads = points[samples]
+        tails = heads - arrows
+        axes.plot(*tails.T, color=style.RED, linewidth=0.9, zorder=4, clip_on=False, gid="line load")
+        for i in range(0, len(samples), every):
+            if flat:
+                axes.annotate("", heads[i], tails[i], annotation_clip=False, zorder=4, gid="line load arrow",
+                              arrowprops={"arrowstyle": "-|>", "color": style.RED, "linewidth": 0.7, "shrinkA": 0,
+                                          "shrinkB": 0, "mutation_scale": 7})
+            else:
+                axes.quiver(*tails[i], *arrows[i], color=style.RED, linewidth=0.7, arrow_length_ratio=0.3,
+                            gid="line load arrow")

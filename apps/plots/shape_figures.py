@@ -1,40 +1,17 @@
 """Pictures of the deformed structure: one step in space and in its best plane, coloured by a field, and several steps."""
 
+import textwrap
+
 import numpy as np
 
 import fields
 import style
-from scene_marks import Marks
-from structure import Structure, add_lines, axis_name, best_plane, best_view, line_width, tangents
+from scene_marks import MARK_SHARE, Marks, draw_marks
+from structure import add_lines, line_width, tangents
 
 MOST_TRIADS = 24
 STRIP_STEPS = 6
-SHRUNK = 0.3       # below this share of its undeformed extent a structure gets the picture in space for itself
-MARK_SHARE = 0.12  # length of an arrow over the size of the structure
-
-
-class View:
-    """What all pictures of a run share, found once: structure, plane, camera, unit of length."""
-
-    def __init__(self, run, steps):
-        self.run, self.structure = run, Structure(run)
-        shapes = [self.structure.reference] + [step.field("position") for step in steps]
-        self.everything = np.vstack(shapes)
-        self.exponent = fields.power_of_ten(np.abs(self.everything).max())
-        self.unit = 10.0 ** self.exponent
-        self.plane = best_plane(self.everything / self.unit)
-        self.camera = best_view(self.everything / self.unit)
-        self.size = self.structure.size
-
-    def lines(self, points, values=None, slopes=None):
-        lines, colors = self.structure.pieces(points, values, slopes)
-        return lines / self.unit, colors
-
-    def has_shrunk(self, position):
-        return np.ptp(position, axis=0).max() < SHRUNK * np.ptp(self.structure.reference, axis=0).max()
-
-    def axis_label(self, direction):
-        return axis_name(direction) + fields.times(self.exponent)
+CAPTION_WIDTH = 150  # letters
 
 
 def shape_figure(view, step, field, triads=False):
@@ -43,7 +20,7 @@ def shape_figure(view, step, field, triads=False):
         canvas = style.plt.figure(figsize=(12.4, 5.4))
     space = canvas.add_axes((0.0, 0.02, 0.44, 0.82), projection="3d")
     flat = canvas.add_axes((0.53, 0.13, 0.45, 0.74))
-    position = step.field("position")
+    position = view.position(step)
     values = field.values(step, view.size)
     exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
     values = values / 10.0 ** exponent
@@ -60,21 +37,21 @@ def shape_figure(view, step, field, triads=False):
     if triads:
         _draw_triads(view, space, step, position)
     style.equal_axes_3d(space, (position if shrunk else view.everything) / view.unit, ticks=4)
-    space.view_init(*(best_view(position / view.unit) if shrunk else view.camera))
+    space.view_init(*(view.camera_of(position / view.unit) if shrunk else view.camera))
     _name_axes_3d(space, view)
     _finish_plane(flat, view)
-    label = field.label + fields.times(exponent) + ("" if np.any(values) else ": zero everywhere")
+    label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
     canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
-    canvas.suptitle(f"{_short(view.run.scene_name)}: step {step.number}, load factor {step.load_factor:.6g}",
-                    y=0.985, fontsize=13)
-    canvas.text(0.5, 0.925, ("grey: undeformed, on the right only" if shrunk else "grey: undeformed") + marked + "; in the units of the scene", ha="center", va="top",
-                fontsize=11, color="#444444")
+    canvas.suptitle(view.title(step), y=0.985, fontsize=13)
+    caption = ["grey: undeformed, on the right only" if shrunk else "grey: undeformed", *marked, view.scale_words()]
+    canvas.text(0.5, 0.925, "\n".join(textwrap.wrap("; ".join(caption), CAPTION_WIDTH)), ha="center", va="top", fontsize=11,
+                color="#444444")
     return canvas
 
 
 def overview_figure(view, step):
     """The fields an engineer looks at first, side by side in the best plane; those that vanish are left out."""
-    position = step.field("position")
+    position = view.position(step)
     slopes = tangents(position, view.structure.starts)
     overview = fields.STRESS_OVERVIEW if step.has("von_mises_stress") else fields.OVERVIEW
     shown = [(field, field.values(step, view.size)) for field in (fields.FIELDS[name] for name in overview)]
@@ -96,16 +73,16 @@ def overview_figure(view, step):
         add_lines(axes, grey @ view.plane.T, width=max(0.35 * width, 0.4), zorder=1)
         pieces = add_lines(axes, lines @ view.plane.T, colors, fields.color_scale(field, values), width, zorder=3)
         _finish_plane(axes, view, shown_points)
-        axes.set_title(field.label + fields.times(exponent) + ("" if np.any(values) else ": zero everywhere"))
+        axes.set_title(view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere"))
         axes.label_outer()
         canvas.colorbar(pieces, ax=axes, shrink=0.8, pad=0.02, aspect=22)
-    canvas.suptitle(f"{_short(view.run.scene_name)}: step {step.number}, load factor {step.load_factor:.6g}", fontsize=13)
+    canvas.suptitle(view.title(step), fontsize=13)
     return canvas
 
 
 def strip_figure(view, steps, field):
     """Some steps of the path side by side, all in one scale and one colour scale."""
-    position = [step.field("position") for step in steps]
+    position = [view.position(step) for step in steps]
     values = [field.values(step, view.size) for step in steps]
     exponent = fields.power_of_ten(max(np.nanmax(np.abs(value), initial=0.0) for value in values))
     values = [value / 10.0 ** exponent for value in values]
@@ -131,7 +108,7 @@ def strip_figure(view, steps, field):
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
     canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * rows)
-    canvas.suptitle(f"{_short(view.run.scene_name)}: {field.label}{fields.times(exponent)}"
+    canvas.suptitle(f"{view.run.scene_name[:60]}: {view.field_label(field, exponent)}"
                     + ("" if any(np.any(value) for value in values) else ": zero everywhere"), fontsize=13)
     return canvas
 
@@ -143,30 +120,11 @@ def strip_steps(steps):
 
 
 def _draw_marks(view, panels, position, step, shrunk):
-    """Supports as squares and point forces as arrows; returns the words for the caption."""
-    marks = Marks(view.run, step.load_factor, view.structure.reference)
-    words = ""
-    size = 6 if len(marks.supports) < 20 else 3
+    """What acts, in both panels; returns the words for the caption."""
+    marks = Marks(view.run, step, view.structure.reference)
     for axes, projection in zip(panels, (np.eye(3), view.plane)):
-        flat = axes.name != "3d"
-        length = MARK_SHARE * (np.linalg.norm(np.ptp(position, axis=0)) if shrunk and not flat else view.size) / view.unit
-        points = position @ projection.T / view.unit
-        if marks.supports:
-            axes.plot(*points[marks.supports].T, "s", color=style.BLACK, markersize=size, zorder=5)
-        for sample, direction in marks.forces:
-            tail = points[sample]
-            arrow = length * projection @ direction
-            if flat and np.linalg.norm(arrow) < 0.2 * length:
-                axes.plot(*tail, "o", color=style.RED, markersize=7, markerfacecolor="none", zorder=5)
-            elif flat:
-                axes.annotate("", tail + arrow, tail, annotation_clip=False, zorder=5,
-                              arrowprops={"arrowstyle": "-|>", "color": style.RED, "linewidth": 1.6, "shrinkA": 0})
-            else:
-                axes.quiver(*tail, *arrow, color=style.RED, linewidth=1.6, arrow_length_ratio=0.3)
-    if marks.supports:
-        words += "; squares: supports"
-    if marks.forces:
-        words += "; arrows: directions of point forces"
+        size = np.linalg.norm(np.ptp(position, axis=0)) if shrunk and axes.name == "3d" else view.size
+        words = draw_marks(axes, marks, position @ projection.T / view.unit, projection, MARK_SHARE * size / view.unit)
     return words
 
 
@@ -182,7 +140,10 @@ def _draw_triads(view, axes, step, position):
 
 def _name_axes_3d(axes, view):
     for i, name in enumerate("xyz"):
-        getattr(axes, f"set_{name}label")(f"$x_{i + 1}$" + fields.times(view.exponent), labelpad=(9, 9, 2)[i])
+        if i not in view.look.shown_axes:
+            getattr(axes, f"set_{name}ticks")([])
+            continue
+        getattr(axes, f"set_{name}label")(f"${name}$" + fields.times(view.exponent, view.run.units[0]), labelpad=(9, 9, 2)[i])
 
 
 def _finish_plane(axes, view, points=None):
@@ -197,7 +158,3 @@ def _finish_plane(axes, view, points=None):
     axes.locator_params(axis="x", nbins=5)
     axes.locator_params(axis="y", nbins=5)
     axes.set(xlabel=view.axis_label(view.plane[0]), ylabel=view.axis_label(view.plane[1]))
-
-
-def _short(name, longest=60):
-    return name if len(name) <= longest else name[:longest - 3] + "..."

@@ -155,10 +155,10 @@ def _mostly_positive(direction):
 
 
 def axis_name(direction):
-    """"$x_1$" for a coordinate direction, its components otherwise."""
+    """"$x$", "$y$" or "$z$" for a coordinate direction, its components otherwise."""
     nearest = int(np.argmax(np.abs(direction)))
-    if abs(direction[nearest]) > 1 - 1e-9:
-        return f"$x_{nearest + 1}$"
+    if direction[nearest] > 1 - 1e-9:
+        return f"${'xyz'[nearest]}$"
     return "(" + ", ".join(f"{component:.2f}" for component in direction) + r")$\cdot\mathbf{x}$"
 
 

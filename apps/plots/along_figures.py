@@ -1,0 +1,89 @@
+"""Section forces and moments of members in a row, over one running length."""
+
+import numpy as np
+
+import fields
+import style
+from diagram_figures import limits, name_axis, name_extremes
+from results import InputError
+
+SAME_PLACE = 1e-6  # of the extent of the structure: ends this near to each other meet
+MOST_NAMES = 14    # of members that a picture can show
+NAME_SHARE = 0.1   # of the height of a panel, below the diagram
+
+
+def along_figure(view, step, patterns):
+    """Six panels over the running length of members that form a path; dashed: where one ends and the next begins."""
+    members = view.run.members_meant(patterns, "--along")
+    row = path_of(members, view.size)
+    places, samples, borders = running_length(row)
+    exponent = fields.power_of_ten(borders[-1])
+    places, borders = places / 10.0 ** exponent, borders / 10.0 ** exponent
+    canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
+    for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
+        axes = panels[i % 3, i // 3]
+        values = field.values(step, view.size)[samples]
+        power = fields.power_of_ten(np.abs(values).max(initial=0.0))
+        axes.plot(places, values / 10.0 ** power, color=style.BLUE, gid="diagram")
+        axes.fill_between(places, values / 10.0 ** power, color=(*style.rgb(style.BLUE), 0.18), linewidth=0)
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
+        for border in borders[1:-1]:
+            axes.axvline(border, color=style.GREY, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
+        name_axis(axes, view, name, power)
+        limits(axes, values / 10.0 ** power)
+        name_extremes(axes, places, values / 10.0 ** power)
+        if i % 3 == 2:
+            axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
+    if len(row) <= MOST_NAMES:
+        _name_members(panels[2], row, borders)
+    canvas.suptitle(f"{view.title(step)}: along {', '.join(patterns)[:60]}", fontsize=13)
+    return canvas
+
+
+def path_of(members, size):
+    """[(member, whether it runs against the path)]; InputError where the members do not form one path."""
+    ends = [(member.reference_position[0], member.reference_position[-1]) for member in members]
+
+    def meets(a, b):
+        return np.linalg.norm(a - b) <= SAME_PLACE * size
+
+    def touching(point, others):
+        return [j for j in others if meets(point, ends[j][0]) or meets(point, ends[j][1])]
+
+    every = range(len(members))
+    free = [(i, side) for i in every for side in (0, 1) if not touching(ends[i][side], [j for j in every if j != i])]
+    first, side = min(free, default=(0, 0))  # a ring begins with its first member
+    left, row, here = [i for i in every if i != first], [(members[first], side == 1)], ends[first][1 - side]
+    while left:
+        following = touching(here, left)
+        if len(following) != 1:
+            what = "is followed by none of the others" if not following else "is followed by several: " + ", ".join(
+                members[j].name for j in following)
+            raise InputError(f"--along: the members form no path: \"{row[-1][0].name}\" {what}")
+        nearest = following[0]
+        against = meets(here, ends[nearest][1]) and not meets(here, ends[nearest][0])
+        row.append((members[nearest], against))
+        here = ends[nearest][0 if against else 1]
+        left.remove(nearest)
+    return row
+
+
+def running_length(row):
+    """(places along the path, numbers of the samples there, places where members begin and end)."""
+    places, samples, borders = [], [], [0.0]
+    for member, against in row:
+        s, numbers = member.arc_length, np.arange(member.samples.start, member.samples.stop)
+        places.append(borders[-1] + (s[-1] - s[::-1] if against else s))
+        samples.append(numbers[::-1] if against else numbers)
+        borders.append(borders[-1] + s[-1])
+    return np.concatenate(places), np.concatenate(samples), np.array(borders)
+
+
+def _name_members(panels, row, borders):
+    for axes in panels:
+        low, high = axes.get_ylim()
+        axes.set_ylim(low - NAME_SHARE * (high - low), high)
+        for (member, against), begin, end in zip(row, borders[:-1], borders[1:]):
+            name = member.name if len(member.name) <= 14 else member.name[:11] + "..."
+            axes.annotate(name + (" (from its end)" if against else ""), ((begin + end) / 2, 0.02), fontsize=8.5,
+                          xycoords=("data", "axes fraction"), ha="center", color="#666666", gid="member")

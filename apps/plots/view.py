@@ -1,0 +1,96 @@
+"""How a structure is looked at: from where, how much of its displacements, which unit of length. Shared by all pictures of a run."""
+
+import numpy as np
+
+import fields
+from results import InputError
+from structure import Structure, axis_name, best_plane, best_view
+
+SHRUNK = 0.3  # below this share of its undeformed extent a structure gets the picture in space for itself
+PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+CAMERAS = {"xy": (90.0, -90.0), "xz": (0.0, -90.0), "yz": (0.0, 0.0)}  # elevation, azimuth [degrees]
+ISO = (35.264, -45.0)  # all three axes equally short
+SIDES = ("tension", "compression", "left")
+
+
+class Look:
+    """What the user wants: `view` as --view, `scale` of displacements, `moments`: the side on which they stand."""
+
+    def __init__(self, view=None, scale=1.0, moments="tension"):
+        self.scale, self.moments = scale, moments
+        self.camera, self.plane, self.from_camera = None, None, False
+        self.shown_axes = PLANES.get(view, (0, 1, 2))  # the third one points at the reader
+        if view in PLANES:
+            self.camera, self.plane = CAMERAS[view], np.eye(3)[list(PLANES[view])]
+        elif view is not None:
+            self.camera, self.from_camera = ISO if view == "iso" else _camera(view), True
+            self.plane = _plane_of(self.camera)
+
+
+def _camera(text):
+    """Elevation and azimuth from "azimuth/elevation"."""
+    try:
+        azimuth, elevation = (float(word) for word in text.split("/"))
+    except ValueError:
+        azimuth, elevation = np.nan, np.nan
+    if not (np.isfinite(azimuth) and abs(elevation) <= 90.0):
+        raise InputError(f"--view {text}: allowed are xy, xz, yz, iso, or azimuth/elevation in degrees, as -60/25 "
+                         "(elevation from -90 to 90)")
+    return elevation, azimuth
+
+
+def _plane_of(camera):
+    """Directions to the right and upwards in the picture."""
+    elevation, azimuth = np.radians(camera)
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
+    toward = np.array([np.cos(elevation) * np.cos(azimuth), np.cos(elevation) * np.sin(azimuth), np.sin(elevation)])
+    return np.array([right, np.cross(toward, right)])
+
+
+class View:
+    """Structure, plane, camera, unit of length and scale of displacements, found once for a run."""
+
+    def __init__(self, run, steps, look=None):
+        self.run, self.structure, self.look = run, Structure(run), look or Look()
+        self.everything = np.vstack([self.structure.reference] + [self.position(step) for step in steps])
+        self.exponent = fields.power_of_ten(np.abs(self.everything).max())
+        self.unit = 10.0 ** self.exponent
+        chosen = self.look.plane is not None
+        self.plane = self.look.plane if chosen else best_plane(self.everything / self.unit)
+        self.camera = self.look.camera if chosen else best_view(self.everything / self.unit)
+        self.size = self.structure.size
+
+    def position(self, of):
+        """Of all samples at a step or critical point, displacements scaled as the user wants."""
+        if self.look.scale == 1.0:
+            return of.field("position")
+        return self.structure.reference + self.look.scale * of.field("displacement")
+
+    def camera_of(self, points):
+        """For a picture of these points alone."""
+        return self.look.camera or best_view(points)
+
+    def lines(self, points, values=None, slopes=None):
+        lines, colors = self.structure.pieces(points, values, slopes)
+        return lines / self.unit, colors
+
+    def has_shrunk(self, position):
+        return np.ptp(position, axis=0).max() < SHRUNK * np.ptp(self.structure.reference, axis=0).max()
+
+    def axis_label(self, direction):
+        if self.look.from_camera:
+            return ""
+        return axis_name(direction) + fields.times(self.exponent, self.run.units[0])
+
+    def field_label(self, field, exponent=0):
+        return field.label + fields.times(exponent, field.unit(self.run.units))
+
+    def title(self, step):
+        return f"{self.run.scene_name[:60]}: step {step.number}, load factor {step.load_factor:.6g}"
+
+    def scale_words(self):
+        """What the picture says of its displacements and units."""
+        scale = self.look.scale
+        shown = "displacements to scale" if scale == 1.0 else f"displacements times {scale:.6g}"
+        length, force = self.run.units
+        return shown + (f"; lengths in {length}, forces in {force}" if length else "; in the units of the scene")

@@ -1,0 +1,287 @@
+#!/usr/bin/python3
+"""Options of `mixbeam plot`, by what is drawn and not by pixels: artists of figures carry names (gid).
+
+usage: plots_test.py MIXBEAM     runs small scenes, and looks at the figures that apps/plots makes of their results
+"""
+
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = sys.argv.pop(1)
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "plots"))
+
+import matplotlib  # noqa: E402
+
+matplotlib.use("Agg")
+
+import numpy as np  # noqa: E402
+
+import along_figures  # noqa: E402
+import diagram_figures  # noqa: E402
+import fields  # noqa: E402
+import shape_figures  # noqa: E402
+from results import InputError, Run  # noqa: E402
+from scene_marks import Marks, kind_of_support  # noqa: E402
+from view import Look, View  # noqa: E402
+
+NUMBERS, WORDS = "Array(double)", "Array(string)"
+ROUNDING = 1e-9
+
+
+def entry(name, kind, value):
+    return f'<Parameter name="{name}" type="{kind}" value="{value}"/>'
+
+
+def listed(name, *content):
+    return f'<ParameterList name="{name}">{"".join(content)}</ParameterList>'
+
+
+def member(name, start, end, *more):
+    return listed(name, entry("Start", "string", start), entry("End", "string", end), entry("Section", "string", "s"),
+                  entry("Elements", "int", "4"), *more)
+
+
+def scene(*content, points=()):
+    section = listed("s", entry("EA", "double", "1e4"), entry("Shear Rigid", "bool", "true"),
+                     *(entry(name, "double", "1") for name in ("GIt", "EI2", "EI3")))
+    places = listed("Points", *(entry(name, NUMBERS, "{%g, %g, %g}" % place) for name, place in points))
+    return listed("portal", listed("Scene", entry("Units", "string", "m, kN"), listed("Sections", section), places, *content))
+
+
+def support(name, point, displacement="{x, y, z}", rotation="{x, y, z}", *more):
+    return listed(name, entry("Point", "string", point), entry("Fixed Displacement", WORDS, displacement),
+                  entry("Fixed Rotation", WORDS, rotation), *more)
+
+
+def portal():
+    """Two posts and a deck of two members in the x-z plane; hinge, roller with a spring, line load, force and moment."""
+    return scene(
+        listed("Members", member("left", "a", "b"), member("deck 1", "b", "c"), member("deck 2", "d", "c"), member("right", "d", "e")),
+        listed("Supports", support("hinge", "a", rotation="{x, z}"),
+               support("roller", "e", "{y, z}", "{x, z}", entry("Displacement Stiffness", NUMBERS, "{50, 0, 0}"))),
+        listed("Point Loads", listed("push", entry("Point", "string", "b"), entry("Force", NUMBERS, "{0.05, 0, 0}")),
+               listed("turn", entry("Point", "string", "d"), entry("Moment", NUMBERS, "{0, 0.01, 0}"))),
+        listed("Distributed Loads", listed("snow", entry("Member", "string", "deck *"), entry("Force", NUMBERS, "{0, 0, -0.1}"))),
+        points=(("a", (0, 0, 0)), ("b", (0, 0, 1)), ("c", (1, 0, 1)), ("d", (2, 0, 1)), ("e", (2, 0, 0))))
+
+
+def wheel():
+    """A spoke with its support, 12 times by a pattern."""
+    return scene(
+        listed("Members", member("spoke", "hub", "rim")),
+        listed("Supports", support("rim", "rim*")),
+        listed("Point Loads", listed("pull", entry("Point", "string", "hub"), entry("Force", NUMBERS, "{0, 0, 0.01}"))),
+        listed("Patterns", listed("turn", entry("Kind", "string", "rotate"), entry("Center", NUMBERS, "{0, 0, 0}"),
+                                  entry("Axis", NUMBERS, "{0, 0, 1}"), entry("Count", "int", "12"))),
+        points=(("hub", (0, 0, 0)), ("rim", (1, 0, 0))))
+
+
+def cantilever(force, follower=False):
+    frame = (entry("Frame", "string", "follower"), entry("Member", "string", "m")) if follower else ()
+    return scene(listed("Members", member("m", "a", "b", entry("Order", "int", "3"))), listed("Supports", support("clamp", "a")),
+                 listed("Point Loads", listed("f", entry("Point", "string", "b"), entry("Force", NUMBERS, force), *frame)),
+                 points=(("a", (0, 0, 0)), ("b", (1, 0, 0))))
+
+
+def named(figure, gid):
+    """All artists of a name."""
+    return figure.findobj(lambda artist: artist.get_gid() == gid)
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.findobj(matplotlib.text.Text) if text.get_text()]
+
+
+class Plots(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.folder.cleanup)
+        for name, text in (("portal", portal()), ("wheel", wheel()), ("down", cantilever("{0, -1, 0}")),
+                           ("follower", cantilever("{0, -3, 0}", follower=True))):
+            file = Path(cls.folder.name) / f"{name}.xml"
+            file.write_text(text)
+            ended = subprocess.run([PROGRAM, "run", file.name, "--output", ".", "--quiet"], cwd=cls.folder.name,
+                                   capture_output=True, text=True, check=False)
+            assert ended.returncode == 0, ended.stderr
+
+    def tearDown(self):
+        matplotlib.pyplot.close("all")
+
+    def run_of(self, name, members=None):
+        run = Run(Path(self.folder.name) / f"{name}.h5", members=members)
+        self.addCleanup(run.__exit__)
+        return run
+
+    def view(self, name, members=None, **look):
+        run = self.run_of(name, members)
+        return View(run, run.steps[-1:], Look(**look)), run.steps[-1]
+
+    def marks(self, name, step=-1):
+        run = self.run_of(name)
+        return Marks(run, run.steps[step], run.reference())
+
+    def shape(self, view, step):
+        return shape_figures.shape_figure(view, step, fields.FIELDS["bending"])
+
+    # what acts
+
+    def test_supports_of_patterns_are_drawn(self):
+        marks = self.marks("wheel")
+        self.assertEqual(len({sample for sample, _ in marks.supports}), 12)
+        view, step = self.view("wheel")
+        for squares in named(self.shape(view, step), "supports"):
+            self.assertEqual(len(squares.get_data_3d()[0] if hasattr(squares, "get_data_3d") else squares.get_xdata()), 12)
+
+    def test_kinds_of_supports(self):
+        free = np.zeros(6)
+        for fixed, kind in (((1, 1, 1, 1, 1, 1), "clamp"), ((1, 1, 1, 0, 0, 0), "hinge"), ((1, 1, 1, 1, 0, 1), "hinge"),
+                            ((0, 1, 1, 1, 0, 1), "roller"), ((0, 1, 1, 1, 1, 1), "guide"), ((0, 0, 0, 0, 0, 0), "spring")):
+            self.assertEqual(kind_of_support(np.array(fixed), free), kind)
+        view, step = self.view("portal")
+        figure = self.shape(view, step)
+        for kind in ("hinge", "roller", "spring"):
+            self.assertEqual(len(named(figure, f"support {kind}")), 2, kind)  # in space and in the plane
+        self.assertEqual(named(figure, "support clamp"), [])
+
+    def test_loads_are_drawn_where_they_act(self):
+        run, marks = self.run_of("portal"), self.marks("portal")
+        reference = run.reference()
+        (sample, direction), = marks.forces
+        np.testing.assert_allclose(reference[sample], (0, 0, 1), atol=ROUNDING)
+        np.testing.assert_allclose(direction, (1, 0, 0), atol=ROUNDING)
+        (sample, axis), = marks.moments
+        np.testing.assert_allclose(reference[sample], (2, 0, 1), atol=ROUNDING)
+        np.testing.assert_allclose(axis, (0, 1, 0), atol=ROUNDING)
+        self.assertEqual(len(marks.line_loads), 2)
+        for samples, forces in marks.line_loads:
+            np.testing.assert_allclose(reference[samples][:, 2], 1.0, atol=ROUNDING)
+            np.testing.assert_allclose(forces, [(0, 0, -0.1)] * len(samples), atol=ROUNDING)
+        view, step = self.view("portal")
+        figure = self.shape(view, step)
+        self.assertEqual(len(named(figure, "line load")), 4)  # two members in two panels
+        self.assertTrue(named(figure, "force") and named(figure, "moment"))
+
+    def test_follower_loads_turn_with_their_member(self):
+        run, marks = self.run_of("follower"), self.marks("follower")
+        (sample, direction), = marks.forces
+        across = run.steps[-1].field("triad_2")[sample]
+        np.testing.assert_allclose(direction, -across, atol=ROUNDING)
+        self.assertGreater(abs(direction[0]), 0.1)  # the twin: a dead load would still point along y
+
+    def test_nothing_acts_before_its_stage(self):
+        self.assertEqual(self.marks("portal", step=0).forces, [])
+
+    # options
+
+    def test_view(self):
+        for name, plane in (("xy", (0, 1)), ("xz", (0, 2)), ("yz", (1, 2))):
+            view, _ = self.view("portal", view=name)
+            np.testing.assert_array_equal(view.plane, np.eye(3)[list(plane)])
+            self.assertEqual(view.axis_label(view.plane[0])[:3], f"${'xyz'[plane[0]]}$")
+        view, _ = self.view("portal", view="-60/25")
+        self.assertEqual(view.camera, (25.0, -60.0))
+        np.testing.assert_allclose(view.plane @ view.plane.T, np.eye(2), atol=ROUNDING)
+        for wrong in ("front", "1/2/3", "0/91", "nan/0"):
+            with self.assertRaisesRegex(InputError, "--view"):
+                self.view("portal", view=wrong)
+
+    def test_iso_shows_all_axes_equally_short(self):
+        view, _ = self.view("portal", view="iso")
+        np.testing.assert_allclose(np.linalg.norm(view.plane, axis=0), np.sqrt(2 / 3), atol=1e-4)
+
+    def test_axes_have_names_and_units(self):
+        view, step = self.view("portal", view="xz")
+        figure = self.shape(view, step)
+        self.assertIn("$x$  [m]", texts(figure))
+        self.assertIn("$z$  [m]", texts(figure))
+        labels = texts(diagram_figures.over_arc_length_figure(view, step))
+        self.assertTrue(any(label.startswith("$N$") and "kN" in label for label in labels), labels)
+        self.assertTrue(any(label.startswith("$M_3$") and "kN m" in label for label in labels), labels)
+
+    def test_scale(self):
+        view, step = self.view("down", scale=10.0)
+        np.testing.assert_allclose(view.position(step) - view.structure.reference, 10.0 * step.field("displacement"))
+        self.assertTrue(any("displacements times 10" in text for text in texts(self.shape(view, step))))
+        view, step = self.view("down")
+        np.testing.assert_array_equal(view.position(step), step.field("position"))
+        self.assertTrue(any("displacements to scale" in text for text in texts(self.shape(view, step))))
+
+    def test_members(self):
+        view, step = self.view("portal", members=["deck *"])
+        self.assertEqual([member.name for member in view.run.members], ["deck 1", "deck 2"])
+        np.testing.assert_allclose(view.structure.reference[:, 2], 1.0, atol=ROUNDING)
+        whole = self.run_of("portal")
+        for of_part, of_whole in zip(view.run.members, whole.members[1:3]):
+            np.testing.assert_array_equal(step.field("position", of_part), whole.steps[-1].field("position", of_whole))
+        marks = Marks(view.run, step, view.structure.reference)
+        self.assertEqual((len(marks.supports), len(marks.forces), len(marks.line_loads)), (0, 1, 2))
+        with self.assertRaisesRegex(InputError, "--members dek.*deck 1"):
+            self.run_of("portal", members=["dek"])
+
+    def test_moments_stand_on_the_side_in_tension(self):
+        """A cantilever along x under a force down is stretched above."""
+        for side, sign in (("tension", 1), ("compression", -1)):
+            view, step = self.view("down", view="xy", moments=side)
+            figure = diagram_figures.on_structure_figure(view, step)
+            panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
+            areas = [path.vertices for areas in panel.findobj(lambda a: a.get_gid() in ("positive", "negative"))
+                     for path in areas.get_paths()]
+            tips = np.vstack(areas)
+            near = tips[np.abs(tips[:, 0]) < 0.2]
+            highest = near[np.argmax(np.abs(near[:, 1])), 1]
+            self.assertGreater(sign * highest, 0.01, side)
+
+    def test_values_stand_at_the_extremes(self):
+        view, step = self.view("down", view="xy")
+        figure = diagram_figures.on_structure_figure(view, step)
+        panel = next(axes for axes in figure.axes if "M_3" in axes.get_title())
+        largest = step.field("material_moment")[:, 2]
+        largest = largest[np.argmax(np.abs(largest))]
+        value, = [text for text in panel.texts if text.get_gid() == "value"]
+        self.assertEqual(value.get_text(), f"{largest:.4g}")
+        self.assertLess(abs(value.xy[0]), 0.05)  # at the clamp
+
+    def test_along(self):
+        view, step = self.view("portal")
+        figure = along_figures.along_figure(view, step, ["deck *"])
+        line = next(axes for axes in figure.axes if "$N$" in axes.get_ylabel()).findobj(lambda a: a.get_gid() == "diagram")[0]
+        places, values = line.get_data()
+        self.assertAlmostEqual(places[-1], 2.0)
+        self.assertTrue(np.all(np.diff(places) >= 0.0))
+        first, second = view.run.members[1:3]
+        np.testing.assert_array_equal(values[:len(first.arc_length)], step.field("material_force", first)[:, 0])
+        np.testing.assert_array_equal(values[len(first.arc_length):], step.field("material_force", second)[::-1, 0])
+        names = {text.get_text() for text in named(figure, "member")}
+        self.assertEqual(names, {"deck 1", "deck 2 (from its end)"})
+        whole, _, borders = along_figures.running_length(along_figures.path_of(view.run.members, view.size))
+        np.testing.assert_allclose(borders, (0, 1, 2, 3, 4))
+        with self.assertRaisesRegex(InputError, "no path.*left"):
+            along_figures.along_figure(view, step, ["left", "right"])
+        wheel_view, wheel_step = self.view("wheel")
+        with self.assertRaisesRegex(InputError, "no path"):
+            along_figures.along_figure(wheel_view, wheel_step, ["*"])
+
+    def test_command_line(self):
+        def plot(*options):
+            return subprocess.run([PROGRAM, "plot", "portal.h5", "--format", "svg", *options], cwd=self.folder.name,
+                                  capture_output=True, text=True, check=False)
+
+        ended = plot("--view", "-60/25", "--scale", "3", "--members", "deck *", "left", "--moments", "left", "--picture",
+                     "shape", "diagrams")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        ended = plot("--along", "deck *")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertIn("portal_along.svg", ended.stdout)
+        for options, word in ((("--scale", "-1"), "--scale"), (("--picture", "along"), "--along"), (("--view", "top"), "--view"),
+                              (("--moments", "up"), "--moments"), (("--along", "dek"), "deck 1")):
+            ended = plot(*options)
+            self.assertEqual(ended.returncode, 2, ended.stdout)
+            self.assertIn(word, ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
