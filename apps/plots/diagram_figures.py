@@ -1,5 +1,7 @@
 """Section forces and moments: over the arc length of each member, and drawn on the structure as engineers do."""
 
+import textwrap
+
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
@@ -9,6 +11,7 @@ from structure import RASTER_PIECES, add_lines, line_width, tangents
 
 NAMED_MEMBERS = 8       # lines that a legend can still tell apart
 LEGEND_COLUMNS = 5
+LETTERS_PER_INCH = 12  # of a title
 HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the structure
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
@@ -130,8 +133,10 @@ def on_structure_figure(view, step):
         unit = fields.SECTION_FORCES[name].unit(view.run.units)
         axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]) + f" {unit}".rstrip(), fontsize=11.5)
     moments = "moments too" if view.look.moments == "left" else f"moments on the {view.look.moments} side"
-    canvas.suptitle(f"{view.title(step)}\nblue: positive, orange: negative; positive forces stand left of the direction of "
-                    f"$s$, {moments}; {view.scale_words()}", fontsize=12)
+    caption = (f"blue: positive, orange: negative; positive forces stand left of the direction of $s$, {moments}; "
+               f"{view.scale_words()}")
+    caption = "\n".join(textwrap.wrap(caption, int(LETTERS_PER_INCH * canvas.get_size_inches()[0])))
+    canvas.suptitle(f"{view.title(step)}\n{caption}", fontsize=12)
     return canvas
 
 

@@ -309,8 +309,8 @@ class Run:
 
 
 def _column_of(dataset):
-    """Numbers, or the lines of a text."""
-    return dataset[:] if dataset.shape else _text(dataset[()]).split("\n")
+    """Numbers, or the lines of a text, each of which ends in a new line."""
+    return dataset[:] if dataset.shape else _text(dataset[()]).split("\n")[:-1]
 
 
 def _text(value):

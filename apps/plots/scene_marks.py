@@ -37,25 +37,33 @@ def kind_of_support(fixed, stiffness):
 class Marks:
     """What acts at a step, by numbers of samples; vectors are spatial.
 
-    supports [(sample, kind)]; joints [(sample, kind)]; forces and moments [(sample, direction of length 1)];
-    line_loads [(samples, forces per length (places, 3))].
+    supports [(sample, kind)]; joints [(sample, kind)]; forces, moments, and prescribed shifts and turns
+    [(sample, direction of length 1)]; line_loads [(samples, forces per length (places, 3))]; strained: members with an
+    eigenstrain.
     """
 
     def __init__(self, run, step, reference):
         self._run, self._step, self._reference = run, step, reference
         self._near = SAME_PLACE * (np.ptp(reference, axis=0).max() or 1.0)
         self.supports, self.joints, self.forces, self.moments, self.line_loads = [], [], [], [], []
+        self.shifts, self.turns, self.strained = [], [], []
         acting = run.acting()
         self._add_supports(acting.get("supports", {}))
         self._add_joints(acting.get("joints", {}))
         self._add_point_loads(acting.get("point_loads", {}))
         self._add_line_loads(acting.get("line_loads", {}))
+        self._add_eigenstrains(acting.get("eigenstrains", {}))
 
     def _add_supports(self, table):
         for place, fixed, stiffness in _rows(table, "place", "position", "fixed", "stiffness"):
             self._keep(self.supports, place, kind_of_support(fixed, stiffness))
             if np.any(stiffness > 0) and np.any(fixed):
                 self._keep(self.supports, place, "spring")
+        for place, axes, prescribed, begins in _rows(table, "place", "position", "axes", "prescribed", "begins"):
+            if self._has_begun(begins):
+                for own, marks in ((prescribed[:3], self.shifts), (prescribed[3:], self.turns)):
+                    if np.any(own):
+                        self._keep(marks, place, own @ axes.reshape(3, 3) / np.linalg.norm(own))
 
     def _add_joints(self, table):
         for number, (place,) in enumerate(_rows(table, "place", "position")):
@@ -76,13 +84,19 @@ class Marks:
             if samples is not None and np.any(force) and self._has_begun(begins):
                 self.line_loads.append((samples, self._turned(force.reshape(-1, 3), follows, samples)))
 
+    def _add_eigenstrains(self, table):
+        for number, begins in zip(table.get("member", []), table.get("begins", [])):
+            member = self._run.member_of_index(int(number))
+            if member is not None and self._has_begun(begins):
+                self.strained.append(member)
+
     def _has_begun(self, begins):
         return not np.isfinite(begins) or begins < self._step.load_factor
 
-    def _keep(self, marks, place, kind):
+    def _keep(self, marks, place, what):
         sample = self._sample(*place)
         if sample is not None:
-            marks.append((sample, kind))
+            marks.append((sample, what))
 
     def _sample(self, place, position):
         """Of a place (member, arc length); of its position where that member is not shown."""
@@ -127,14 +141,21 @@ def draw_marks(axes, marks, points, projection, length):
         axes.plot(*points[samples].T, JOINT_SIGNS[kind], color=style.BLACK, markerfacecolor="white", markersize=6,
                   zorder=6, gid=f"joint {kind}")
         words.append(f"white: {kind}s" if kind != "ball" else "white: ball joints")
-    for sample, direction in marks.forces:
-        _arrow(axes, flat, points[sample], length * projection @ direction, length, style.RED, "force")
-    for sample, direction in marks.moments:
-        _turn(axes, flat, points[sample], direction, projection, length)
+    for arrows, turns, colors, gids in ((marks.forces, marks.moments, (style.RED, style.PURPLE), ("force", "moment")),
+                                        (marks.shifts, marks.turns, (style.GREEN, style.GREEN), ("shift", "turn"))):
+        for sample, direction in arrows:
+            _arrow(axes, flat, points[sample], length * projection @ direction, length, colors[0], gids[0])
+        for sample, direction in turns:
+            _turn(axes, flat, points[sample], direction, projection, length, colors[1], gids[1])
+    for member in marks.strained:
+        axes.plot(*points[member.samples].T, color=style.ORANGE, linewidth=8, alpha=0.35, zorder=1, solid_capstyle="butt",
+                  gid="eigenstrain")
     _draw_line_loads(axes, flat, marks.line_loads, points, projection, length * LINE_SHARE / MARK_SHARE)
     words += ["arrows: directions of point forces"] if marks.forces else []
     words += ["purple: moments"] if marks.moments else []
     words += ["combs: line loads"] if marks.line_loads else []
+    words += ["green: prescribed motions"] if marks.shifts or marks.turns else []
+    words += ["broad: members with eigenstrains"] if marks.strained else []
     return words
 
 
@@ -162,14 +183,14 @@ def _arrow(axes, flat, tail, arrow, length, color, gid, width=1.6):
                       arrowprops={"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0})
 
 
-def _turn(axes, flat, point, direction, projection, length):
-    """A moment: an arrow along its axis, a turning arrow where that points at the reader."""
+def _turn(axes, flat, point, direction, projection, length, color, gid):
+    """A moment or rotation: an arrow along its axis, a turning arrow where that points at the reader."""
     arrow = length * projection @ direction
     if not flat or np.linalg.norm(arrow) >= FACING * length:
-        return _arrow(axes, flat, point, arrow, length, style.PURPLE, "moment")
+        return _arrow(axes, flat, point, arrow, length, color, gid)
     toward = np.cross(projection[0], projection[1]) @ direction > 0
-    axes.annotate("\u21ba" if toward else "\u21bb", point, color=style.PURPLE, fontsize=24, ha="center", va="center",
-                  annotation_clip=False, zorder=6, gid="moment")
+    axes.annotate("\u21ba" if toward else "\u21bb", point, color=color, fontsize=24, ha="center", va="center",
+                  annotation_clip=False, zorder=6, gid=gid)
 
 
 def _draw_line_loads(axes, flat, line_loads, points, projection, length):

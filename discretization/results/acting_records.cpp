@@ -1,130 +1,109 @@
 #include "discretization/results/records.hpp"
 
+#include <array>
 #include <limits>
+#include <map>
 
 namespace mixbeam {
 
 namespace {
 
-/// Columns of a table, filled row by row.
-using Numbers = std::vector<double>;
-using Lines = std::vector<std::string>;
+/// A table by its columns, filled row by row: numbers, or lines of a text.
+class ActingTable {
+ public:
+  void add(const std::string& column, double number) { append(column, std::array<double, 1>{number}); }
+  void add(const std::string& column, const std::string& line) { lines_[column] += line + "\n"; }
+  void add(const std::string& column, const Vector3& v) { append(column, v); }
+  void add(const std::string& column, const std::array<bool, 3>& held) { append(column, held); }
+  void add(const std::string& column, const std::vector<Vector3>& values) {
+    for (const Vector3& v : values) append(column, v);
+  }
+  void add(const PlaceOnMember& at) {
+    append("place", std::array<double, 2>{static_cast<double>(at.member), at.arc_length});
+    append("position", at.position);
+  }
+  /// What has a stage or an amplitude: the load factor at which it begins to act; NaN where a formula says it.
+  template <class Load>
+  void add_beginning(const Load& load) {
+    add("begins", load.amplitude.empty() ? load.stage - 1.0 : std::numeric_limits<double>::quiet_NaN());
+  }
+  void write(hid_t parent, const std::string& name, std::size_t rows) const {
+    if (rows == 0) return;
+    const auto group = hdf5::create_group(parent, name);
+    for (const auto& [column, text] : lines_) hdf5::write_text(group, column, text);
+    for (const auto& [column, values] : numbers_) hdf5::write_dataset(group, column, values, values.size() / rows);
+  }
 
-void add_vector(Numbers& numbers, const Vector3& v) { numbers.insert(numbers.end(), v.begin(), v.end()); }
+ private:
+  template <class Values>
+  void append(const std::string& column, const Values& values) {
+    std::vector<double>& held = numbers_[column];
+    held.insert(held.end(), values.begin(), values.end());
+  }
 
-std::string joined_lines(const Lines& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += (&line == &lines.front() ? "" : "\n") + line;
-  return text;
+  std::map<std::string, std::vector<double>> numbers_;
+  std::map<std::string, std::string> lines_;
+};
+
+/// A table of this name with a row for each item, which `fill(table, item)` adds.
+template <class Item, class Fill>
+void write_table(hid_t acting, const std::string& name, const std::vector<Item>& items, const Fill& fill) {
+  ActingTable table;
+  for (const Item& item : items) fill(table, item);
+  table.write(acting, name, items.size());
 }
 
-const char* word_of(JointKind kind) {
+std::string word_of(JointKind kind) {
   return kind == JointKind::hinge ? "hinge" : kind == JointKind::ball ? "ball" : "slider";
 }
 
-/// Load factor at which it begins to act; NaN where a formula says how it grows.
-template <class Load>
-double beginning_of(const Load& load) {
-  return load.amplitude.empty() ? load.stage - 1.0 : std::numeric_limits<double>::quiet_NaN();
+void add_support(ActingTable& table, const PlacedItem<Support>& placed) {
+  const Support& support = placed.item;
+  table.add(placed.place);
+  table.add("point", support.point);
+  for (const Vector3& axis : support.axes) table.add("axes", axis);
+  table.add("fixed", support.displacement_fixed);
+  table.add("fixed", support.rotation_fixed);
+  table.add("stiffness", support.displacement_stiffness);
+  table.add("stiffness", support.rotation_stiffness);
+  table.add("prescribed", support.prescribed_displacement);
+  table.add("prescribed", support.prescribed_rotation);
+  table.add_beginning(support);
 }
 
-struct PlaceColumns {
-  Numbers place, position;
-  void add(const PlaceOnMember& at) {
-    place.insert(place.end(), {static_cast<double>(at.member), at.arc_length});
-    add_vector(position, at.position);
-  }
-  void write(hid_t group) const {
-    hdf5::write_dataset(group, "place", place, 2);
-    hdf5::write_dataset(group, "position", position, 3);
-  }
-};
-
-void write_acting_supports(hid_t acting, const std::vector<PlacedItem<Support>>& supports) {
-  if (supports.empty()) return;
-  PlaceColumns places;
-  Numbers axes, fixed, stiffness, prescribed;
-  Lines points;
-  for (const auto& [support, place] : supports) {
-    places.add(place);
-    points.push_back(support.point);
-    for (const Vector3& axis : support.axes) add_vector(axes, axis);
-    for (const auto* held : {&support.displacement_fixed, &support.rotation_fixed})
-      fixed.insert(fixed.end(), held->begin(), held->end());
-    add_vector(stiffness, support.displacement_stiffness);
-    add_vector(stiffness, support.rotation_stiffness);
-    add_vector(prescribed, support.prescribed_displacement);
-    add_vector(prescribed, support.prescribed_rotation);
-  }
-  const auto group = hdf5::create_group(acting, "supports");
-  places.write(group);
-  hdf5::write_text(group, "point", joined_lines(points));
-  hdf5::write_dataset(group, "axes", axes, 9);
-  hdf5::write_dataset(group, "fixed", fixed, 6);
-  hdf5::write_dataset(group, "stiffness", stiffness, 6);
-  hdf5::write_dataset(group, "prescribed", prescribed, 6);
+void add_joint(ActingTable& table, const PlacedItem<Joint>& placed) {
+  const Joint& joint = placed.item;
+  table.add(placed.place);
+  table.add("name", joint.name);
+  table.add("point", joint.point);
+  table.add("kind", word_of(joint.kind));
+  table.add("axis", joint.axis);
+  table.add("stiffness", joint.stiffness);
 }
 
-void write_joints(hid_t acting, const std::vector<PlacedItem<Joint>>& joints) {
-  if (joints.empty()) return;
-  PlaceColumns places;
-  Numbers axes, stiffness;
-  Lines names, points, kinds;
-  for (const auto& [joint, place] : joints) {
-    places.add(place);
-    names.push_back(joint.name);
-    points.push_back(joint.point);
-    kinds.emplace_back(word_of(joint.kind));
-    add_vector(axes, joint.axis);
-    stiffness.push_back(joint.stiffness);
-  }
-  const auto group = hdf5::create_group(acting, "joints");
-  places.write(group);
-  hdf5::write_text(group, "name", joined_lines(names));
-  hdf5::write_text(group, "point", joined_lines(points));
-  hdf5::write_text(group, "kind", joined_lines(kinds));
-  hdf5::write_dataset(group, "axis", axes, 3);
-  hdf5::write_dataset(group, "stiffness", stiffness, 1);
+void add_point_load(ActingTable& table, const PlacedItem<PointLoad>& placed) {
+  const PointLoad& load = placed.item;
+  table.add(placed.place);
+  table.add("point", load.point);
+  table.add("force", load.force);
+  table.add("moment", load.moment);
+  table.add("follower", load.frame == LoadFrame::follower ? 1.0 : 0.0);
+  table.add_beginning(load);
 }
 
-void write_point_loads(hid_t acting, const std::vector<PlacedItem<PointLoad>>& loads) {
-  if (loads.empty()) return;
-  PlaceColumns places;
-  Numbers force, moment, follower, begins;
-  Lines points;
-  for (const auto& [load, place] : loads) {
-    places.add(place);
-    points.push_back(load.point);
-    add_vector(force, load.force);
-    add_vector(moment, load.moment);
-    follower.push_back(load.frame == LoadFrame::follower);
-    begins.push_back(beginning_of(load));
-  }
-  const auto group = hdf5::create_group(acting, "point_loads");
-  places.write(group);
-  hdf5::write_text(group, "point", joined_lines(points));
-  hdf5::write_dataset(group, "force", force, 3);
-  hdf5::write_dataset(group, "moment", moment, 3);
-  hdf5::write_dataset(group, "follower", follower, 1);
-  hdf5::write_dataset(group, "begins", begins, 1);
+void add_line_load(ActingTable& table, const SampledLineLoad& sampled) {
+  table.add("member", static_cast<double>(sampled.member));
+  table.add("force", sampled.force);
+  table.add("couple", sampled.couple);
+  table.add("follower", sampled.load.frame == LoadFrame::follower ? 1.0 : 0.0);
+  table.add_beginning(sampled.load);
 }
 
-void write_line_loads(hid_t acting, const std::vector<SampledLineLoad>& loads) {
-  if (loads.empty()) return;
-  Numbers member, force, couple, follower, begins;
-  for (const SampledLineLoad& load : loads) {
-    member.push_back(load.member);
-    for (const Vector3& value : load.force) add_vector(force, value);
-    for (const Vector3& value : load.couple) add_vector(couple, value);
-    follower.push_back(load.load.frame == LoadFrame::follower);
-    begins.push_back(beginning_of(load.load));
-  }
-  const auto group = hdf5::create_group(acting, "line_loads");
-  hdf5::write_dataset(group, "member", member, 1);
-  hdf5::write_dataset(group, "force", force, 3 * kPlacesOfLineLoad);
-  hdf5::write_dataset(group, "couple", couple, 3 * kPlacesOfLineLoad);
-  hdf5::write_dataset(group, "follower", follower, 1);
-  hdf5::write_dataset(group, "begins", begins, 1);
+void add_eigenstrain(ActingTable& table, const SampledEigenstrain& sampled) {
+  table.add("member", static_cast<double>(sampled.member));
+  table.add("strain", sampled.strain);
+  table.add("curvature", sampled.curvature);
+  table.add_beginning(sampled.eigenstrain);
 }
 
 }  // namespace
@@ -132,10 +111,11 @@ void write_line_loads(hid_t acting, const std::vector<SampledLineLoad>& loads) {
 void write_acting(hid_t file, const Acting& acting) {
   const auto group = hdf5::create_group(file, "acting");
   if (!acting.units.empty()) hdf5::write_attribute(group, "units", acting.units);
-  write_acting_supports(group, acting.supports);
-  write_joints(group, acting.joints);
-  write_point_loads(group, acting.point_loads);
-  write_line_loads(group, acting.line_loads);
+  write_table(group, "supports", acting.supports, add_support);
+  write_table(group, "joints", acting.joints, add_joint);
+  write_table(group, "point_loads", acting.point_loads, add_point_load);
+  write_table(group, "line_loads", acting.line_loads, add_line_load);
+  write_table(group, "eigenstrains", acting.eigenstrains, add_eigenstrain);
 }
 
 }  // namespace mixbeam

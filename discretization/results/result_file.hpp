@@ -16,10 +16,11 @@
 ///                               with a line for each row. place: (member, arc length); begins: load factor, NaN for
 ///                               an amplitude; follower: 1 where components are in a triad
 ///     /acting/supports          point, place, position, axes (.,9), fixed, stiffness, prescribed (.,6: displacement,
-///                               rotation)
+///                               rotation, along the axes), begins: of prescribed motions
 ///     /acting/joints            name, point, kind, place (on the member joined), position, axis, stiffness
 ///     /acting/point_loads       point, place, position, force, moment, follower, begins
 ///     /acting/line_loads        member, force, couple (.,27: at 9 places from start to end), follower, begins
+///     /acting/eigenstrains      member, strain, curvature (.,27: likewise), begins
 ///     /polyline/connectivity    XDMF mixed topology: for each member 2, its number of samples, their numbers
 ///     /steps/000001             attributes step, load_factor, newton_iterations, residual, strain_energy,
 ///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,

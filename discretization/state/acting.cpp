@@ -86,6 +86,12 @@ Acting acting_on(const Scene& scene, const Mesh& mesh) {
     acting.line_loads.push_back({load, member, sampled_values(load.force, load.force_formula, length),
                                  sampled_values(load.couple, load.couple_formula, length)});
   }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    const int member = places.member(strain.member);
+    const double length = mesh.members[member].curve.length;
+    acting.eigenstrains.push_back({strain, member, sampled_values(strain.strain, strain.strain_formula, length),
+                                   sampled_values(strain.curvature, strain.curvature_formula, length)});
+  }
   return acting;
 }
 

@@ -31,12 +31,20 @@ struct SampledLineLoad {
 };
 inline constexpr int kPlacesOfLineLoad = 9;
 
+/// The same of an eigenstrain, material. [1, radian / length]
+struct SampledEigenstrain {
+  Eigenstrain eigenstrain{};
+  int member = 0;
+  std::vector<Vector3> strain{}, curvature{};
+};
+
 struct Acting {
   std::string units{};  ///< as Scene::units
   std::vector<PlacedItem<Support>> supports{};
   std::vector<PlacedItem<Joint>> joints{};           ///< one for each member that it joins
   std::vector<PlacedItem<PointLoad>> point_loads{};  ///< one that follows is on its member
   std::vector<SampledLineLoad> line_loads{};
+  std::vector<SampledEigenstrain> eigenstrains{};
 };
 
 /// Of a scene and its mesh. A point lies on the first member there that no joint moves against it.

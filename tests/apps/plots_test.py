@@ -86,6 +86,16 @@ def cantilever(force, follower=False):
                  points=(("a", (0, 0, 0)), ("b", (1, 0, 0))))
 
 
+def bent():
+    """A support that shifts and turns along axes of its own, and a member with an eigenstrain."""
+    axes = entry("Axes", NUMBERS, "{0, 1, 0, -1, 0, 0}")
+    moves = (entry("Prescribed Displacement", NUMBERS, "{0.1, 0, 0}"), entry("Prescribed Rotation", NUMBERS, "{0, 0, 0.2}"))
+    strain = listed("heat", entry("Member", "string", "second"), entry("Curvature", NUMBERS, "{0, 0, 0.3}"))
+    return scene(listed("Members", member("first", "a", "b"), member("second", "b", "c")),
+                 listed("Supports", support("moved", "a", "{x, y, z}", "{x, y, z}", axes, *moves)),
+                 listed("Eigenstrains", strain), points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (1, 1, 0))))
+
+
 def named(figure, gid):
     """All artists of a name."""
     return figure.findobj(lambda artist: artist.get_gid() == gid)
@@ -100,7 +110,7 @@ class Plots(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
-        for name, text in (("portal", portal()), ("wheel", wheel()), ("down", cantilever("{0, -1, 0}")),
+        for name, text in (("portal", portal()), ("wheel", wheel()), ("bent", bent()), ("down", cantilever("{0, -1, 0}")),
                            ("follower", cantilever("{0, -3, 0}", follower=True))):
             file = Path(cls.folder.name) / f"{name}.xml"
             file.write_text(text)
@@ -174,6 +184,19 @@ class Plots(unittest.TestCase):
 
     def test_nothing_acts_before_its_stage(self):
         self.assertEqual(self.marks("portal", step=0).forces, [])
+
+    def test_motions_and_eigenstrains_are_drawn(self):
+        marks = self.marks("bent")
+        (_, shift), = marks.shifts
+        (_, turn), = marks.turns
+        np.testing.assert_allclose(shift, (0, 1, 0), atol=ROUNDING)  # axis x of the support
+        np.testing.assert_allclose(turn, (0, 0, 1), atol=ROUNDING)
+        self.assertEqual([member.name for member in marks.strained], ["second"])
+        figure = self.shape(*self.view("bent"))
+        for gid in ("shift", "turn", "eigenstrain"):
+            self.assertEqual(len(named(figure, gid)), 2, gid)
+        before = self.marks("bent", step=0)
+        self.assertEqual((before.shifts, before.turns, before.strained), ([], [], []))
 
     # options
 

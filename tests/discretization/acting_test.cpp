@@ -82,5 +82,19 @@ TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
   EXPECT_NEAR(force[8][2], 1.0, kRounding);
 }
 
+TEST(ActingOn, EigenstrainsAreSampledToo) {
+  Scene scene = hinged();
+  Eigenstrain strain;
+  strain.member = "first";
+  strain.curvature = {0, 0.5, 0};
+  strain.strain_formula = {"1e-3*x", "", ""};
+  scene.eigenstrains = {strain};
+  const Acting acting = acting_on(scene, build_mesh(scene));
+  ASSERT_EQ(acting.eigenstrains.size(), 1U);
+  EXPECT_EQ(acting.eigenstrains[0].member, 0);
+  EXPECT_NEAR(acting.eigenstrains[0].strain[4][0], 5e-4, kRounding);
+  EXPECT_NEAR(acting.eigenstrains[0].curvature[0][1], 0.5, kRounding);
+}
+
 }  // namespace
 }  // namespace mixbeam
