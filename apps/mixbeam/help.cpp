@@ -83,8 +83,13 @@ const std::map<std::string, const char*>& texts() {
        "  --from STEP          damage behind this step does not count\n\n"},
       {"plot",
        "usage: mixbeam plot RESULTS.h5 [options of the script]\n\n"
-       "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists its options. Needs Python\n"
-       "with matplotlib and h5py.\n\n"},
+       "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists all options. Needs Python\n"
+       "with matplotlib and h5py.\n\n"
+       "  --view VIEW          xy, xz, yz, iso or AZIMUTH/ELEVATION in degrees\n"
+       "  --members PATTERN    these members only\n"
+       "  --scale FACTOR       of displacements\n"
+       "  --moments SIDE       on which bending moments stand: tension, compression or left\n"
+       "  --along PATTERN      one diagram over members in a row\n\n"},
   };
   return all;
 }

@@ -158,3 +158,5 @@ def _finish_plane(axes, view, points=None):
     axes.locator_params(axis="x", nbins=5)
     axes.locator_params(axis="y", nbins=5)
     axes.set(xlabel=view.axis_label(view.plane[0]), ylabel=view.axis_label(view.plane[1]))
+    if view.look.from_camera:  # neither direction is one of the scene
+        axes.set(xticks=[], yticks=[])

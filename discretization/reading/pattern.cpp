@@ -1,6 +1,7 @@
 #include "discretization/reading/pattern.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"
 #include "kernels/math/constants.hpp"
