@@ -5,6 +5,7 @@
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
+#include "nonlinear/run/imperfect_scene.hpp"
 
 #include <cmath>
 #include <limits>
@@ -128,7 +129,8 @@ void CaseScenes::set(const Place& place, double value, std::size_t index, const 
 Scene CaseScenes::scene_of(std::size_t index) {
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
-    return scene_of_case(read_scene(app_.xml.list->sublist("Scene"), app_.xml.source), load_case_);
+    const Scene scene = read_scene(app_.xml.list->sublist("Scene"), app_.xml.source);
+    return scene_of_case(with_mode_shapes(scene, app_.solver, app_.communicator), load_case_);
   } catch (const InputError& error) {
     throw InputError(batch_.name_of_case(index) + ": " + error.what());
   }

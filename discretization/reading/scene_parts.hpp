@@ -48,6 +48,11 @@ ListSpec patterns_spec();
 /// section, order and elements, and in the direction of axis 2 up to sign where the section has one.
 void apply_patterns(const Teuchos::ParameterList& patterns, const InputPlace& place, Scene& scene);
 
+/// Declaration of the list "Imperfection".
+ListSpec imperfection_spec();
+/// Moves points and members of a scene that has all of them; modes are left to with_mode_shapes().
+void apply_imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene);
+
 /// Declares the lists "Supports", "Joints", "Point Loads", ... inside the list "Scene": what acts on the structure.
 void add_condition_lists(ListSpec& scene_spec);
 /// Reads those lists into a scene that has all its points and members. `place`: of the list "Scene".

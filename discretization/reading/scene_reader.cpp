@@ -34,6 +34,7 @@ ListSpec scene_spec() {
       ListSpec("Beams; at least one here or by Import.").with_named_lists("member", member_parameters().spec));
   spec.add_list("Import", import_spec(), Presence::optional);
   spec.add_list("Patterns", patterns_spec(), Presence::optional);
+  spec.add_list("Imperfection", imperfection_spec(), Presence::optional);
   spec.add(real("Accuracy").above(kBestAccuracy).below(1.0),
            "Wanted error of displacements over the largest of them, at the end of the path: order and number of "
            "elements are chosen for every member that does not give them itself.");
@@ -67,6 +68,8 @@ Scene SceneReader::read() {
   share_out_elements();
   check_members();
   if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
+  if (list_.isSublist("Imperfection"))
+    apply_imperfection(list_.sublist("Imperfection"), place_["Imperfection"], scene_);
   read_conditions(list_, place_, scene_);
   check_points_are_used();
   return std::move(scene_);

@@ -195,6 +195,12 @@ struct Eigenstrain {
   std::string load_case{};
 };
 
+/// A buckling mode that is laid on the geometry.
+struct ModeImperfection {
+  int mode = 1;            ///< by growing positive load factor
+  double amplitude = 0.0;  ///< largest displacement of a vertex
+};
+
 /// Load cases that act together, each with a factor, with whatever belongs to no case.
 struct Combination {
   std::string name{};
@@ -217,6 +223,8 @@ struct Scene {
   /// Names of alternatives that are solved one by one, each from the undeformed structure. A load or prescribed motion
   /// with a load case acts in that case only, one without in all of them. Solving takes a scene of one case.
   std::vector<std::string> load_cases{};
+  std::vector<ModeImperfection> imperfection_modes{};  ///< see with_mode_shapes(): solving takes a scene without them
+  std::string imperfection_case{};                     ///< whose loads make the structure buckle
   std::vector<Combination> combinations{};  ///< solved one by one too, each by itself; names differ from those of cases
   /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
   /// chosen (accurate_run.hpp), and those here mean nothing.

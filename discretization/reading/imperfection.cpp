@@ -1,0 +1,194 @@
+/// The list "Imperfection": a stress-free geometry that differs from the one that was drawn.
+
+#include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/parameters/access.hpp"
+#include "discretization/reading/scene_parts.hpp"
+#include "discretization/scene/limits.hpp"
+#include "discretization/scene/names.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+namespace mixbeam {
+
+namespace {
+
+using namespace vector_algebra;
+
+/// A direction nearer to the member than this has no part across it. [1]
+constexpr double kAcross = 1e-6;
+
+struct Bow {
+  std::string member{};
+  std::optional<double> amplitude{}, share{};
+  Vector3 direction{};
+};
+struct Sway {
+  double ratio = 0.0;
+  Vector3 direction{}, up{0, 0, 1};
+};
+
+BoundList<Bow> bow_parameters() {
+  BoundList<Bow> bow("A half sine over the length of a straight member.");
+  bow.bind(&Bow::member, text("Member").required(), "Name of the member; * stands for any characters.");
+  bow.bind(&Bow::amplitude, real("Amplitude"), "Offset of the middle [length].");
+  bow.bind(&Bow::share, real("Share"), "Instead of Amplitude: the offset over the length of the member, like 0.002.");
+  bow.bind(&Bow::direction, direction("Direction").required(), "Of the offset; its part across the member counts.");
+  return bow;
+}
+
+BoundList<Sway> sway_parameters() {
+  BoundList<Sway> sway("The whole structure leans: each point moves by its height times a ratio.");
+  sway.bind(&Sway::ratio, real("Ratio").required(), "Offset over height, like 0.005.");
+  sway.bind(&Sway::direction, direction("Direction").required(), "Of the offset (any length).");
+  sway.bind(&Sway::up, direction("Up").by_default(), "Direction in which heights grow, from the lowest point.");
+  return sway;
+}
+
+BoundList<ModeImperfection> mode_parameters() {
+  BoundList<ModeImperfection> mode("A mode of the linear buckling of the structure as it was drawn.");
+  mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100).by_default(),
+            "Its number, by growing positive load factor.");
+  mode.bind(&ModeImperfection::amplitude, real("Amplitude").required(),
+            "Largest displacement of a vertex, with a sign [length].");
+  return mode;
+}
+
+std::string in_formula(double number) { return "(" + shortest(number) + ")"; }
+
+/// Moves what was drawn; members and points of the scene are complete.
+class Imperfection {
+ public:
+  Imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene)
+      : list_(list), place_(place), scene_(scene) {
+    for (std::size_t i = 0; i < scene.points.size(); ++i) point_index_[scene.points[i].name] = i;
+  }
+
+  void apply() {
+    if (list_.isSublist("Sway")) lean(sway_parameters().read(list_.sublist("Sway")));
+    if (list_.isSublist("Points")) shift(list_.sublist("Points"));
+    for (const std::string& name : names_in("Bows"))
+      bend(bow_parameters().read(list_.sublist("Bows").sublist(name)), place_["Bows"][name]);
+    for (const std::string& name : names_in("Modes"))
+      scene_.imperfection_modes.push_back(mode_parameters().read(list_.sublist("Modes").sublist(name)));
+    if (list_.isParameter("Case")) scene_.imperfection_case = list_.get<std::string>("Case");
+  }
+
+ private:
+  std::vector<std::string> names_in(const std::string& list) const {
+    return list_.isSublist(list) ? names_of(list_.sublist(list)) : std::vector<std::string>{};
+  }
+  Vector3& position(const std::string& point) { return scene_.points[point_index_.at(point)].position; }
+
+  void require_line(const Member& member, const InputPlace& place, const std::string& what) const {
+    if (member.curve.shape == CurveShape::line) return;
+    throw place.error("member \"" + excerpt(member.name) + "\" is curved; allowed for " + what +
+                      ": straight members (\"Modes\" bend curved ones too)");
+  }
+
+  void lean(const Sway& sway) {
+    for (const Member& member : scene_.members) require_line(member, place_["Sway"], "a sway");
+    const Vector3 up = unit(sway.up), along = unit(sway.direction);
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const Point& point : scene_.points) lowest = std::min(lowest, dot(point.position, up));
+    for (Point& point : scene_.points)
+      point.position = sum(point.position, scaled(sway.ratio * (dot(point.position, up) - lowest), along));
+  }
+
+  void shift(const Teuchos::ParameterList& points) {
+    for (const std::string& name : names_of(points)) {
+      const InputPlace place = place_["Points"][name];
+      if (point_index_.count(name) == 0) {
+        std::vector<std::string> known;
+        for (const Point& point : scene_.points) known.push_back(point.name);
+        throw unknown_name(place_["Points"][name], "point", name, known);
+      }
+      for (const Member& member : scene_.members) {
+        if (member.start_point == name || member.end_point == name) require_line(member, place, "a point that moves");
+        for (const InnerPoint& inner : member.inner_points)
+          if (inner.point == name || member.start_point == name || member.end_point == name)
+            throw place.error("member \"" + excerpt(member.name) +
+                              "\" has inner points, which would leave it; allowed: ends of members without");
+      }
+      position(name) = sum(position(name), get_vector(points, name));
+    }
+  }
+
+  void bend(const Bow& bow, const InputPlace& place) {
+    if (bow.amplitude.has_value() == bow.share.has_value())
+      throw place.error(std::string(bow.share ? "both" : "neither") +
+                        " of \"Amplitude\" and \"Share\" given; allowed: exactly one");
+    std::vector<std::string> known;
+    for (const Member& member : scene_.members) known.push_back(member.name);
+    const std::vector<std::string> meant = names_meant(bow.member, known);
+    if (meant.empty()) throw unknown_name(place["Member"], "member", bow.member, known);
+    const std::map<std::string, int> chosen = [&] {
+      std::map<std::string, int> set;
+      for (const std::string& name : meant) set[name] = 1;
+      return set;
+    }();
+    for (Member& member : scene_.members)
+      if (chosen.count(member.name) > 0) bend(member, bow, place);
+  }
+
+  void bend(Member& member, const Bow& bow, const InputPlace& place) {
+    require_line(member, place["Member"], "a bow");
+    const Vector3 start = position(member.start_point), end = position(member.end_point);
+    const Vector3 chord = difference(end, start), tangent = unit(chord);
+    const Vector3 wanted = unit(bow.direction);
+    const Vector3 across = difference(wanted, scaled(dot(wanted, tangent), tangent));
+    if (norm(across) < kAcross)
+      throw place["Direction"].error("along the member \"" + excerpt(member.name) + "\"; allowed: across it");
+    const Quaternion<double> triad = make_reference_curve(member, start, end).triad(0.0);
+    const auto axes = rotation_matrix(triad);
+    member.second_axis = {axes(0, 1), axes(1, 1), axes(2, 1)};  // as it was, whatever the new tangent suggests
+    const Vector3 offset = scaled(bow.share ? *bow.share * norm(chord) : *bow.amplitude, unit(across));
+    member.curve.shape = CurveShape::parametric;
+    for (std::size_t i = 0; i < 3; ++i)
+      member.curve.formula[i] =
+          in_formula(start[i]) + " + " + in_formula(chord[i]) + " * t + " + in_formula(offset[i]) + " * sin(pi * t)";
+    if (member.inner_points.empty()) return;
+    const ReferenceCurve curve = make_reference_curve(member, start, end);
+    for (const InnerPoint& inner : member.inner_points)
+      if (point_index_.count(inner.point) > 0)
+        position(inner.point) = to_array(curve.position(inner.position * curve.length));
+  }
+
+  const Teuchos::ParameterList& list_;
+  const InputPlace& place_;
+  Scene& scene_;
+  std::map<std::string, std::size_t> point_index_;
+};
+
+}  // namespace
+
+ListSpec imperfection_spec() {
+  ListSpec spec(
+      "Geometric imperfections: the structure without stress differs from the one that was drawn, first by Sway and "
+      "Points, then by Bows, then by Modes.");
+  spec.add_list("Bows", ListSpec("Members that are not straight.").with_named_lists("bow", bow_parameters().spec),
+                Presence::optional);
+  spec.add_list("Sway", sway_parameters().spec, Presence::optional);
+  spec.add_list("Points",
+                ListSpec("Points that are not where they were drawn; straight members go with them.")
+                    .with_named_parameters("point", bounded_vector("").required().means("Offset [length].")),
+                Presence::optional);
+  spec.add_list("Modes",
+                ListSpec("Modes of linear buckling, added to each other; they bend members of every shape.")
+                    .with_named_lists("mode", mode_parameters().spec),
+                Presence::optional);
+  spec.add(text("Case"),
+           "With Modes: the load case or combination under which the structure buckles; needed where the "
+           "scene has some.");
+  return spec;
+}
+
+void apply_imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene) {
+  Imperfection(list, place, scene).apply();
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,16 @@
+/// Scenes whose stress-free geometry follows a buckling mode.
+#pragma once
+
+#include "discretization/scene/scene.hpp"
+#include "nonlinear/parameters/solver_parameters.hpp"
+
+namespace mixbeam {
+
+/// The scene with its Scene::imperfection_modes laid on: each member becomes a spline through the displaced places of
+/// its vertices and element middles, with the displaced tangents at its ends and a twist that follows its sections (C1
+/// in centerline and triads; the fourth power of the distance between these places is what it deviates from the mode).
+/// The mode's sign: positive where its largest entry occurs first. Unchanged where there are none. Collective.
+/// Throws InputError where the structure has fewer modes, or a load case is missing.
+Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+
+}  // namespace mixbeam

@@ -1,0 +1,126 @@
+/// Imperfect structures: no stress without loads, and the closed form of a bowed column.
+#include "discretization/scene/section_shape.hpp"
+#include "nonlinear/run/imperfect_scene.hpp"
+#include "tests/support/solve.hpp"
+#include "tests/support/text.hpp"
+
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+
+namespace mixbeam::test {
+namespace {
+
+constexpr double kCritical = kPi * kPi;  // of the column: EI = L = 1
+
+/// A pinned column along z from "foot" to "head", pressed by `force`, with a list "Imperfection".
+std::string column(double force, const std::string& imperfection) {
+  const auto number = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+  };
+  const auto list = [](const std::string& name, const std::string& inside) {
+    return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
+  };
+  const std::string pin = number("Fixed Displacement", "Array(string)", "{x, y, z}"),
+                    roller = number("Fixed Displacement", "Array(string)", "{x, y}");
+  const std::string turn = number("Fixed Rotation", "Array(string)", "{x, z}");
+  return list(
+      "column",
+      list("Scene",
+           list("Sections", list("s", number("Inextensible", "bool", "true") + number("Shear Rigid", "bool", "true") +
+                                          number("GIt", "double", "1") + number("EI2", "double", "1") +
+                                          number("EI3", "double", "1"))) +
+               list("Points",
+                    number("foot", "Array(double)", "{0, 0, 0}") + number("head", "Array(double)", "{0, 0, 1}")) +
+               list("Members", list("strut", number("Start", "string", "foot") + number("End", "string", "head") +
+                                                 number("Section", "string", "s") + number("Order", "int", "4") +
+                                                 number("Elements", "int", "8"))) +
+               list("Supports", list("a", number("Point", "string", "foot") + pin + turn) +
+                                    list("b", number("Point", "string", "head") + roller + turn)) +
+               list("Point Loads",
+                    list("p", number("Point", "string", "head") +
+                                  number("Force", "Array(double)", "{0, 0, " + std::to_string(-force) + "}"))) +
+               (imperfection.empty() ? "" : list("Imperfection", imperfection))));
+}
+
+Scene scene_from(const std::string& text) {
+  XmlParameters xml = parse_xml(text, "scene.xml");
+  return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank());
+}
+
+std::string refusal(const std::string& imperfection) {
+  try {
+    scene_from(column(1.0, imperfection));
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string bow(double amplitude, const std::string& direction = "{1, 0, 0}") {
+  return "<ParameterList name=\"Bows\"><ParameterList name=\"b\"><Parameter name=\"Member\" type=\"string\" "
+         "value=\"*\"/>"
+         "<Parameter name=\"Amplitude\" type=\"double\" value=\"" +
+         std::to_string(amplitude) + "\"/><Parameter name=\"Direction\" type=\"Array(double)\" value=\"" + direction +
+         "\"/></ParameterList></ParameterList>";
+}
+std::string mode(int number, double amplitude) {
+  return "<ParameterList name=\"Modes\"><ParameterList name=\"m\"><Parameter name=\"Mode\" type=\"int\" value=\"" +
+         std::to_string(number) + "\"/><Parameter name=\"Amplitude\" type=\"double\" value=\"" +
+         std::to_string(amplitude) + "\"/></ParameterList></ParameterList>";
+}
+
+TEST(Imperfections, AreFreeOfStress) {
+  for (const std::string& imperfection : {bow(0.02), mode(1, 0.02), mode(2, -0.02)}) {
+    const Simulation unloaded(scene_from(column(1.0, imperfection)), {}, this_rank());
+    for (const Reaction& reaction : unloaded.reactions()) {
+      EXPECT_LE(largest_component(reaction.force), 1e-12);
+      EXPECT_LE(largest_component(reaction.moment), 1e-12);
+    }
+    const StrainEnergy energy = unloaded.strain_energy();
+    EXPECT_EQ(energy.force + energy.moment, 0.0);
+    EXPECT_NEAR(std::abs(unloaded.sample("strut", 0.5).position[0]), imperfection == mode(2, -0.02) ? 0.0 : 0.02, 1e-6);
+  }
+}
+
+TEST(Imperfections, ABowedColumnBendsAsItsAmplification) {  // a / (1 - P / P_cr), to the square of the slope
+  const double a = 1e-3;
+  for (const double share : {0.2, 0.5, 0.8})
+    for (const std::string& imperfection : {bow(a), bow(-a), mode(1, a), mode(1, -a)}) {
+      const Simulation loaded = solved(scene_from(column(share * kCritical, imperfection)));
+      const double deflection = std::abs(loaded.sample("strut", 0.5).position[0]);
+      const double expected = a / (1.0 - share), slope = kPi * expected;
+      EXPECT_NEAR(deflection, expected, slope * slope * expected) << imperfection << share;
+    }
+  const Simulation perfect = solved(scene_from(column(0.5 * kCritical, "")));  // the twin
+  EXPECT_LE(std::abs(perfect.sample("strut", 0.5).position[0]), 1e-12);
+}
+
+TEST(Imperfections, SignsFollowTheAmplitude) {
+  const auto side = [](const std::string& imperfection) {
+    return solved(scene_from(column(0.5 * kCritical, imperfection))).sample("strut", 0.5).position[0] > 0.0;
+  };
+  EXPECT_TRUE(side(bow(1e-3)));
+  EXPECT_FALSE(side(bow(-1e-3)));
+  EXPECT_NE(side(mode(1, 1e-3)), side(mode(1, -1e-3)));
+}
+
+TEST(Imperfections, SwayLeansTheStructure) {
+  const std::string sway =
+      "<ParameterList name=\"Sway\"><Parameter name=\"Ratio\" type=\"double\" value=\"0.005\"/>"
+      "<Parameter name=\"Direction\" type=\"Array(double)\" value=\"{2, 0, 0}\"/></ParameterList>";
+  const Scene scene = scene_from(column(1.0, sway));
+  EXPECT_EQ(scene.points[1].position, (Vector3{0.005, 0, 1}));
+  EXPECT_EQ(scene.points[0].position, (Vector3{0, 0, 0}));
+}
+
+TEST(Imperfections, AreRefusedWithThePlace) {
+  expect_in(refusal(bow(0.1, "{0, 0, 1}")), {"Imperfection / Bows / b / Direction", "along the member"});
+  expect_in(refusal(mode(100, 0.1)), {"mode 100 is wanted"});
+  expect_in(refusal("<ParameterList name=\"Points\"><Parameter name=\"hed\" type=\"Array(double)\" "
+                    "value=\"{0,0,1}\"/></ParameterList>"),
+            {"Imperfection / Points / hed", "did you mean \"head\"?"});
+  expect_in(refusal("<Parameter name=\"Case\" type=\"string\" value=\"x\"/>" + mode(1, 0.1)), {"no load cases"});
+}
+
+}  // namespace
+}  // namespace mixbeam::test
