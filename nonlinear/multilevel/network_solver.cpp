@@ -17,8 +17,6 @@ constexpr double kSmallReduction = 1e-13;
 constexpr int kMostIterations = 300;
 /// Entries of a block that the links do not explain, relative to the largest one of the row: rounding of sums.
 constexpr double kUnexplained = 1e-11;
-/// 8 bytes each: 0.8 GB, a cube of 26^3 junctions.
-constexpr double kMostFactorEntries = 1e8;
 /// The same, where nothing else helps: 8 GB.
 constexpr double kMostFallbackEntries = 1e9;
 /// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.

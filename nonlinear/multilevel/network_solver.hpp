@@ -53,6 +53,8 @@ class NetworkSolver : public LinearSolver {
   int iterations_ = 0;
 };
 
+/// 8 bytes each: 0.8 GB, a cube of 26^3 junctions.
+inline constexpr double kMostFactorEntries = 1e8;
 /// Whether the factors of what chains leave would be so large that it is iterated with.
 bool is_large_network(const CondensedSystem& system);
 

@@ -154,6 +154,7 @@ JunctionFactor junction_factor(const Scene& scene) {
   const std::vector<idx_t> place = elimination_order(graph);
   const std::vector<double> below = columns_of_factor(graph, place, free);
   JunctionFactor factor;
+  factor.junctions = graph.size();
   for (int v = 0; v < graph.size(); ++v) {
     const double own = free[v], column = below[place[v]];
     factor.entries += own * (0.5 * (own + 1.0) + column);

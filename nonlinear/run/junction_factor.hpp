@@ -9,6 +9,7 @@ struct JunctionFactor {
   double entries = 0.0;     ///< numbers of the factor L of L D L^T
   double operations = 0.0;  ///< multiplications of a factorisation
   double matrix = 0.0;      ///< numbers of the matrix, both triangles
+  double junctions = 0.0;   ///< vertices that chains leave
 };
 
 /// Symbolic factorisation over the junctions, supports and loaded points of the scene in the order of METIS' nested

@@ -7,6 +7,7 @@
 #include "kernels/chains/level.hpp"
 #include "kernels/loops/planar_block.hpp"
 #include "nonlinear/accuracy/error_estimate.hpp"
+#include "nonlinear/multilevel/network_solver.hpp"
 #include "nonlinear/run/junction_factor.hpp"
 
 #include <Teuchos_DefaultSerialComm.hpp>
@@ -38,6 +39,9 @@ constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 100.0;
 /// A factorisation by MUMPS with OpenBLAS, from cubes of 10, 15 and 20 junctions a side (27 ms, 0.22 s, 1.4 s) and
 /// sheets of 60 and 100 (54 ms, 0.3 s): of each multiplication, and of each number of the factor. [s]
 constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
+/// Of an iteration for each junction where there are no factors: coarse spaces and conjugate gradients, from a cube of
+/// 30 junctions a side. [s]
+constexpr double kSecondsOfIteratedJunction = 2e-4;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
@@ -224,7 +228,10 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   needs.memory = sums.run + samples + stability;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
     needs.memory = std::max(needs.memory, kShareDuringEstimate * sums.run + sums.estimate + stability);
-  const JunctionFactor junctions = junction_factor(scene);
+  JunctionFactor junctions = junction_factor(scene);
+  const std::string& method = parameters.linear.method;
+  const bool iterates = method == kIterative || (method == kAutomatic && junctions.entries > kMostFactorEntries);
+  if (iterates) junctions.entries = junctions.operations = 0.0;
   needs.memory +=
       kBytesOfMember * members + kBytesOfFactorEntry * junctions.entries + kBytesOfMatrixEntry * junctions.matrix;
   needs.factors = sizeof(double) * (chain_factor(needs.planar) * elements + junctions.entries);
@@ -232,7 +239,9 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   needs.file_per_step = (kFileBytesOfSample + of_stresses) * sums.samples +
                         sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
-  needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation + junctions.entries * kSecondsOfFactorEntry;
+  needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation +
+                  junctions.entries * kSecondsOfFactorEntry +
+                  (iterates ? junctions.junctions * kSecondsOfIteratedJunction : 0.0);
   return needs;
 }
 
