@@ -2,6 +2,8 @@
 #include "discretization/results/result_file.hpp"
 #include "process.hpp"
 
+#include <cmath>
+
 namespace mixbeam::plot_result_test {
 namespace {
 
@@ -73,6 +75,41 @@ TEST_F(PlotResult, DrawsEveryKindInBothFormats) {
   expect_in(text_of(picture("run_shape.svg")), {"cantilever: step 2, load factor 1", "undeformed"});
   expect_in(text_of(picture("run_load_path.svg")), {"tip: displacement"});
   expect_in(text_of(picture("run_section_forces.svg")), {"zero everywhere"});  // there is a moment and nothing else
+}
+
+TEST_F(PlotResult, DrawsStressesOfTheStepsThatHaveThem) {
+  const fs::path path = folder_ / "run.h5";
+  ResultFile file(path, {"cantilever", "<ParameterList name=\"cantilever\"/>", "1.0", {}});
+  for (int step = 0; step < 2; ++step) {
+    StepRecord record;
+    record.step = step;
+    record.load_factor = step;
+    MemberSamples plain = bent_member(step);  // its section has no shape
+    plain.name = "plain";
+    for (Vector3& position : plain.position) position[1] += 1.0;
+    record.members = {bent_member(step), plain};
+    if (step == 1) {
+      for (MemberSamples& member : record.members) {
+        const double stress = member.name == "beam" ? 3.0 : std::nan("");
+        member.von_mises_stress.assign(member.size(), stress);
+        member.largest_normal_stress.assign(member.size(), -stress);
+        member.largest_shear_stress.assign(member.size(), 0.0);
+      }
+      record.stresses.emplace().members.push_back({"beam", 0.0, 1.0, {}, {}, 0.0});
+    }
+    file.append_step(record);
+  }
+  file.close();
+  for (const char* field : {"von_mises", "normal_stress", "shear_stress"}) {
+    const Ended ended = plot(path, {"--format", "svg", "--field", field});
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    EXPECT_EQ(ended.err, "");
+  }
+  expect_in(text_of(picture("run_fields.svg")), {"von Mises stress, largest of the section"});
+  expect_in(text_of(picture("run_shape.svg")), {"shear stress"});
+  const Ended early = plot(path, {"--format", "svg", "--field", "von_mises", "--step", "0", "--picture", "shape"});
+  EXPECT_EQ(early.exit_code, 2);
+  expect_in(early.err, {"step 0 has no stresses", "Stresses"});
 }
 
 TEST_F(PlotResult, DrawsPathAndModesOfCriticalPoints) {

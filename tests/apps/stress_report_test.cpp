@@ -107,7 +107,8 @@ TEST_F(StressReport, WarnsOfStrainsAndOfThickCurvedMembers) {
   const std::string thick = parameter("Shape", "string", "circle") + parameter("Diameter", "double", "0.2");
   const std::string arc = "<ParameterList name=\"Curve\">" + parameter("Shape", "string", "arc") +
                           parameter("Center", "Array(double)", "{0.5, 0, 0}") +
-                          parameter("Axis", "Array(double)", "{0, 1, 0}") + "</ParameterList>";
+                          parameter("Axis", "Array(double)", "{0, 1, 0}") +
+                          parameter("Angle", "double", "3.141592653589793") + "</ParameterList>";
   const Ended curved = run(cantilever(with_material(thick), force_z("-10"), "", arc));
   EXPECT_EQ(curved.exit_code, 0) << curved.err;
   expect_in(curved.out, {"warning: member \"beam\" is curved", "15 %"});  // 3 d / (8 R)

@@ -22,9 +22,11 @@ inline const std::string kRichScene = R"xml(<?xml version="1.0" encoding="UTF-8"
         <Parameter name="Shape" type="string" value="tube"/>
         <Parameter name="Diameter" type="double" value="0.1"/>
         <Parameter name="Wall" type="double" value="0.01"/>
+        <Parameter name="Largest Strain" type="double" value="0.1"/>
         <ParameterList name="Material">
           <Parameter name="E" type="double" value="1e6"/>
           <Parameter name="nu" type="double" value="0.3"/>
+          <Parameter name="Strength" type="double" value="2e4"/>
         </ParameterList>
       </ParameterList>
       <ParameterList name="thin tube">
