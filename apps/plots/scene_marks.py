@@ -101,6 +101,8 @@ class Marks:
     def _sample(self, place, position):
         """Of a place (member, arc length); of its position where that member is not shown."""
         member = self._run.member_of_index(int(place[0]))
+        if member is not None and place[1] == 0.0:
+            return member.samples.start
         if member is not None:
             return member.samples.start + int(np.argmin(np.abs(member.arc_length - place[1])))
         distance = np.linalg.norm(self._reference - position, axis=1)

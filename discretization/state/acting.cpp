@@ -23,7 +23,8 @@ class PlaceFinder {
       index_.emplace(member.name, static_cast<int>(m));
       const double length = mesh.members[m].curve.length;
       const auto add = [&](const std::string& point, double s) {
-        auto& places = joined.count({point, member.name}) > 0 ? joined_ : free_;
+        const bool is_joined = !joined.empty() && joined.count({point, member.name}) > 0;
+        auto& places = is_joined ? joined_ : free_;
         places[point].emplace_back(static_cast<int>(m), s);
       };
       add(member.start_point, 0.0);
