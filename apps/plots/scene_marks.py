@@ -4,12 +4,14 @@ import numpy as np
 from matplotlib.path import Path as Shape
 
 import style
+from structure import add_lines
 
 SAME_PLACE = 1e-6   # of the extent: farther from a point than this, a sample is another place
 MARK_SHARE = 0.12   # length of an arrow over the size of the structure
 LINE_SHARE = 0.08   # of the arrows of the largest line load
 MOST_ARROWS = 240   # of all line loads together
 MANY_SUPPORTS = 20  # get small signs
+CROWD = 300         # and more of them none: they would cover the structure
 FACING = 0.2        # a direction whose share in the picture is smaller points at the reader
 
 # Signs below the point, which is at the origin, in sizes of a marker.
@@ -47,6 +49,7 @@ class Marks:
         self._near = SAME_PLACE * (np.ptp(reference, axis=0).max() or 1.0)
         self.supports, self.joints, self.forces, self.moments, self.line_loads = [], [], [], [], []
         self.shifts, self.turns, self.strained = [], [], []
+        self._triads = None
         acting = run.acting()
         self._add_supports(acting.get("supports", {}))
         self._add_joints(acting.get("joints", {}))
@@ -120,8 +123,9 @@ class Marks:
         vectors = np.atleast_2d(vectors)
         if not follows:
             return vectors
-        triads = [self._step.field(f"triad_{i}")[samples] for i in (1, 2, 3)]
-        return sum(vectors[:, i:i + 1] * triads[i] for i in range(3))
+        if self._triads is None:
+            self._triads = [self._step.field(f"triad_{i}") for i in (1, 2, 3)]
+        return sum(vectors[:, i:i + 1] * self._triads[i][samples] for i in range(3))
 
 
 def _rows(table, place, position, *names):
@@ -166,8 +170,9 @@ def _draw_supports(axes, supports, points, words):
         return
     small = len(supports) >= MANY_SUPPORTS
     at = sorted({sample for sample, _ in supports})
-    axes.plot(*points[at].T, "s", color=style.BLACK, markersize=3 if small else 4.5, linestyle="", zorder=5, gid="supports")
-    for kind in SIGNS:
+    size = 1.2 if len(at) >= CROWD else 3 if small else 4.5
+    axes.plot(*points[at].T, "s", color=style.BLACK, markersize=size, linestyle="", zorder=5, gid="supports")
+    for kind in SIGNS if len(at) < CROWD else ():
         samples = [sample for sample, of in supports if of == kind]
         if samples:
             axes.plot(*points[samples].T, marker=SIGNS[kind], color=style.BLACK, markerfacecolor="none", linestyle="",
@@ -199,17 +204,16 @@ def _draw_line_loads(axes, flat, line_loads, points, projection, length):
     largest = max((np.linalg.norm(forces, axis=1).max() for _, forces in line_loads), default=0.0)
     if not largest > 0.0:
         return
-    every = max(1, int(np.ceil(sum(len(samples) for samples, _ in line_loads) / MOST_ARROWS)))
-    for samples, forces in line_loads:
-        arrows = length / largest * forces @ projection.T
-        heads = points[samples]
-        tails = heads - arrows
-        axes.plot(*tails.T, color=style.RED, linewidth=0.9, zorder=4, clip_on=False, gid="line load")
-        for i in range(0, len(samples), every):
-            if flat:
-                axes.annotate("", heads[i], tails[i], annotation_clip=False, zorder=4, gid="line load arrow",
-                              arrowprops={"arrowstyle": "-|>", "color": style.RED, "linewidth": 0.7, "shrinkA": 0,
-                                          "shrinkB": 0, "mutation_scale": 7})
-            else:
-                axes.quiver(*tails[i], *arrows[i], color=style.RED, linewidth=0.7, arrow_length_ratio=0.3,
-                            gid="line load arrow")
+    heads = np.concatenate([points[samples] for samples, _ in line_loads])
+    arrows = length / largest * np.concatenate([forces for _, forces in line_loads]) @ projection.T
+    ends = np.cumsum([len(samples) for samples, _ in line_loads])[:-1]
+    backs = add_lines(axes, np.split(heads - arrows, ends), width=0.9, color=style.RED, zorder=4)
+    backs.set(gid="line load", clip_on=False)
+    chosen = slice(None, None, max(1, -(-len(heads) // MOST_ARROWS)))
+    tails, arrows = (heads - arrows)[chosen], arrows[chosen]
+    if flat:
+        drawn = axes.quiver(*tails.T, *arrows.T, color=style.RED, angles="xy", scale_units="xy", scale=1, width=0.0025,
+                            headwidth=5, headlength=6, headaxislength=6, zorder=4, clip_on=False, gid="line load arrows")
+        drawn.set_in_layout(False)  # its extent is measured wrongly; the backs of the combs reach as far
+    else:
+        axes.quiver(*tails.T, *arrows.T, color=style.RED, linewidth=0.7, arrow_length_ratio=0.3, gid="line load arrows")
