@@ -10,7 +10,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM = sys.argv.pop(1)
+PROGRAM = str(Path(sys.argv.pop(1)).resolve())
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "plots"))
 
 import matplotlib  # noqa: E402
