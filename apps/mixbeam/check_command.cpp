@@ -11,6 +11,7 @@
 #include "discretization/checks/scene_warnings.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -103,6 +104,7 @@ void print_check(Application& app, const std::string& load_case) {
     out << text_of("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));
   }
+  if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   print_needs(out, needs_of(scene, app.solver));
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
