@@ -2,6 +2,7 @@
 
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/quantities/stress_lookup.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -31,6 +32,10 @@ std::map<std::string, std::vector<Form>> forms_of_kinds() {
        {"displacement", "position", "rotation", "material force", "material moment", "material strain",
         "material curvature", "spatial force", "spatial moment", "spatial strain", "spatial curvature"})
     forms[kind] = {kAtPoint, kAtPlaceOfMember, kOfWholeMember};
+  const Form at_point{{"Point"}, {"Take", "Side", "Limit"}},
+      in_member{{"Member", "Position"}, {"Side", "Take", "Limit"}};
+  for (const char* kind : {"normal stress", "shear stress", "von Mises stress", "utilisation"})
+    forms[kind] = {at_point, in_member, {{"Member", "Take"}, {"Limit"}}};
   for (const char* kind : {"strain energy", "force energy", "moment energy", "load factor", "negative eigenvalues"})
     forms[kind] = {kPlain};
   return forms;
@@ -45,7 +50,8 @@ BoundList<Quantity> declared_quantity_parameters() {
       &Quantity::kind, choice("Quantity", kinds).required(),
       "What it is. Material components refer to the axes of the section, spatial ones to the global axes; a strain "
       "is axial and shear strain, a curvature twist and bending, without those of the undeformed member; an angle "
-      "is that at Corner between Point and Other Point [radian]; length is that of the deformed member.");
+      "is that at Corner between Point and Other Point [radian]; length is that of the deformed member; stresses are "
+      "the largest over the section (Shape and Material), the utilisation von Mises stress over Strength.");
   one.bind(&Quantity::point, text("Point"),
            "Where: name of a point, MEMBER@s (arc length from the start of the member) or MEMBER@p% (share of its "
            "length), or a pattern with *: each place that fits, or what Take says. Of a reaction: supported points.");
@@ -97,7 +103,8 @@ void check_component(const Quantity& quantity, const InputPlace& place) {
 /// Largest and smallest are those of numbers, and a whole member has no single value.
 void check_take(const Quantity& quantity, const InputPlace& place) {
   const bool is_extreme = quantity.take != Take::each && quantity.take != Take::sum;
-  const bool is_vector = quantity.component.empty() && quantity.kind != "length";
+  const bool is_number = quantity.kind == "length" || is_stress(quantity.kind);
+  const bool is_vector = quantity.component.empty() && !is_number;
   if (is_extreme && is_vector)
     throw place["Component"].error(
         "missing; needed for the largest or smallest of a vector: \"x\", \"y\", \"z\", or "

@@ -2,6 +2,7 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/quantities/member_extreme.hpp"
+#include "discretization/quantities/quantity_fields.hpp"
 #include "discretization/quantities/quantity_place.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -17,74 +18,6 @@ namespace mixbeam {
 namespace {
 
 using vector_algebra::to_array;
-
-/// A scalar stands in the first entry, a vector in the first three; a triad is g1, g2, g3.
-using Numbers = std::array<double, 9>;
-constexpr int kNorm = -1;  ///< in place of the index of a number
-
-/// What a kind of quantity is at one place of a member; null for kinds that are none along members.
-using Field = Vector3 (*)(const PointSample&, const MeshMember&);
-
-Vector3 turned(const PointSample& sample, const Vec3<double>& v) { return to_array(rotation_matrix(sample.triad) * v); }
-
-const std::map<std::string, Field>& fields() {
-  using S = PointSample;
-  using M = MeshMember;
-  static const std::map<std::string, Field> table = {
-      {"displacement", [](const S& s, const M&) { return to_array(s.displacement); }},
-      {"position", [](const S& s, const M&) { return to_array(s.position); }},
-      {"rotation",
-       [](const S& s, const M& m) {
-         return to_array(log_quaternion(s.triad * conjugate(m.curve.triad(s.arc_length))));
-       }},
-      {"material force", [](const S& s, const M&) { return to_array(s.force); }},
-      {"material moment", [](const S& s, const M&) { return to_array(s.moment); }},
-      {"material strain", [](const S& s, const M&) { return to_array(s.force_strain); }},
-      {"material curvature", [](const S& s, const M&) { return to_array(s.moment_strain); }},
-      {"spatial force", [](const S& s, const M&) { return turned(s, s.force); }},
-      {"spatial moment", [](const S& s, const M&) { return turned(s, s.moment); }},
-      {"spatial strain", [](const S& s, const M&) { return turned(s, s.force_strain); }},
-      {"spatial curvature", [](const S& s, const M&) { return turned(s, s.moment_strain); }}};
-  return table;
-}
-
-bool is_motion(const std::string& kind) {
-  return kind == "displacement" || kind == "position" || kind == "rotation" || kind == "triad";
-}
-bool is_reaction(const std::string& kind) { return kind == "reaction force" || kind == "reaction moment"; }
-
-/// Which of Numbers a quantity asks for.
-std::vector<int> numbers_of(const Quantity& quantity) {
-  static const std::map<std::string, std::vector<int>> of_component = {
-      {"x", {0}}, {"y", {1}},        {"z", {2}},        {"1", {0}},        {"2", {1}},
-      {"3", {2}}, {"norm", {kNorm}}, {"g1", {0, 1, 2}}, {"g2", {3, 4, 5}}, {"g3", {6, 7, 8}}};
-  if (!quantity.component.empty()) return of_component.at(quantity.component);
-  if (quantity.kind == "triad") return {0, 1, 2, 3, 4, 5, 6, 7, 8};
-  if (is_reaction(quantity.kind) || fields().count(quantity.kind) > 0) return {0, 1, 2};
-  return {0};
-}
-
-/// Behind the name of the quantity, of each of numbers_of().
-std::vector<std::string> endings_of(const Quantity& quantity) {
-  const std::size_t count = numbers_of(quantity).size();
-  if (count == 1) return {""};
-  if (count == 9) return {".g1.x", ".g1.y", ".g1.z", ".g2.x", ".g2.y", ".g2.z", ".g3.x", ".g3.y", ".g3.z"};
-  if (quantity.kind.rfind("material ", 0) == 0) return {".1", ".2", ".3"};
-  return {".x", ".y", ".z"};
-}
-
-double picked(const Numbers& numbers, int which) {
-  return which == kNorm ? std::hypot(numbers[0], numbers[1], numbers[2]) : numbers[static_cast<std::size_t>(which)];
-}
-
-Numbers numbers_from(const Vector3& v) { return {v[0], v[1], v[2]}; }
-
-Numbers numbers_from(const Mat3<double>& axes) {
-  Numbers numbers{};
-  for (int g = 0; g < 3; ++g)
-    for (int i = 0; i < 3; ++i) numbers[static_cast<std::size_t>(3 * g + i)] = axes(i, g);
-  return numbers;
-}
 
 bool is_better(Take take, double value, double than) {
   if (take == Take::largest) return value > than;
@@ -139,6 +72,34 @@ std::vector<std::string> QuantitySet::names() const {
   return all;
 }
 
+void QuantitySet::find_in_members(const Quantity& quantity, const QuantityPlaces& found, const InputPlace& place,
+                                  Resolved& one) {
+  for (const int member : found.members(quantity.member, place["Member"])) {
+    QuantityPlace at = found.at(member, quantity.position.value_or(0.0));
+    if (quantity.kind == "length") at.label = at.label.substr(0, at.label.rfind('@'));
+    if (quantity.kind == "length" || quantity.position)
+      one.places.push_back(at);
+    else
+      one.members.push_back(member);
+  }
+}
+
+/// Leaves out what has no stresses; something must be left.
+void QuantitySet::require_stresses(const Scene& scene, const InputPlace& place, Resolved& one) {
+  const auto is_without = [&](int member) {
+    return !has_stress(scene, scene.members[static_cast<std::size_t>(member)], one.asked.kind);
+  };
+  one.members.erase(std::remove_if(one.members.begin(), one.members.end(), is_without), one.members.end());
+  one.places.erase(std::remove_if(one.places.begin(), one.places.end(),
+                                  [&](const QuantityPlace& at) { return is_without(at.member); }),
+                   one.places.end());
+  if (one.members.empty() && one.places.empty())
+    throw place.error("no member there has a section of known shape" +
+                      std::string(one.asked.kind == "utilisation" ? " and strength" : "") + ", so no " +
+                      one.asked.kind + "; allowed: sections given by \"Shape\" and \"Material\"" +
+                      (one.asked.kind == "utilisation" ? " with \"Strength\"" : ""));
+}
+
 /// Finds the places and members that a quantity names.
 void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, const InputPlace& place, Resolved& one) {
   const QuantityPlaces found(scene);
@@ -163,22 +124,15 @@ void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, cons
     if (is_of_two && places->size() > 1)
       throw place[parameter].error("stands for several places; allowed for the quantity \"" + quantity.kind +
                                    "\": one");
-  if (quantity.member.empty()) return;
-  for (const int member : found.members(quantity.member, place["Member"])) {
-    if (quantity.kind == "length")
-      one.places.push_back({scene.members[static_cast<std::size_t>(member)].name, "", member});
-    else if (quantity.position)
-      one.places.push_back(found.at(member, *quantity.position));
-    else
-      one.members.push_back(member);
-  }
+  if (!quantity.member.empty()) find_in_members(quantity, found, place, one);
+  if (is_stress(quantity.kind)) require_stresses(scene, place[quantity.member.empty() ? "Point" : "Member"], one);
 }
 
 void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const InputPlace& place) {
   Resolved one;
   one.asked = quantity;
   one.numbers = numbers_of(quantity);
-  if (const auto field = fields().find(quantity.kind); field != fields().end()) one.field = field->second;
+  one.field = field_of(quantity.kind);
   find_places(quantity, scene, place, one);
   if (quantity.take != Take::each || one.is_of_whole())
     add_columns(quantity, index, "");
@@ -216,6 +170,7 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
   if (place.point.empty()) {
     const int member = at.first_member + place.member;
     const PointSample sample = sample_member(at.model, at.state, member, place.position, asked.before_vertex);
+    if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};
     if (field != nullptr) return numbers_from(field(sample, at.model.mesh().members[member]));
     return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
                                  : numbers_from(to_array(sample.position));
@@ -263,25 +218,20 @@ Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
 
 namespace {
 
-/// Fields that stand in the samples of a record as they are asked for.
-const std::map<std::string, std::vector<Vector3> MemberSamples::*> kRecordedFields = {
-    {"displacement", &MemberSamples::displacement},     {"position", &MemberSamples::position},
-    {"material force", &MemberSamples::material_force}, {"material moment", &MemberSamples::material_moment},
-    {"material strain", &MemberSamples::force_strain},  {"material curvature", &MemberSamples::moment_strain}};
-
 /// One search for each extreme along members, two for the one of largest size.
 void ask_for_extremes(const QuantityState& at, const Quantity& quantity, const std::vector<int>& members, Field field,
                       int number, std::vector<ExtremeRequest>& requests) {
   ExtremeRequest request;
   for (const int member : members) request.members.push_back(at.first_member + member);
-  const auto field_times = [&mesh = at.model.mesh(), &quantity, field, number](double sign) {
+  const auto field_times = [&at, &mesh = at.model.mesh(), &quantity, field, number](double sign) {
     FieldAlongMember along;
-    along.at = [&mesh, field, number, sign](const PointSample& sample, int member) {
+    along.at = [&at, &quantity, &mesh, field, number, sign](const PointSample& sample, int member) {
+      if (field == nullptr) return sign * at.stresses->of(quantity.kind, sample, member);
       return sign * picked(numbers_from(field(sample, mesh.members[member])), number);
     };
-    const auto recorded = kRecordedFields.find(quantity.kind);
-    if (number == kNorm || recorded == kRecordedFields.end()) return along;
-    along.recorded = recorded->second;
+    const auto recorded = recorded_field(quantity.kind);
+    if (number == kNorm || recorded == nullptr) return along;
+    along.recorded = recorded;
     along.component = static_cast<std::size_t>(number);
     along.sign = sign;
     return along;
@@ -318,7 +268,9 @@ MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
   return best;
 }
 
-std::vector<double> QuantitySet::values(const QuantityState& at) const {
+std::vector<double> QuantitySet::values(const QuantityState& state) const {
+  QuantityState at = state;
+  at.stresses = std::make_shared<StressLookup>(at.model.scene(), at.model.mesh());
   std::vector<ExtremeRequest> requests;
   for (const Resolved& one : *resolved_)
     if (one.is_along_members()) ask_for_extremes(at, one.asked, one.members, one.field, one.numbers[0], requests);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/quantities/quantity.hpp"
+#include "discretization/quantities/stress_lookup.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/expression.hpp"
 
@@ -25,7 +26,10 @@ struct QuantityState {
   int first_member = 0;
   std::size_t first_support = 0;
   std::string prefix_of_points{};
+  std::shared_ptr<StressLookup> stresses{};  ///< made by QuantitySet::values()
 };
+
+class QuantityPlaces;
 
 class QuantitySet {
  public:
@@ -53,6 +57,9 @@ class QuantitySet {
  private:
   struct Resolved;
   void resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const InputPlace& place);
+  static void find_in_members(const Quantity& quantity, const QuantityPlaces& found, const InputPlace& place,
+                              Resolved& one);
+  static void require_stresses(const Scene& scene, const InputPlace& place, Resolved& one);
   static void find_places(const Quantity& quantity, const Scene& scene, const InputPlace& place, Resolved& one);
   void add_formula(const Quantity& quantity, std::size_t index, const InputPlace& place);
   void add_columns(const Quantity& quantity, std::size_t index, const std::string& place);

@@ -42,7 +42,7 @@ TEST_P(Gallery, RunsAndReproducesItsValues) {
       run_process(program("mixbeam"),
                   {"run", scene.string(), "--quiet", "--threads", "1", "--output", folder.path().string()}, folder);
   EXPECT_EQ(ended.exit_code, 0) << ended.out << ended.err;
-  EXPECT_TRUE(fs::exists(folder / (scene.stem().string() + ".h5")));
+  EXPECT_FALSE(files_in(folder.path(), ".h5").empty());  // one for each load case, where there are some
   if (text_of(scene).find("\"Expected\"") != std::string::npos) expect_in(ended.out, {"checks passed"});
 }
 

@@ -1,5 +1,6 @@
 /// Quantities of solved structures: against closed forms, and extremes against 1e5 points of the same fields.
 #include "discretization/quantities/quantity_set.hpp"
+#include "discretization/scene/section_shape.hpp"
 #include "tests/support/solve.hpp"
 #include "tests/support/text.hpp"
 
@@ -183,6 +184,28 @@ TEST(Quantities, PatternsMeanEachOrOneOfAll) {
   EXPECT_EQ(at["least"], std::min(first, second));
   EXPECT_EQ(at["M[leg 3@50%].2"], beam.sample("leg 3", 0.5).moment[1]);
   EXPECT_EQ(at.count("M[leg 3@50%].3"), 1U);
+}
+
+TEST(Quantities, StressesAreThoseOfTheForces) {  // cantilever of square section: 6 M / a^3 at the clamp, below it N / A
+  SectionShape square;
+  square.kind = SectionShapeKind::rectangle;
+  square.size2 = square.size3 = 0.1;
+  square.youngs_modulus = 1e9;
+  square.strength = 1e6;
+  Scene scene = cantilever(make_section("square", square), 1.0, 3, 4);
+  scene.members[0].section = "square";
+  scene.point_loads = {dead_load("tip", {0, -1.0, 0})};
+  const Simulation bent = solved(scene);
+  Numbers at = numbers_of({quantity("s", "normal stress", {{"Member", "*"}, {"Take", "largest size"}}),
+                           quantity("v", "von Mises stress", {{"Point", "beam@0%"}}),
+                           quantity("u", "utilisation", {{"Member", "beam"}, {"Take", "largest"}})},
+                          bent);
+  EXPECT_NEAR(std::abs(at["s"]), 6.0 / 1e-3, 1e-4 * 6e3);  // the arm is shorter by the deflection squared
+  EXPECT_EQ(at["s.arc_length"], 0.0);
+  EXPECT_NEAR(at["v"], 6e3, 1e-4 * 6e3);
+  EXPECT_NEAR(at["u"], 6e-3, 1e-4 * 6e-3);
+  const Quantity stress = quantity("s", "von Mises stress", {{"Member", "*"}, {"Take", "largest"}});
+  expect_in(refusal({stress}, slope_discontinuity(2, 2)), {"/ s / Member", "known shape", "\"Shape\""});
 }
 
 TEST(Quantities, NamesThatMatchNothingAreRefused) {
