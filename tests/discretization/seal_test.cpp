@@ -1,5 +1,6 @@
 /// Damage of every kind is seen: flipped bits, zeroed and stale pages, cut files, and what is not damaged is read.
 #include "discretization/results/guarded_file.hpp"
+#include "discretization/results/published_file.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
@@ -7,12 +8,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <random>
+#include <thread>
 
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -304,6 +307,18 @@ TEST_F(Seals, ATableThatDoesNotFitLeavesTheEarlierOne) {
   EXPECT_EQ(WEXITSTATUS(status), 2);
   EXPECT_EQ(read(), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST(SyncBudget, GuessesByBytesUntilItKnows) {
+  constexpr std::uint64_t kGigabyte = 1'000'000'000;
+  SyncBudget budget(false);
+  EXPECT_FALSE(budget.affords(0)) << "nothing was computed yet";
+  EXPECT_TRUE(SyncBudget(true).affords(kGigabyte)) << "every step waits";
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  EXPECT_TRUE(budget.affords(0));
+  EXPECT_FALSE(budget.affords(kGigabyte)) << "seconds, after half a one";
+  budget.spend([] {});
+  EXPECT_TRUE(budget.affords(kGigabyte)) << "on a disk that takes no time";
 }
 
 TEST(RunningSum, OfPiecesIsThatOfTheWhole) {
