@@ -2,6 +2,7 @@
 
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/mixbeam/text_of.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
@@ -36,23 +37,31 @@ bool stays(const MonitoredQuantity& displacement) {
   return displacement.components == std::vector<double>(displacement.components.size(), 0.0);
 }
 
+/// `scale`: what the quantity would be where the structure is bent by an angle of one.
 struct NamedError {
   const char* name;
   const RecordedError& error;
+  double scale;
 };
 
-std::vector<NamedError> named(const RecordedErrorEstimate& estimate) {
-  return {{"displacement, any vertex", estimate.largest_displacement},
-          {"displacement, root mean square", estimate.displacement},
-          {"section moments, root mean square", estimate.moment},
-          {"strain energy", estimate.energy}};
+std::vector<NamedError> named(const RecordedErrorEstimate& estimate, double length, double bending) {
+  return {{"displacement, any vertex", estimate.largest_displacement, length},
+          {"displacement, root mean square", estimate.displacement, length},
+          {"section moments, root mean square", estimate.moment, bending / length},
+          {"strain energy", estimate.energy, bending / length}};
 }
 
-/// At most one: a quantity whose size is rounding has no digit to lose.
-double relative(const RecordedError& error) {
+/// Loads that strain a beam by less lose their digits: such a quantity is zero.
+constexpr double kRoundingOfSize = 1e-12;
+
+/// At most one; NaN of a quantity whose size is rounding, which has no digit to lose.
+double relative(const RecordedError& error, double scale) {
   const double size = std::max(error.size, std::abs(error.error));
-  return size > 0.0 ? std::abs(error.error) / size : 0.0;
+  return size > kRoundingOfSize * scale ? std::abs(error.error) / size : std::numeric_limits<double>::quiet_NaN();
 }
+
+/// Beyond this share of the largest displacement an estimated error is worth a warning.
+constexpr double kLargeError = 0.01;
 
 double length_of(const MonitoredQuantity& vector) {
   return std::hypot(vector.components[0], vector.components[1], vector.components[2]);
@@ -79,6 +88,12 @@ double balance_tolerance(double elements) {
 }
 
 RunReport::RunReport(const QuantitySet* quantities, const Scene& scene) : quantities_(quantities) {
+  vector_algebra::Box box;
+  for (const Point& point : scene.points) box.enclose(point.position);
+  if (scene.points.size() > 1) length_ = box.diagonal();
+  for (const Section& section : scene.sections)
+    for (const double bending : section.bending_stiffness)
+      bending_ = bending_ > 0.0 ? std::min(bending_, bending) : bending;
   if (quantities == nullptr || quantities->empty()) return;
   followed_.resize(quantities->columns().size());
   for (const Member& member : scene.members) member_names_.push_back(member.name);
@@ -171,11 +186,19 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
   const RecordedErrorEstimate& estimate = *last_.error_estimate;
   EstimatedErrors errors{run, estimate.not_estimated, {}};
   if (estimate.not_estimated.empty()) {
-    for (const NamedError& quantity : named(estimate))
-      errors.quantities.push_back({quantity.name, quantity.error.error, relative(quantity.error)});
+    for (const NamedError& quantity : named(estimate, length_, bending_))
+      errors.quantities.push_back({quantity.name, quantity.error.error, relative(quantity.error, quantity.scale)});
+    const double large = errors.quantities.front().relative;
+    if (large > kLargeError) {
+      const std::string warning =
+          run + text_of(": the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
+          "more \"Elements\", a higher \"Order\", or \"Accuracy\" in the scene";
+      app.summary.warnings.push_back(warning);
+      app.out() << "warning: " << warning << "\n";
+    }
     for (const MonitoredQuantity& point : estimate.points) {
       const RecordedError error{length_of(point), estimate.largest_displacement.size};
-      errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error)});
+      errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error, length_)});
     }
   }
   app.summary.estimated_errors.push_back(errors);
@@ -196,8 +219,11 @@ void RunReport::print_errors(std::ostream& out) const {
     return;
   }
   out << text_of("  %-36s %9s %9s\n", "estimated discretization error", "absolute", "relative");
-  for (const NamedError& quantity : named(*last_.error_estimate))
-    out << text_of("    %-34s %9.1e %9.1e\n", quantity.name, std::abs(quantity.error.error), relative(quantity.error));
+  for (const NamedError& quantity : named(*last_.error_estimate, length_, bending_)) {
+    const double share = relative(quantity.error, quantity.scale);
+    out << text_of("    %-34s %9.1e %9s\n", quantity.name, std::abs(quantity.error.error),
+                   std::isnan(share) ? "-" : text_of("%.1e", share).c_str());
+  }
 }
 
 /// "beam at s = 1.25, behind a vertex" of an extreme along members; empty for others.
@@ -244,6 +270,31 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
   }
 }
 
+/// Of many supports those with the largest forces, and the sum of all.
+void RunReport::print_reactions(std::ostream& out) const {
+  std::vector<RecordedReaction> shown = last_.reactions;
+  const auto size = [](const RecordedReaction& r) { return vector_algebra::norm(r.force); };
+  if (shown.empty()) return;
+  if (shown.size() > kMostLines) {
+    RecordedReaction sum{"all " + std::to_string(shown.size()) + " together"};
+    for (const RecordedReaction& reaction : shown) sum.force = vector_algebra::sum(sum.force, reaction.force);
+    std::stable_sort(shown.begin(), shown.end(), [&](const auto& a, const auto& b) { return size(a) > size(b); });
+    shown.resize(kMostLines - 1);
+    shown.push_back(sum);
+  }
+  out << text_of("  %-24s %18s %18s %18s   moment x, y, z\n", "reaction at", "force x", "y", "z");
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const RecordedReaction& reaction = shown[i];
+    out << text_of("  %-24.60s %18.10g %18.10g %18.10g", reaction.point.c_str(), reaction.force[0], reaction.force[1],
+                   reaction.force[2]);
+    const bool is_sum = shown.size() < last_.reactions.size() && i + 1 == shown.size();
+    if (!is_sum) out << text_of("   %.10g, %.10g, %.10g", reaction.moment[0], reaction.moment[1], reaction.moment[2]);
+    out << "\n";
+  }
+  if (last_.reactions.size() > kMostLines)
+    out << "  ... and " << last_.reactions.size() - shown.size() + 1 << " smaller ones in the files\n";
+}
+
 void RunReport::print(std::ostream& out) const {
   print_buckling(out);
   print_critical_points(out);
@@ -257,15 +308,7 @@ void RunReport::print(std::ostream& out) const {
     out << text_of("  %-24.60s %18.10g %18.10g %18.10g\n", point.c_str(), u[0], u[1], u[2]);
   }
   print_left_out(out, points);
-  if (!last_.reactions.empty())
-    out << text_of("  %-24s %18s %18s %18s   moment x, y, z\n", "reaction at", "force x", "y", "z");
-  for (std::size_t i = 0; i < std::min(last_.reactions.size(), kMostLines); ++i) {
-    const RecordedReaction& reaction = last_.reactions[i];
-    out << text_of("  %-24.60s %18.10g %18.10g %18.10g   %.10g, %.10g, %.10g\n", reaction.point.c_str(),
-                   reaction.force[0], reaction.force[1], reaction.force[2], reaction.moment[0], reaction.moment[1],
-                   reaction.moment[2]);
-  }
-  print_left_out(out, last_.reactions.size());
+  print_reactions(out);
   out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
                  last_.moment_energy);
   print_quantities(out);

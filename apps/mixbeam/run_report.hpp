@@ -37,8 +37,8 @@ class RunReport {
   /// Adds what stresses and strains of the last step warn of to the summary of the run.
   void add_stresses(Application& app, const std::string& run) const;
 
-  /// Displacements of points and reactions of supports in the last step (a few of them), energies, quantities, stresses,
-  /// estimated errors, balance.
+  /// Displacements of points and reactions of supports in the last step (a few of them), energies, quantities,
+  /// stresses, estimated errors, balance.
   void print(std::ostream& out) const;
 
  private:
@@ -46,6 +46,7 @@ class RunReport {
   void print_critical_points(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
   void print_quantities(std::ostream& out) const;
+  void print_reactions(std::ostream& out) const;
   void follow(int step, double load_factor, const double* values);
   std::string place_of(std::size_t column) const;
 
@@ -55,6 +56,7 @@ class RunReport {
     double at_size = 0.0, load_factor_of_size = 0.0;
     int step_of_size = 0;
   };
+  double length_ = 1.0, bending_ = 0.0;  ///< of the structure; smallest EI: scales of what counts as zero
   const QuantitySet* quantities_ = nullptr;
   std::vector<std::string> member_names_{};
   std::vector<Followed> followed_{};             ///< (column of the set)
