@@ -89,7 +89,8 @@ const std::map<std::string, const char*>& texts() {
        "  --members PATTERN    these members only\n"
        "  --scale FACTOR       of displacements\n"
        "  --moments SIDE       on which bending moments stand: tension, compression or left\n"
-       "  --along PATTERN      one diagram over members in a row\n\n"},
+       "  --along PATTERN      one diagram over members in a row\n"
+       "  --curve Y X          one followed number over another: force:wall.x tip.z\n\n"},
   };
   return all;
 }

@@ -45,6 +45,29 @@ def load_displacement_figure(view):
     return canvas
 
 
+def curve_figure(view, ordinate, abscissa):
+    """One followed number over another, dashed where the equilibrium is not known to be stable."""
+    run = view.run
+    canvas, axes = style.figure(6.4, 4.6)
+    labels = []
+    values = [run.series(name) for name in (ordinate, abscissa)]
+    for name, series in zip((ordinate, abscissa), values):
+        exponent = fields.power_of_ten(np.nanmax(np.abs(series), initial=0.0))
+        series /= 10.0 ** exponent
+        labels.append(f"{name} {fields.times(exponent)}".strip() if exponent else name)
+    y, x = values
+    stable = [step.stable for step in run.steps]
+    for first, last in _runs(stable):
+        axes.plot(x[first:last + 1], y[first:last + 1], color=style.BLUE, linestyle=NOT_STABLE.get(stable[first], "solid"),
+                  gid=f"piece {stable[first]}")
+    axes.plot(x, y, linestyle="none", marker="o", markersize=3.5, color=style.BLUE, gid="steps")
+    axes.set(xlabel=labels[1], ylabel=labels[0])
+    axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    axes.axvline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
+    canvas.suptitle(f"{run.scene_name[:60]}: {ordinate} over {abscissa}{_end(view)}", fontsize=13)
+    return canvas
+
+
 def _end(view):
     """What there is to say of the last state, unless it is stable."""
     stable = view.run.steps[-1].stable

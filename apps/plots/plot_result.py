@@ -10,6 +10,7 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
          "diagrams": "the same drawn on the structure",
          "along": "with --along: N, Q2, Q3, T, M2, M3 of members in a row over their running length",
+         "curve": "with --curve: one followed number over another",
          "load_path": "monitored quantities over the load factor; with critical points: load factor over them",
          "critical_modes": "structure and mode at limit points and bifurcations",
          "iterations": "Newton iterations and residuals",
@@ -51,6 +52,9 @@ def _options():
     parser.add_argument("--moments", choices=("tension", "compression", "left"), default="tension",
                         help="side on which diagrams of bending moments stand (default: tension)")
     parser.add_argument("--along", nargs="+", metavar="PATTERN", help="one diagram along these members, which form a path")
+    parser.add_argument("--curve", nargs=2, metavar=("ORDINATE", "ABSCISSA"),
+                        help="one followed number over another: names of Quantities, POINT.z of a followed point, "
+                             "force:POINT.x, moment:, rotation:, load_factor")
     parser.add_argument("--dots", type=int, metavar="N", help="dots per inch of a PNG")
     words = sys.argv[1:]
     for i, word in enumerate(words[:-1]):  # a negative azimuth is no option
@@ -76,6 +80,8 @@ def _draw(options, style):
         raise InputError(f"--scale {options.scale:g}: allowed are numbers from 0 on; 1 is the true scale")
     if options.picture and "along" in options.picture and not options.along:
         raise InputError("--picture along: needs --along with the names of members")
+    if options.picture and "curve" in options.picture and not options.curve:
+        raise InputError("--picture curve: needs --curve with two names")
     if options.dots:
         style.plt.rcParams["savefig.dpi"] = options.dots
     with Run(options.result, options.case, options.members) as run:
@@ -85,7 +91,8 @@ def _draw(options, style):
         stem = run.path.stem
         look = Look(options.view, options.scale, options.moments)
         view = View(run, chosen, look)
-        every = ["along"] if options.along else [kind for kind in KINDS if kind != "along"]
+        wanted = [kind for kind in ("along", "curve") if getattr(options, kind)]
+        every = wanted or [kind for kind in KINDS if kind not in ("along", "curve")]
         for kind in options.picture or every:
             for name, canvas in _figures(kind, run, view, chosen, options):
                 yield from style.save_all(canvas, folder / f"{stem}_{name}", formats)
@@ -114,6 +121,8 @@ def _figures(kind, run, view, chosen, options):
         points = run.critical_points()
         if points:
             yield kind, critical_figures.modes_figure(view, points)
+    elif kind == "curve":
+        yield kind, path_figures.curve_figure(view, *options.curve)
     elif kind == "iterations":
         yield kind, path_figures.iteration_figure(view)
     elif len(run.steps) > 1 and kind == "load_path":

@@ -302,10 +302,32 @@ class Run:
     def monitor(self):
         """The monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
         group = self._file.get("monitor", {})
-        series = {name: group[name][:] for name in group}
-        asked = series.pop("quantities", None)
+        return {name: group[name][:] for name in group if name != "quantities"}
+
+    def quantities(self):
+        """What the list Quantities of the scene asks for, over the steps: {name: (steps,)}."""
+        asked = self._file.get("monitor/quantities")
         names = _text(self._file["quantities"][()]).split("\n") if asked is not None else []
-        return {**series, **{name: asked[:, i] for i, name in enumerate(names) if name}}
+        return {name: asked[:, i] for i, name in enumerate(names) if name}
+
+    def series(self, name):
+        """Over the steps: a quantity, a time series of the run, or [force:|moment:|rotation:]POINT.x, .y, .z, .norm
+        (without a word before it: the displacement)."""
+        known = {**self.monitor(), **self.quantities()}
+        if name in known and known[name].ndim == 1:
+            return known[name]
+        point, _, component = name.rpartition(".")
+        kind, colon, rest = point.partition(":")
+        kinds = {"force": "reaction_force", "moment": "reaction_moment", "rotation": "rotation"}
+        of_point = f"{rest}.{kinds.get(kind, kind)}" if colon else f"{point}.displacement"
+        for vector in (point, of_point):
+            if vector in known and known[vector].ndim == 2 and component in ("x", "y", "z", "norm"):
+                values = known[vector]
+                return np.linalg.norm(values, axis=1) if component == "norm" else values[:, "xyz".index(component)]
+        names = [other for other in known if known[other].ndim == 1]
+        names += [f"{other}.{axis}" for other in known if known[other].ndim == 2 for axis in "xyz"]
+        near = difflib.get_close_matches(name, names, 4, 0.0)
+        raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
 
 
 def _column_of(dataset):

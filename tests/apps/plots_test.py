@@ -22,6 +22,7 @@ import numpy as np  # noqa: E402
 import along_figures  # noqa: E402
 import diagram_figures  # noqa: E402
 import fields  # noqa: E402
+import path_figures  # noqa: E402
 import shape_figures  # noqa: E402
 from results import InputError, Run  # noqa: E402
 from scene_marks import Marks, kind_of_support  # noqa: E402
@@ -289,6 +290,19 @@ class Plots(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "no path"):
             along_figures.along_figure(wheel_view, wheel_step, ["*"])
 
+    def test_curve(self):
+        view, _ = self.view("portal")
+        figure = path_figures.curve_figure(view, "force:a.x", "b.norm")
+        line, = named(figure, "steps")
+        monitor = view.run.monitor()
+        np.testing.assert_allclose(line.get_ydata() * np.abs(monitor["a.reaction_force"][-1, 0] / line.get_ydata()[-1]),
+                                   monitor["a.reaction_force"][:, 0], rtol=1e-12)  # up to a power of ten
+        np.testing.assert_array_equal(np.sign(line.get_xdata()), (0.0, 1.0))
+        self.assertTrue(figure.axes[0].get_ylabel().startswith("force:a.x"))
+        self.assertEqual(view.run.series("load_factor").tolist(), [0.0, 1.0])
+        with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
+            path_figures.curve_figure(view, "load_factor", "bb.x")
+
     def test_command_line(self):
         def plot(*options):
             return subprocess.run([PROGRAM, "plot", "portal.h5", "--format", "svg", *options], cwd=self.folder.name,
@@ -301,7 +315,7 @@ class Plots(unittest.TestCase):
         self.assertEqual(ended.returncode, 0, ended.stderr)
         self.assertIn("portal_along.svg", ended.stdout)
         for options, word in ((("--scale", "-1"), "--scale"), (("--picture", "along"), "--along"), (("--view", "top"), "--view"),
-                              (("--moments", "up"), "--moments"), (("--along", "dek"), "deck 1")):
+                              (("--moments", "up"), "--moments"), (("--along", "dek"), "deck 1"), (("--picture", "curve"), "--curve")):
             ended = plot(*options)
             self.assertEqual(ended.returncode, 2, ended.stdout)
             self.assertIn(word, ended.stderr)
