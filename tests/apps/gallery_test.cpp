@@ -83,8 +83,10 @@ TEST(Documentation, ItsScenesAreAccepted) {
     for (const std::string& scene : whole_scenes(text_of(page))) {
       const fs::path file = folder / "scene.xml";
       write_text(file, scene);
-      const Ended ended = run_process(program("mixbeam"), {"check", file.string()}, folder);
+      const Ended ended =
+          run_process(program("mixbeam"), {"run", file.string(), "--quiet", "--output", folder.path().string()}, folder);
       EXPECT_EQ(ended.exit_code, 0) << page << "\n" << ended.out << ended.err << scene;
+      EXPECT_NE(ended.out.find("stable: true"), std::string::npos) << page << "\n" << ended.out << scene;
       ++checked;
     }
   }
