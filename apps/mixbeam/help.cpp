@@ -19,6 +19,7 @@ const char* const kProgram =
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
     "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
     "  plot RESULTS.h5     draws pictures of results\n"
+    "  report RESULTS.h5   writes one HTML page about a run\n"
     "  verify RESULTS.h5   checks that a result file is what was written\n\n"
     "mixbeam COMMAND --help tells more; mixbeam --version prints the version.\n\n";
 
@@ -91,6 +92,10 @@ const std::map<std::string, const char*>& texts() {
        "  --moments SIDE       on which bending moments stand: tension, compression or left\n"
        "  --along PATTERN      one diagram over members in a row\n"
        "  --curve Y X          one followed number over another: force:wall.x tip.z\n\n"},
+      {"report",
+       "usage: mixbeam report RESULTS.h5 [--output FILE.html] [--summary SUMMARY.json]\n\n"
+       "Writes one HTML page about a run, to attach to a project: result, stability, critical points, quantities,\n"
+       "reactions, stresses, structure, pictures, versions, the scene. Needs Python with matplotlib and h5py.\n\n"},
   };
   return all;
 }

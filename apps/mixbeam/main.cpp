@@ -18,7 +18,8 @@ using Command = int (*)(const Arguments&);
 
 const std::map<std::string, Command> kCommands = {
     {"run", run_command},       {"batch", batch_command}, {"check", check_command},  {"parameters", parameters_command},
-    {"resume", resume_command}, {"plot", plot_command},   {"verify", verify_command}};
+    {"resume", resume_command}, {"plot", plot_command},   {"verify", verify_command},
+    {"report", report_command}};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;
@@ -49,7 +50,7 @@ int dispatch(const std::vector<const char*>& words) {
   }
   const Arguments arguments{{words.begin() + 1, words.end()}};
   const auto asks_for_help = [](const char* argument) { return std::string(argument) == "--help"; };
-  const bool own_help = word != "plot" || words.size() < 4;
+  const bool own_help = (word != "plot" && word != "report") || words.size() < 4;
   if (own_help && std::any_of(words.begin(), words.end(), asks_for_help)) {
     std::cout << help_text(word);
     return 0;

@@ -54,13 +54,17 @@ std::string suitable_python() {
 
 }  // namespace
 
-int plot_command(const Arguments& arguments) {
-  if (arguments.count() < 2) throw InputError("a result file is missing: mixbeam plot RESULTS.h5");
+namespace {
+
+/// Runs a script of the folder plots beside the program on the result files among the arguments, once they are whole.
+int run_script(const Arguments& arguments, const std::string& name) {
+  if (arguments.count() < 2)
+    throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] + " RESULTS.h5");
   for (const char* argument : arguments.values)
     if (std::filesystem::path(argument).extension() == ".h5" && std::filesystem::exists(argument))
       require_whole(argument);
   const std::filesystem::path script =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / "plot_result.py";
+      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
   std::vector<std::string> words = {suitable_python(), script.string()};
   words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());
@@ -69,5 +73,11 @@ int plot_command(const Arguments& arguments) {
   const int code = exit_code_of(words, false);
   return code == 0 ? 0 : kInputErrorExitCode;
 }
+
+}  // namespace
+
+int plot_command(const Arguments& arguments) { return run_script(arguments, "plot_result.py"); }
+
+int report_command(const Arguments& arguments) { return run_script(arguments, "report.py"); }
 
 }  // namespace mixbeam

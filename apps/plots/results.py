@@ -329,6 +329,20 @@ class Run:
         near = difflib.get_close_matches(name, names, 4, 0.0)
         raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
 
+    def properties(self):
+        """Program, machine, threads, ...: {name: text}, with the version."""
+        words = {name: _text(value) for name, value in self._file["properties"].attrs.items()}
+        return {**words, "version": _text(self._file["version"][()])}
+
+    def supported_points(self):
+        """Names, in the order of the rows of reactions."""
+        group = self._file.get("supports", {})
+        return [_text(group[str(i)].attrs["point"]) for i in range(len(group))]
+
+    def scene_text(self):
+        """The input of the run, word for word."""
+        return _text(self._file["scene"][()])
+
 
 def _column_of(dataset):
     """Numbers, or the lines of a text, each of which ends in a new line."""

@@ -303,6 +303,27 @@ class Plots(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
             path_figures.curve_figure(view, "load_factor", "bb.x")
 
+    def test_report(self):
+        evil = "<script>alert(1)</script>"
+        text = cantilever("{0, -1, 0}").replace('"b"', f'"{evil.replace("<", "&lt;")}"')
+        folder = Path(self.folder.name)
+        (folder / "evil.xml").write_text(text)
+        for command in (("run", "evil.xml", "--output", ".", "--quiet", "--summary", "sum.json"),
+                        ("report", "evil.h5", "--summary", "sum.json")):
+            ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        page = (folder / "evil.html").read_text()
+        self.assertNotIn(evil, page)  # names are data
+        self.assertIn("&lt;script&gt;alert(1)&lt;/script&gt;", page)
+        self.assertNotIn("http", page.split("<details>")[0])  # nothing is fetched
+        self.assertLess(len(page), 2e6)
+        tip = Run(folder / "evil.h5").monitor()[f"{evil}.displacement"][-1, 1]
+        for words in (f"{tip:.6g}", "is stable", "loads and reactions", "data:image/png;base64,", "</html>"):
+            self.assertIn(words, page)
+        ended = subprocess.run([PROGRAM, "report", "none.h5"], cwd=folder, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("none.h5", ended.stderr)
+
     def test_command_line(self):
         def plot(*options):
             return subprocess.run([PROGRAM, "plot", "portal.h5", "--format", "svg", *options], cwd=self.folder.name,

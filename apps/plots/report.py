@@ -1,0 +1,198 @@
+#!/usr/bin/python3
+"""One page about a run, to attach to a project: scene, loads, path, answers, pictures, versions. One HTML file without
+links to anything else."""
+
+import argparse
+import base64
+import html
+import io
+import json
+import sys
+from pathlib import Path
+
+BAD_INPUT = 2       # exit code, as of all programs of mixbeam
+MOST_ROWS = 40      # of a table; the result file has all
+DOTS_PER_INCH = 90  # of pictures, so that a page stays below 2 MB
+STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}"
+         "table{border-collapse:collapse;margin:.6em 0}td,th{padding:.15em .8em .15em 0;text-align:right;border-bottom:1px "
+         "solid #ddd}td:first-child,th:first-child{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
+         "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}")
+
+
+class Page:
+    """HTML from plain text: what comes from a scene is data, never markup. The only writer of pages."""
+
+    def __init__(self, title):
+        self._parts = [f"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{html.escape(title)}</title>"
+                       f"<style>{STYLE}</style><h1>{html.escape(title)}</h1>"]
+
+    def heading(self, text):
+        self._parts.append(f"<h2>{html.escape(text)}</h2>")
+
+    def text(self, text, bad=False):
+        self._parts.append(f"<p{' class=bad' if bad else ''}>{html.escape(text)}</p>")
+
+    def table(self, head, rows):
+        """The first MOST_ROWS rows; numbers with six digits."""
+        cells = lambda tag, row: "".join(f"<{tag}>{html.escape(_cell(cell))}</{tag}>" for cell in row)
+        self._parts.append("<table><tr>" + cells("th", head) + "</tr>")
+        self._parts += ["<tr>" + cells("td", row) + "</tr>" for row in rows[:MOST_ROWS]]
+        self._parts.append("</table>")
+        if len(rows) > MOST_ROWS:
+            self.text(f"... and {len(rows) - MOST_ROWS} more in the result file.")
+
+    def picture(self, canvas, words, style):
+        data = io.BytesIO()
+        canvas.savefig(data, format="png", dpi=DOTS_PER_INCH)
+        style.plt.close(canvas)
+        code = base64.b64encode(data.getvalue()).decode()
+        self._parts.append(f"<p><img alt=\"{html.escape(words, quote=True)}\" src=\"data:image/png;base64,{code}\"></p>")
+
+    def folded(self, title, text):
+        self._parts.append(f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(text)}</pre></details>")
+
+    def write(self, path):
+        """Only whole pages appear under the name."""
+        unfinished = path.with_name(f".{path.name}.unfinished")
+        unfinished.write_text("\n".join(self._parts) + "\n</html>\n", encoding="utf-8")
+        unfinished.replace(path)
+
+
+def _cell(value):
+    return value if isinstance(value, str) else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("result", type=Path, help="result file (.h5)")
+    parser.add_argument("--output", type=Path, metavar="FILE.html", help="default: beside the result file")
+    parser.add_argument("--summary", type=Path, metavar="FILE.json", help="of mixbeam run --summary: adds its checks")
+    options = parser.parse_args()
+    try:
+        from results import InputError, Run
+    except ImportError as error:
+        return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
+    try:
+        with Run(options.result) as run:
+            page = Page(f"{run.scene_name}" + (f", load case {run.case}" if run.case else ""))
+            _write_answers(page, run)
+            _write_structure(page, run)
+            if options.summary:
+                _write_checks(page, json.loads(options.summary.read_text()))
+            _write_pictures(page, run)
+            page.heading("Input and versions")
+            page.table(("", ""), sorted(run.properties().items()))
+            page.folded("The scene, word for word", run.scene_text())
+            path = options.output or options.result.with_suffix(".html")
+            page.write(path)
+            print(path)
+    except (InputError, OSError, ValueError, KeyError) as error:
+        return _fail(str(error))
+    return 0
+
+
+def _write_answers(page, run):
+    last = run.steps[-1]
+    page.heading("Result")
+    words = {"true": "stable", "false": "NOT STABLE: a real structure does not stay there", "neutral": "neutral",
+             "unknown": "of unknown stability"}[last.stable]
+    page.text(f"{len(run.steps) - 1} load steps to load factor {last.load_factor:.6g}; the last state is {words}.",
+              bad=last.stable == "false")
+    points = run.critical_points()
+    if points:
+        page.table(("critical point", "load factor", "negative eigenvalues before", "after"),
+                   [(point.kind, point.load_factor, point.negative_before, point.negative_after) for point in points])
+    quantities = run.quantities()
+    members = [member.name for member in run.members]
+    shown = [name for name in quantities if name.rpartition(".")[2] not in ("member", "arc_length", "side") or
+             name.rpartition(".")[0] not in quantities]
+    if shown:
+        def place(name):
+            if f"{name}.member" not in quantities:
+                return ""
+            return f"{members[int(quantities[f'{name}.member'][-1])]} at s = {quantities[f'{name}.arc_length'][-1]:.4g}"
+
+        page.table(("quantity", "at the end", "smallest", "largest", "where, at the end"),
+                   [(name, float(quantities[name][-1]), float(quantities[name].min()), float(quantities[name].max()), place(name))
+                    for name in shown])
+    moved = [(name[:-len(".displacement")], *map(float, values[-1])) for name, values in run.monitor().items()
+             if name.endswith(".displacement") and values[-1].any()]
+    if moved:
+        page.table(("displacement of", "x", "y", "z"), moved)
+    _write_reactions(page, run, last)
+    _write_stresses(page, run, last)
+
+
+def _write_reactions(page, run, step):
+    points = run.supported_points()
+    rows = step.rows("reactions", slice(None))
+    table = [(point, *map(float, row)) for point, row in zip(points, rows)]
+    if len(table) > 1:
+        table.insert(0, ("all together", *map(float, rows[:, :3].sum(axis=0)), "", "", ""))
+    page.table(("reaction at", "force x", "y", "z", "moment x", "y", "z"), table)
+
+
+def _write_stresses(page, run, step):
+    import numpy as np
+
+    if not step.has("von_mises_stress"):
+        return
+    rows = []
+    for member in run.members:
+        stress = step.field("von_mises_stress", member)
+        if np.isfinite(stress).any():
+            at = int(np.nanargmax(stress))
+            rows.append((member.name, float(stress[at]), float(member.arc_length[at])))
+    if rows:
+        page.table(("most stressed member", "von Mises", "at s"), sorted(rows, key=lambda row: -row[1])[:5])
+
+
+def _write_structure(page, run):
+    page.heading("Structure")
+    low, high = run.reference().min(axis=0), run.reference().max(axis=0)
+    box = " to ".join("(" + ", ".join(f"{x:.6g}" for x in corner) + ")" for corner in (low, high))
+    units = ", units " + ", ".join(run.units) if run.units[0] else ""
+    page.text(f"{len(run.members)} members, {len(run.supported_points())} supports, box {box}{units}.")
+    page.table(("member", "elements", "length"),
+               [(member.name, len(member.vertices()) - 1, float(member.arc_length[-1])) for member in run.members[:MOST_ROWS + 1]])
+    for kind, words in (("point_loads", "point loads"), ("line_loads", "line loads"), ("joints", "joints")):
+        table = run.acting().get(kind, {})
+        count = max((len(column) for column in table.values()), default=0)
+        if count:
+            page.text(f"{count} {words}.")
+
+
+def _write_checks(page, summary):
+    page.heading("Checks")
+    page.table(("check", "value", "reference", "passed"),
+               [(check["name"], _cell(check.get("value", "")), _cell(check.get("reference", "")), "yes" if check["pass"] else "NO")
+                for check in summary.get("checks", [])])
+    for warning in summary.get("warnings", []):
+        page.text(f"warning: {warning}", bad=True)
+
+
+def _write_pictures(page, run):
+    import diagram_figures
+    import fields
+    import path_figures
+    import shape_figures
+    import style
+    from view import Look, View
+
+    page.heading("Pictures")
+    step = run.steps[-1]
+    view = View(run, [step], Look())
+    field = fields.FIELDS["von_mises" if step.has("von_mises_stress") else "bending"]
+    page.picture(shape_figures.shape_figure(view, step, field), "deformed and undeformed shape", style)
+    page.picture(diagram_figures.on_structure_figure(view, step), "section forces on the structure", style)
+    if len(run.steps) > 2:
+        page.picture(path_figures.load_displacement_figure(view), "load path", style)
+
+
+def _fail(text):
+    print(f"report.py: {text}", file=sys.stderr)
+    return BAD_INPUT
+
+
+if __name__ == "__main__":
+    sys.exit(main())
