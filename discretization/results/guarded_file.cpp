@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace mixbeam {
 
@@ -23,16 +24,15 @@ GuardedFile::Block& GuardedFile::block(std::uint64_t number) {
   const auto known = blocks_.find(number);
   if (known != blocks_.end()) return known->second;
   if ((blocks_.size() + 1) * seal_.block > kMostBytesHeld) make_room();
-  Block& block = blocks_[number];
+  Block block;  // held once it is complete: HDF5 asks again for what could not be read
   block.bytes.resize(seal_.block);
   const std::uint64_t first = number * seal_.block;
-  if (first >= written_) return block;
-  file_.read(first, block.bytes.data(), std::min(seal_.block, written_ - first));
-  if (checked_ && !seal_.holds(number, block.bytes.data())) {
-    blocks_.erase(number);
-    throw DamageError(text_of_damage(first, std::min(first + seal_.block, seal_.bytes)));
+  if (first < written_) {
+    file_.read(first, block.bytes.data(), std::min(seal_.block, written_ - first));
+    if (checked_ && !seal_.holds(number, block.bytes.data()))
+      throw DamageError(text_of_damage(first, std::min(first + seal_.block, seal_.bytes)));
   }
-  return block;
+  return blocks_.emplace(number, std::move(block)).first->second;
 }
 
 void GuardedFile::make_room() {

@@ -256,6 +256,17 @@ TEST_F(Seals, DamageThatIsMetWhileCopyingIsAnError) {
   EXPECT_GT(refused, blocks / 2) << "of " << blocks << "; the others hold what is not copied";
 }
 
+TEST_F(Seals, WhatCannotBeReadIsNeverTakenForZeros) {
+  write_run(file_, 3);
+  SealedFile file(file_);
+  fs::resize_file(file_, kPage);  // behind the back of whoever reads it
+  char byte = 0;
+  EXPECT_NO_THROW(file.content().read(10, &byte, 1));
+  for (int again = 0; again < 2; ++again) {
+    EXPECT_THROW(file.content().read(kPage + 10, &byte, 1), std::exception) << again;
+  }
+}
+
 TEST_F(Seals, FilesWithoutSealAreRefusedUnlessTheirFormatHasNone) {
   write_run(file_, 1);
   Bytes bytes = read();
