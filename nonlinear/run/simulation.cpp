@@ -16,6 +16,18 @@ namespace {
 /// as from rounding.
 constexpr double kModeAmplitude = 1e-5;
 
+/// A sample of a taper has a section of its own, whose fields are prepared for it alone.
+constexpr size_t kElementsOfTaper = 10;
+
+/// Elements as the stresses along them count.
+size_t elements_for_stresses(const Scene& scene, const Mesh& mesh) {
+  size_t count = 0;
+  for (size_t m = 0; m < mesh.members.size(); ++m)
+    count +=
+        static_cast<size_t>(mesh.members[m].elements) * (scene.members[m].end_section.empty() ? 1 : kElementsOfTaper);
+  return count;
+}
+
 RecordedStability recorded(const StepReport& report) {
   RecordedStability stability;
   if (report.stability) {
@@ -124,7 +136,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.state = share_of(model(), state_);
   record.point = report.point;
   record.members = sample_own_elements(scene(), model(), state_, points_per_element);
-  if (computes_stresses(parameters_.analysis, model().mesh().elements.size(), is_end_of_path(load_factor_)))
+  if (computes_stresses(parameters_.analysis, elements_for_stresses(scene(), model().mesh()),
+                        is_end_of_path(load_factor_)))
     record.stresses = sample_stresses(scene(), model().mesh(), model().map()->getComm(), record.members);
   record.reactions = reactions();
   const Balance sums = balance();
