@@ -178,7 +178,7 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
 
 void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns) {
   const std::string action = "append to time series " + name;
-  const bool exists = H5Lexists(group, name.c_str(), H5P_DEFAULT) > 0;
+  const bool exists = has_link(group, name);
   std::vector<hsize_t> shape{0};
   if (columns > 1) shape.push_back(columns);
   const Handle dataset = exists ? Handle(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action)
@@ -202,6 +202,12 @@ void append_rows(hid_t group, const std::string& name, const std::vector<double>
 
 void remove_link(hid_t parent, const std::string& name) {
   check(H5Ldelete(parent, name.c_str(), H5P_DEFAULT), "remove " + name);
+}
+
+bool has_link(hid_t group, const std::string& name) {
+  const htri_t exists = H5Lexists(group, name.c_str(), H5P_DEFAULT);
+  if (exists < 0) fail("look for " + name);
+  return exists > 0;
 }
 
 std::size_t count_links(hid_t group) {

@@ -12,7 +12,7 @@ void write_column(hid_t parent, const std::string& name, const std::vector<doubl
   const std::size_t slash = name.find('/');
   if (slash == std::string::npos) return hdf5::write_dataset(parent, name, values, 1);
   const std::string group_name = name.substr(0, slash);
-  const bool exists = H5Lexists(parent, group_name.c_str(), H5P_DEFAULT) > 0;
+  const bool exists = hdf5::has_link(parent, group_name);
   const hdf5::Handle group = exists ? hdf5::open_group(parent, group_name) : hdf5::create_group(parent, group_name);
   write_column(group, name.substr(slash + 1), values);
 }
