@@ -1,6 +1,7 @@
 /// Scenes whose stress-free geometry follows a buckling mode.
 #pragma once
 
+#include "discretization/mesh/communicator.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
