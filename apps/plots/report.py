@@ -96,7 +96,8 @@ def _write_answers(page, run):
     page.heading("Result")
     words = {"true": "stable", "false": "NOT STABLE: a real structure does not stay there", "neutral": "neutral",
              "unknown": "of unknown stability"}[last.stable]
-    page.text(f"{len(run.steps) - 1} load steps to load factor {last.load_factor:.6g}; the last state is {words}.",
+    count = len(run.steps) - 1
+    page.text(f"{count} load step{'s' * (count != 1)} to load factor {last.load_factor:.6g}; the last state is {words}.",
               bad=last.stable == "false")
     points = run.critical_points()
     if points:

@@ -1,12 +1,9 @@
 #include "apps/common/run/application.hpp"
 
 #include "apps/common/run/expected_quantity.hpp"
-#include "apps/common/run/followed_points.hpp"
-#include "apps/common/run/monitor_table.hpp"
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/session/progress.hpp"
 #include "apps/common/session/sleeping_threads.hpp"
-#include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 
@@ -45,11 +42,6 @@ long long work_of(const Scene& scene) {
   return work;
 }
 
-/// `results/scene_failure.txt` of `results/scene.h5`.
-std::filesystem::path failure_file_of(const std::filesystem::path& results) {
-  return results.parent_path() / (results.stem().string() + "_failure.txt");
-}
-
 /// System, release, processor and name of the machine.
 std::string machine() {
   utsname system{};
@@ -71,6 +63,14 @@ int Application::threads_for(const Scene& solved, const SolverParameters& parame
 
 std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
 
+std::ostream& Application::progress_out(const std::string& label) const {
+  return quiet || label.empty() ? nowhere() : out();
+}
+
+std::filesystem::path failure_file_of(const std::filesystem::path& results) {
+  return results.parent_path() / (results.stem().string() + "_failure.txt");
+}
+
 Simulation Application::walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                              const PathControl& control, const std::function<void(Simulation&)>& prepare,
                              const RunObserver& observer) {
@@ -80,7 +80,7 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
   if (prepare) prepare(simulation);
   const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
   const int steps_before = control.resume ? control.resume->step : 0;
-  Progress progress(quiet || label.empty() ? nowhere() : out(), name + " " + label, solved.stages,
+  Progress progress(progress_out(label), name + " " + label, solved.stages,
                     control.resume ? simulation.share_done() : 0.0);
   PathControl watched = control;
   watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
@@ -182,175 +182,6 @@ Simulation Application::solve_and_record(const Scene& solved, const SolverParame
   recording.points_per_element = points_per_element;
   recording.observer = observer;
   return record(solved, parameters, recording);
-}
-
-namespace {
-
-MonitorTable::Quantities quantity_columns(const QuantitySet* quantities, const Scene& scene) {
-  MonitorTable::Quantities columns;
-  if (quantities == nullptr) return columns;
-  columns.names = quantities->names();
-  for (const QuantitySet::Column& column : quantities->columns()) columns.is_member.push_back(column.is_member);
-  for (const Member& member : scene.members) columns.members.push_back(member.name);
-  return columns;
-}
-
-PathControl control_of(const Recording& recording) {
-  PathControl control;
-  control.stop = recording.stop;
-  if (recording.resume != nullptr && !recording.resume->steps().empty())
-    control.resume = recording.resume->steps().back();
-  return control;
-}
-
-}  // namespace
-
-/// The files of a run, and those who listen to it.
-class Application::Recorder {
- public:
-  Recorder(const Application& app, const Scene& scene, const SolverParameters& parameters, const Recording& recording)
-      : communicator_(app.communicator),
-        parameters_(parameters),
-        recording_(recording),
-        points_(followed_points(scene)) {
-    ResultHeader header = app.header(scene, recording.properties);
-    if (recording.quantities != nullptr) header.quantities = recording.quantities->names();
-    results_ = recording.resume != nullptr
-                   ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
-                   : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.writing);
-    if (app.writes_files()) {
-      std::error_code ignored;
-      std::filesystem::remove(failure_file_of(recording.file), ignored);  // of an earlier run
-      if (!recording.monitor.empty())
-        monitor_.emplace(recording.monitor, quantity_columns(recording.quantities, scene));
-    }
-    if (recording.resume != nullptr) for_monitor([&] { monitor_->add(*recording.resume); });
-  }
-
-  bool has_steps() const { return has_steps_; }
-  /// `estimate`: of the state, where it is known already.
-  void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
-    has_steps_ = true;
-    const StepRecord step = record(running, report, estimate);
-    results_->append_step(step);
-    for_monitor([&] { monitor_->add(step); });
-    if (recording_.record_observer) recording_.record_observer(step);
-    if (recording_.observer) recording_.observer(running, report);
-  }
-  StepRecord record(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate) const {
-    StepRecord step = running.record(report, recording_.points_per_element, points_);
-    follow_reactions(points_, step);
-    if (recording_.quantities != nullptr) follow_quantities(running, report, step);
-    if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
-      step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
-    if (estimate != nullptr)
-      step.error_estimate = running.record_error(*estimate, points_);
-    else if (running.is_end_of_path(running.load_factor()) &&
-             estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
-      step.error_estimate = running.record_error(running.estimate_error(), points_);
-    return step;
-  }
-  void close() {
-    results_->close();
-    for_monitor([&] { monitor_->close(); });
-  }
-
- private:
-  void follow_quantities(const Simulation& running, const StepReport& report, StepRecord& step) const {
-    step.monitored.push_back({kQuantitySeries, values_of(*recording_.quantities, running, step)});
-    for (std::size_t i = 0; i < step.critical_points.size(); ++i) {
-      const CriticalPoint& point = report.critical_points[i];
-      step.critical_points[i].monitored.push_back(
-          {kQuantitySeries, values_of(*recording_.quantities, running.at(point.state, point.load_factor))});
-    }
-  }
-
-  /// It belongs to rank 0, where it may fail: then no rank goes on.
-  void for_monitor(const std::function<void()>& action) const {
-    const std::string problem = first_problem(*communicator_, [&] {
-      if (monitor_) action();
-    });
-    if (!problem.empty())
-      throw ResultFileError(problem + " (the steps so far are in " + recording_.file.string() + ")");
-  }
-
-  Communicator communicator_;
-  const SolverParameters& parameters_;
-  const Recording& recording_;
-  std::vector<std::string> points_;
-  std::unique_ptr<ResultFile> results_;
-  std::optional<MonitorTable> monitor_;
-  bool has_steps_ = false;
-};
-
-std::optional<StoredRun> Application::completed_series(const Scene& solved, const SolverParameters& parameters,
-                                                       const Recording& recording) const {
-  const StoredRun* const run = recording.resume;
-  if (run == nullptr || run->has_all_series()) return {};
-  SolverParameters chosen = parameters;
-  chosen.threads = threads_for(solved, parameters);
-  Simulation simulation(solved, chosen, communicator);
-  return with_all_series(*run, solved, recording.quantities, simulation);
-}
-
-Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& wanted) {
-  require_memory(*this, solved, parameters);
-  require_disk(*this, solved, parameters, wanted.file);
-  const std::optional<StoredRun> completed = completed_series(solved, parameters, wanted);
-  Recording recording = wanted;
-  if (completed) recording.resume = &*completed;
-  Recorder recorder(*this, solved, parameters, recording);
-  const auto prepare = [&](Simulation& simulation) {
-    if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
-  };
-  Simulation simulation =
-      walk(solved, parameters, recording.file.stem().string(), control_of(recording), prepare,
-           [&](const Simulation& running, const StepReport& report) { recorder.keep(running, report); });
-  if (!recorder.has_steps() && recording.record_observer)  // resumed at the end of its path
-    recording.record_observer(recorder.record(simulation, {}, nullptr));
-  recorder.close();
-  if (simulation.result().finished || simulation.result().interrupted) return simulation;
-  give_up(simulation, recording.file.stem().string(),
-          "The last converged state is the last step in " + recording.file.string() + ".", recording.file);
-}
-
-AccurateRun Application::record_accurately(const Scene& solved, const SolverParameters& parameters,
-                                           const Recording& recording, bool keeps_path) {
-  const std::string label = recording.file.stem().string();
-  std::optional<Recorder> recorder;
-  std::optional<Progress> progress;
-  AccurateRunObserver observer;
-  observer.begin = [&](const Simulation& running) {
-    recorder.reset();  // removes the hidden copy of the file
-    recorder.emplace(*this, running.scene(), parameters, recording);
-    progress.emplace(quiet ? nowhere() : out(), name + " " + label, solved.stages, 0.0);
-    if (recording.restart) recording.restart();
-  };
-  observer.step = [&](const Simulation& running, const StepReport& report) {
-    progress->report(report, running.share_done());
-    recorder->keep(running, report);
-  };
-  observer.end = [&](const Simulation& running, const StepReport& report, const ErrorEstimate& estimate) {
-    progress->report(report, running.share_done());
-    recorder->keep(running, report, &estimate);
-  };
-  observer.stop = recording.stop;
-  observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
-  observer.threads = [&](const Scene& on_mesh) {
-    require_memory(*this, on_mesh, parameters);
-    require_disk(*this, on_mesh, parameters, recording.file);
-    return threads_for(on_mesh, parameters);
-  };
-  AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
-  recorder->close();
-  for (const MeshRound& round : run.rounds) {
-    summary.load_steps += round.steps;
-    summary.newton_iterations += round.iterations;
-  }
-  for (const auto& [phase, seconds] : run.simulation.times()) summary.seconds[phase] += seconds;
-  if (run.simulation.result().finished || run.simulation.result().interrupted) return run;
-  give_up(run.simulation, label, "The last converged state is the last step in " + recording.file.string() + ".",
-          recording.file);
 }
 
 ResultHeader Application::header(const Scene& solved, const std::map<std::string, std::string>& properties) const {

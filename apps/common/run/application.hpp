@@ -37,6 +37,9 @@ struct Recording {
   WritingOptions writing{};
 };
 
+/// `results/scene_failure.txt` of `results/scene.h5`.
+std::filesystem::path failure_file_of(const std::filesystem::path& results);
+
 /// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and
 /// files are written only where `writes_files()`.
 class Application {
@@ -56,6 +59,8 @@ class Application {
   Communicator communicator;
 
   std::ostream& out() const;
+  /// Where progress lines of a run go: nowhere if the user or an empty label says so.
+  std::ostream& progress_out(const std::string& label) const;
   bool writes_files() const { return communicator->getRank() == 0; }
   /// Parameters of the list "Study", validated against the application's own declaration.
   Teuchos::ParameterList& study() { return xml.list->sublist("Study"); }
