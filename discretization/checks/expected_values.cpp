@@ -132,6 +132,8 @@ ExpectedValue read_one(const BoundList<ExpectedValue>& parameters, const Teuchos
   expected.is_asked = contains(asked, expected.quantity);
   check_quantity(parameters.spec.find_parameter("Quantity")->choices, asked, expected, place);
   check_description(list, expected, place);
+  if (expected.source.empty())
+    throw place["Source"].error("value \"\"; allowed: where the value comes from (paper and table, formula, program)");
   if (expected.critical_point && expected.load_factor)
     throw place["Load Factor"].error(R"(given besides "Critical Point", which has its own; allowed: one of them)");
   if (expected.quantity == kStableName) {

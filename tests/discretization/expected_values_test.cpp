@@ -64,6 +64,7 @@ TEST(ExpectedValues, AreRefusedWithAPlace) {
   expect_in(refusal("\"z\"", "\"w\""), {"Component", "\"x\", \"y\", \"z\""});
   expect_in(refusal("\"2.5\"", "\"0\""), {"relative to the value 0", "Absolute Tolerance"});
   expect_in(refusal("\"1e-6\"", "\"0\""), {"value > 0"});
+  expect_in(refusal("\"by hand\"", "\"\""), {"tip height / Source", "where the value comes from"});
   expect_in(refusal("<Parameter name=\"Relative Tolerance\" type=\"double\" value=\"1e-6\"/>", ""),
             {"neither of", "exactly one"});
   expect_in(refusal("<Parameter name=\"Source\"",
