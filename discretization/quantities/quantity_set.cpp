@@ -58,11 +58,13 @@ QuantitySet::QuantitySet() : resolved_(std::make_shared<std::vector<Resolved>>()
 
 QuantitySet::QuantitySet(const std::vector<Quantity>& quantities, const Scene& scene, const InputPlace& place)
     : QuantitySet() {
+  if (quantities.empty()) return;
+  const QuantityPlaces found(scene);  // an index of the whole scene
   for (std::size_t i = 0; i < quantities.size(); ++i) {
     if (quantities[i].kind == "formula")
       add_formula(quantities[i], i, place[quantities[i].name]);
     else
-      resolve(quantities[i], i, scene, place[quantities[i].name]);
+      resolve(quantities[i], i, scene, found, place[quantities[i].name]);
   }
 }
 
@@ -101,16 +103,14 @@ void QuantitySet::require_stresses(const Scene& scene, const InputPlace& place, 
 }
 
 /// Finds the places and members that a quantity names.
-void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, const InputPlace& place, Resolved& one) {
-  const QuantityPlaces found(scene);
+void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, const QuantityPlaces& found,
+                              const InputPlace& place, Resolved& one) {
   const bool is_of_two = !quantity.other_point.empty();
   if (is_reaction(quantity.kind)) {
     one.places = found.supported(quantity.point, place["Point"]);
-    for (const QuantityPlace& point : one.places) {
-      one.supports.emplace_back();
-      for (std::size_t i = 0; i < scene.supports.size(); ++i)
-        if (scene.supports[i].point == point.point) one.supports.back().push_back(i);
-    }
+    std::map<std::string, std::vector<std::size_t>> at_point;
+    for (std::size_t i = 0; i < scene.supports.size(); ++i) at_point[scene.supports[i].point].push_back(i);
+    for (const QuantityPlace& point : one.places) one.supports.push_back(at_point.at(point.point));
   } else if (!quantity.point.empty()) {
     const bool is_of_section = !is_motion(quantity.kind) && !is_of_two;
     one.places = is_of_section ? found.places_in_members(quantity.point, place["Point"])
@@ -128,12 +128,13 @@ void QuantitySet::find_places(const Quantity& quantity, const Scene& scene, cons
   if (is_stress(quantity.kind)) require_stresses(scene, place[quantity.member.empty() ? "Point" : "Member"], one);
 }
 
-void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const InputPlace& place) {
+void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Scene& scene, const QuantityPlaces& found,
+                          const InputPlace& place) {
   Resolved one;
   one.asked = quantity;
   one.numbers = numbers_of(quantity);
   one.field = field_of(quantity.kind);
-  find_places(quantity, scene, place, one);
+  find_places(quantity, scene, found, place, one);
   if (quantity.take != Take::each || one.is_of_whole())
     add_columns(quantity, index, "");
   else

@@ -10,6 +10,8 @@
 namespace mixbeam::test {
 namespace {
 
+constexpr double kNoForce = 1e-12;       // of EI / L^2 = 1: rounding of rows that are sums of some hundred terms
+constexpr double kMiddleOfArc = 1e-6;    // half of the arc is not half of the chord: the offset times its slope squared
 constexpr double kCritical = kPi * kPi;  // of the column: EI = L = 1
 
 /// A pinned column along z from "foot" to "head", pressed by `force`, with a list "Imperfection".
@@ -73,12 +75,13 @@ TEST(Imperfections, AreFreeOfStress) {
   for (const std::string& imperfection : {bow(0.02), mode(1, 0.02), mode(2, -0.02)}) {
     const Simulation unloaded(scene_from(column(1.0, imperfection)), {}, this_rank());
     for (const Reaction& reaction : unloaded.reactions()) {
-      EXPECT_LE(largest_component(reaction.force), 1e-12);
-      EXPECT_LE(largest_component(reaction.moment), 1e-12);
+      EXPECT_LE(largest_component(reaction.force), kNoForce);
+      EXPECT_LE(largest_component(reaction.moment), kNoForce);
     }
     const StrainEnergy energy = unloaded.strain_energy();
     EXPECT_EQ(energy.force + energy.moment, 0.0);
-    EXPECT_NEAR(std::abs(unloaded.sample("strut", 0.5).position[0]), imperfection == mode(2, -0.02) ? 0.0 : 0.02, 1e-6);
+    EXPECT_NEAR(std::abs(unloaded.sample("strut", 0.5).position[0]), imperfection == mode(2, -0.02) ? 0.0 : 0.02,
+                kMiddleOfArc);
   }
 }
 
