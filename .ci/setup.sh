@@ -22,6 +22,8 @@ readonly required_packages=(
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
   libmuparser-dev libgsl-dev libxxhash-dev
   python3-matplotlib python3-h5py
+  # scenes in YAML; the module for Python
+  libyaml-cpp-dev pybind11-dev python3-dev
 )
 
 # One test opens the results with VTK's own XDMF reader. Debian's python3-vtk9 has none; ParaView's Python has, takes

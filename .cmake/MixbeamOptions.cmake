@@ -3,6 +3,8 @@
 add_library(mixbeam_options INTERFACE)
 target_include_directories(mixbeam_options INTERFACE "${CMAKE_SOURCE_DIR}") # #include "kernels/math/rotation.hpp"
 target_compile_options(mixbeam_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
+# The Python module is a shared library made of the same objects as the programs: one set of objects, the same bits.
+target_compile_options(mixbeam_options INTERFACE -fPIC -fno-semantic-interposition)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   # With -O3, GCC 12 gives these two for correct uses of std::vector::insert and of std::string's operator+, inside of the
   # standard library. What they look for is checked by the preset "asan".
