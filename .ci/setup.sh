@@ -16,9 +16,10 @@ readonly required_packages=(
   # factorises the matrices of networks and counts the negative pivots of a symmetric matrix, which no solver of Trilinos
   # does; METIS orders its eliminations
   libmumps-dev libmetis-dev
-  # a fast BLAS for MUMPS, which update-alternatives prefers to the reference BLAS; without threads, or sums would depend
-  # on them. thread_scaling measures its unit with the reference
-  libopenblas0-serial libblas3 liblapack3
+  # a fast BLAS for MUMPS, which update-alternatives prefers to the reference BLAS. The program keeps it to one thread, or
+  # sums would depend on them, but calls it from several: the package "serial" has no locks (blas_setup.hpp).
+  # thread_scaling measures its unit with the reference
+  libopenblas0-pthread libblas3 liblapack3
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libxml2-dev nlohmann-json3-dev
   libmuparser-dev libgsl-dev libxxhash-dev
   python3-matplotlib python3-h5py

@@ -1,6 +1,6 @@
 #include "apps/thread_scaling/chain_unit.hpp"
 
-#include "nonlinear/linear/inertia_solver.hpp"
+#include "nonlinear/linear/blas_setup.hpp"
 
 #include <dlfcn.h>
 #include <time.h>
@@ -119,7 +119,7 @@ ChainUnit::ChainUnit(int vertices)
       band_(static_cast<size_t>(kBandRows) * kBlock * vertices),
       rhs_(static_cast<size_t>(kBlock) * vertices),
       pivots_(static_cast<size_t>(kBlock) * vertices) {
-  use_serial_blas();
+  set_up_blas();
 }
 
 void ChainUnit::fill() {

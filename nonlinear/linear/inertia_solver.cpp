@@ -1,8 +1,8 @@
 #include "nonlinear/linear/inertia_solver.hpp"
 
+#include "nonlinear/linear/blas_setup.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 
-#include <dlfcn.h>
 #include <dmumps_c.h>
 #include <metis.h>
 #include <mpi.h>
@@ -120,11 +120,6 @@ std::vector<int> dissection_order(const SparseMatrix& a) {
 
 }  // namespace
 
-void use_serial_blas() {
-  for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
-    if (void* found = dlsym(RTLD_DEFAULT, name)) reinterpret_cast<void (*)(int)>(found)(1);
-}
-
 struct InertiaSolver::Mumps {
   DMUMPS_STRUC_C data{};
   Kind kind;
@@ -137,7 +132,7 @@ struct InertiaSolver::Mumps {
   int factorizations = 0;
 
   Mumps(Kind k, const SparseMatrix& structure) : kind(k), order(dissection_order(structure)) {
-    use_serial_blas();
+    set_up_blas();
     for (int i = 0; i < structure.rows(); ++i)
       for (int e = structure.row_start[i]; e < structure.row_start[i + 1]; ++e) {
         if (kind == Kind::symmetric && structure.column[e] > i) continue;

@@ -21,10 +21,6 @@ struct SparseMatrix {
 /// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
 double asymmetry(const SparseMatrix& a);
 
-/// Makes a BLAS that has threads of its own work with one: a sum shared out among threads has other bits. Whichever
-/// BLAS the system has chosen.
-void use_serial_blas();
-
 /// Ordered by METIS' nested dissection on groups of rows with the same columns.
 class InertiaSolver {
  public:

@@ -1,4 +1,5 @@
 // The part of Level that makes the next one: soft modes of aggregates, and what passes between the two.
+#include "nonlinear/linear/blas_setup.hpp"
 #include "nonlinear/multilevel/dense.hpp"
 #include "nonlinear/multilevel/level.hpp"
 
@@ -49,6 +50,7 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
   const double none = -1e300, tolerance = kEigenvalueError;
   const int unused = 0, size = static_cast<int>(work.size());
   int found = 0, info = 0;
+  const auto turn = turn_for_blas();
   dsyevx_("V", "V", "L", &n, matrix.data(), &n, &none, &tau, &unused, &unused, &tolerance, &found, values.data(),
           vectors.data(), &n, work.data(), &size, integers.data(), failed.data(), &info);
   if (info != 0) throw std::runtime_error("LAPACK's dsyevx did not find the modes of an aggregate");

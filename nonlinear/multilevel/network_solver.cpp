@@ -1,6 +1,7 @@
 #include "nonlinear/multilevel/network_solver.hpp"
 
 #include "discretization/text/number_text.hpp"
+#include "nonlinear/linear/blas_setup.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -95,7 +96,9 @@ bool is_large_network(const CondensedSystem& system) { return factor_entries(sys
 
 NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
                              double reduction)
-    : system_(system), tolerance_(residual_tolerance), reduction_(reduction), times_(times) {}
+    : system_(system), tolerance_(residual_tolerance), reduction_(reduction), times_(times) {
+  set_up_blas();
+}
 
 /// Nodes are vertices with at least one free row; links join two of them.
 void NetworkSolver::number_nodes() {

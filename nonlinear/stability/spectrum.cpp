@@ -54,7 +54,7 @@ Stability::Pairs Stability::nearest(const StabilityResult& stability, int count,
   Pairs pairs;
   on_root(unknowns_->root(), [&] {
     InertiaSolver& factors = solver(stability);
-    const double shift = stability.null > 0 ? kShiftBesideZero : 0.0;
+    const double shift = stability.shift;
     KrylovProblem problem;
     problem.unknowns = unknowns_->count();
     problem.symmetric = stability.symmetric;
@@ -83,9 +83,11 @@ Stability::Pairs Stability::nearest(const StabilityResult& stability, int count,
 
 namespace {
 
+/// Of those that StabilityResult::negative counts before eigenvalues are corrected.
 template <class Pairs>
-int number_below_zero(const Pairs& pairs) {
-  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [](const auto& pair) { return pair.value < 0.0; }));
+int number_counted(const Pairs& pairs, const StabilityResult& stability) {
+  return static_cast<int>(
+      std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.value < -stability.shift; }));
 }
 
 /// Eigenvalues as corrected in place of those of the capped tangent, `before` of them negative, and those that are zero
@@ -118,12 +120,17 @@ void recount_unsymmetric(Spectrum& spectrum) {
 Spectrum Stability::spectrum(const State& state, double load_factor, int count) {
   const Look look = assemble(state, load_factor);
   Spectrum result{inertia(look), {}};
-  const Pairs pairs = nearest(result.stability, count, kExactModes);
+  Pairs pairs = nearest(result.stability, count, kExactModes);
+  const auto is_zero = [&](const Pair& pair) { return std::abs(pair.value) <= std::max(look.zero, pair.error); };
+  if (result.stability.symmetric && !pairs.empty() && is_zero(pairs.front()) && result.stability.shift == 0.0) {
+    result.stability = inertia(look, kShiftBesideZero);  // all others drown in the rounding of so large an inverse
+    pairs = nearest(result.stability, count, kExactModes);
+  }
   result.modes = corrected_modes(look, result.stability, pairs);
   if (!result.stability.symmetric)
     recount_unsymmetric(result);
   else if (std::all_of(pairs.begin(), pairs.end(), [](const Pair& pair) { return pair.converged; }))
-    recount(number_below_zero(pairs), look.zero, result);
+    recount(number_counted(pairs, result.stability), look.zero, result);
   return result;
 }
 
@@ -230,13 +237,13 @@ std::vector<EigenMode> Stability::corrected_modes(const Look& look, const Stabil
 
 namespace {
 
-/// Places of the eigenvalues number first .. first + count - 1 among those found, of which `negative` lie below zero.
+/// Places of the eigenvalues number first .. first + count - 1 among those found.
 template <class Pairs>
-std::vector<int> places_of(const Pairs& found, int negative, int first, int count) {
+std::vector<int> places_of(const Pairs& found, const StabilityResult& stability, int first, int count) {
   std::vector<int> order(found.size()), places;
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return found[a].value < found[b].value; });
-  const int lowest = negative - number_below_zero(found);
+  const int lowest = stability.negative - number_counted(found, stability);
   for (int k = first - 1 - lowest; k < first - 1 - lowest + count; ++k)
     if (k >= 0 && k < static_cast<int>(order.size())) places.push_back(order[k]);
   return places;
@@ -255,8 +262,7 @@ CriticalSpace Stability::space_of(const State& state, double load_factor, int fi
   if (!result.symmetric) return {};
   Pairs pairs = nearest(result, count + kMore, kRoughModes);
   CriticalSpace space;
-  for (int place : places_of(pairs, result.negative, first, count))
-    space.vectors.push_back(std::move(pairs[place].vector));
+  for (int place : places_of(pairs, result, first, count)) space.vectors.push_back(std::move(pairs[place].vector));
   space.size = static_cast<int>(space.vectors.size());
   return space.size == count ? space : CriticalSpace{};
 }
@@ -299,13 +305,12 @@ Stability::Pairs Stability::ritz_values(const StabilityResult& stability, const 
     for (size_t i = 0; i < m; ++i)
       for (size_t j = 0; j < m; ++j) projected[i + j * m] = dot_product(columns[i], images[j]);
     const std::vector<double> weights = small_eigenproblem(projected, space.size);
-    const double shift = stability.null > 0 ? kShiftBesideZero : 0.0;
     for (size_t k = 0; k < m; ++k) {
       std::vector<double> y(n, 0.0);
       for (size_t j = 0; j < m; ++j)
         for (size_t i = 0; i < n; ++i) y[i] += weights[j + k * m] * columns[j][i];
       const double error = rounding_level(unknowns_->matrix(), y);
-      pairs.push_back({projected[k * (m + 1)] - shift, error, true, std::move(y)});
+      pairs.push_back({projected[k * (m + 1)] - stability.shift, error, true, std::move(y)});
     }
   });
   share(pairs);
@@ -317,7 +322,7 @@ SpaceValues Stability::in_space(const State& state, double load_factor, const Cr
   const StabilityResult stability = inertia(look);
   if (!stability.symmetric) return {};
   const Pairs pairs = ritz_values(stability, space);
-  SpaceValues seen{corrected_modes(look, stability, pairs), stability.negative - number_below_zero(pairs)};
+  SpaceValues seen{corrected_modes(look, stability, pairs), stability.negative - number_counted(pairs, stability)};
   std::stable_sort(seen.modes.begin(), seen.modes.end(),
                    [](const EigenMode& a, const EigenMode& b) { return a.eigenvalue < b.eigenvalue; });
   return seen;

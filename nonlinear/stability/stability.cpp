@@ -242,13 +242,17 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   return result;
 }
 
-/// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero.
-StabilityResult Stability::inertia(const Look& look) {
+/// Leaves the factors of the tangent, or of what lies beside it where a pivot is zero or `shift` asks for it.
+StabilityResult Stability::inertia(const Look& look, double shift) {
   RootResult root;
   on_root(unknowns_->root(), [&] {
     root = factorized(unknowns_->matrix(), all_);
-    if (root.result.null > 0) solver(root.result).factorize(shifted(unknowns_->matrix(), kShiftBesideZero));
+    if (root.result.null > 0) shift = kShiftBesideZero;
+    if (shift == 0.0) return;
+    const InertiaSolver::Signs beside = solver(root.result).factorize(shifted(unknowns_->matrix(), shift));
+    if (root.result.symmetric) root.result.negative = beside.negative;
   });
+  root.result.shift = number_of_root(unknowns_->root(), [&] { return shift; });
   return completed(root, unknowns_->root().communicator(), look, 0).result;
 }
 

@@ -48,6 +48,7 @@ struct StabilityResult {
   double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was looked at
   double end_angle = 0.0;  ///< largest relative rotation between an element and its vertices; of Stability::count
   long inside = 0;         ///< of `negative`: inside of elements, between vertices that stand still
+  double shift = 0.0;      ///< of the factors left, those of K + shift I: `negative` counts eigenvalues below -shift
 
   /// Without symmetry an equilibrium that has not diverged is unknown: it may flutter.
   Verdict verdict() const;
@@ -76,7 +77,7 @@ struct SpaceValues {
 };
 
 // Shared by stability.cpp and spectrum.cpp:
-/// Where a pivot is zero the inverse is taken beside it; eigenvalues of structures are far larger.
+/// Where an eigenvalue is zero the inverse is taken beside it; others of structures are far larger.
 inline constexpr double kShiftBesideZero = 1e-7;
 /// Of the determinant of a symmetric tangent.
 inline int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
@@ -148,7 +149,7 @@ class Stability {
   static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
   RootResult factorized_beside_chains(const Look& look);
   std::optional<StabilityResult> inertia_with_chains(const Look& look);
-  StabilityResult inertia(const Look& look);
+  StabilityResult inertia(const Look& look, double shift = 0.0);
   InertiaSolver& solver(const StabilityResult& result);
   void share(Pairs& pairs) const;
   Pairs ritz_values(const StabilityResult& stability, const CriticalSpace& space);

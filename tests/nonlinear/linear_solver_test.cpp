@@ -2,10 +2,15 @@
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include "discretization/assembly/tangent.hpp"
+#include "nonlinear/linear/blas_setup.hpp"
 #include "tests/support/solve.hpp"
 #include "tests/support/worst_error.hpp"
 
+#include <Teuchos_LAPACK.hpp>
+
+#include <atomic>
 #include <limits>
+#include <thread>
 
 namespace mixbeam::test {
 namespace {
@@ -176,6 +181,33 @@ TEST(LinearSolver, MatrixThatIsNotANumberIsReported) {
         },
         LinearSolverError);
   }
+}
+
+/// Large enough for LAPACK to work in rooms that BLAS hands out: without turns a few calls in a hundred are wrong.
+TEST(Blas, CallsFromSeveralThreadsGiveTheSameBits) {
+  constexpr int kRows = 300, kThreads = 4, kCalls = 10;
+  set_up_blas();
+  const auto eigenvalues = [&] {
+    std::vector<double> matrix(kRows * kRows), values(kRows), room(3 * kRows);
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; j < kRows; ++j) matrix[i + kRows * j] = std::sin(1.0 + i * j) + (i == j ? 3.0 : 0.0);
+    int info = 0;
+    const auto turn = turn_for_blas();
+    Teuchos::LAPACK<int, double>().SYEV('V', 'L', kRows, matrix.data(), kRows, values.data(), room.data(),
+                                        static_cast<int>(room.size()), &info);
+    matrix.insert(matrix.end(), values.begin(), values.end());
+    return matrix;
+  };
+  const std::vector<double> alone = eigenvalues();
+  std::atomic<int> different{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t)
+    threads.emplace_back([&] {
+      for (int call = 0; call < kCalls; ++call)
+        if (eigenvalues() != alone) ++different;
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(different, 0);
 }
 
 TEST(LinearSolver, UnknownMethodIsRefused) {

@@ -769,6 +769,17 @@ void add_others(std::vector<KnownPath>& table) {
   rolled.moment_energy = 2.0420352248333655;
   rolled.may_be_refused = true;  // the straight rigid rod is shortened: its path starts like a square root
   table.push_back({"RodRolledToARing", rolled_ring(), {}, rolled});
+  // A closed ring turns about the tangent of its clamp at no cost; at orders 3 and 5 two ways of counting disagreed.
+  for (const auto& [order, elements] : {std::pair{3, 100}, {5, 38}}) {
+    Scene closed = rolled_ring();
+    closed.accuracy.reset();
+    closed.sections[0].axial_stiffness = 1e4;
+    closed.members[0].order = order;
+    closed.members[0].elements = elements;
+    rolled.verdict = Verdict::neutral;
+    rolled.may_be_refused = false;
+    table.push_back({"RodRolledToARingOf" + std::to_string(elements), closed, {}, rolled});
+  }
   // 2 j_{-1/4,1} and the next, sqrt(EI GIt) / L^2; the load reversed buckles it too
   for (auto& [scene, factors] : {std::pair<Scene, std::vector<double>>{lateral_cantilever(), {4.0125993, -4.0125993}},
                                  {lateral_frame(), {0.4349214, -0.5267867}}}) {

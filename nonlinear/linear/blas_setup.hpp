@@ -1,0 +1,20 @@
+/// The BLAS and LAPACK of the system: which one the program meets is the system's choice, and none of them needs
+/// anything of this. Two things decide about results, one about time.
+#pragma once
+
+#include <mutex>
+
+namespace mixbeam {
+
+/// Makes a BLAS that has threads of its own work with one: a sum shared out among threads has other bits. An OpenBLAS
+/// that is older than the processor and works with the instructions of 2004 is told to use those of AVX2 or AVX-512,
+/// unless the environment names others (OPENBLAS_CORETYPE): three to eight times as fast. Works once, at the first
+/// call; not while other threads call BLAS.
+void set_up_blas();
+
+/// To be held around calls of BLAS or LAPACK from several threads at once. It is a turn of one after the other where
+/// OpenBLAS was built for one thread (Debian's libopenblas0-serial): there two threads are now and then given the same
+/// room to work in, and their results are wrong (11 of 400 calls of dsyevx with 300 rows). Nothing elsewhere.
+std::unique_lock<std::mutex> turn_for_blas();
+
+}  // namespace mixbeam
