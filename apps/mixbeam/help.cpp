@@ -66,9 +66,10 @@ const std::map<std::string, const char*>& texts() {
        "fit\n"
        "into memory. Solves nothing (but whether the load moves what \"Control\" drives), writes nothing.\n\n"},
       {"parameters",
-       "usage: mixbeam parameters [--markdown]\n\n"
+       "usage: mixbeam parameters [--markdown | --json]\n\n"
        "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"
-       "  --markdown           as a page of documentation\n\n"},
+       "  --markdown           as a page of documentation\n"
+       "  --json               as data for programs\n\n"},
       {"resume",
        "usage: mixbeam resume RESULTS.h5 [options]\n\n"
        "Goes on behind the last completed step in a result file, to the very bits of a run that was never stopped, on\n"

@@ -37,11 +37,15 @@ constexpr const char* kIntroduction =
 
 int parameters_command(const Arguments& arguments) {
   const CommandLine line =
-      read_command_line(arguments.count(), arguments.values.data(), {"--help", "--markdown"}, "(no file)");
+      read_command_line(arguments.count(), arguments.values.data(), {"--help", "--markdown", "--json"}, "(no file)");
   if (line.scene_file)
-    throw InputError("\"" + excerpt(*line.scene_file) + "\" given to \"parameters\"; allowed: \"--markdown\"");
+    throw InputError("\"" + excerpt(*line.scene_file) +
+                     "\" given to \"parameters\"; allowed: \"--markdown\" or \"--json\"");
   const ListSpec root = root_spec(mixbeam_definition());
-  if (line.markdown)
+  if (line.markdown && line.json) throw InputError("options --markdown and --json together; allowed: one of them");
+  if (line.json)
+    print_parameters_json(std::cout, root);
+  else if (line.markdown)
     print_parameters_markdown(std::cout, root, "Parameters of a scene file", kIntroduction);
   else
     print_parameters(std::cout, root, "mixbeam");

@@ -1,4 +1,4 @@
-/// The manual page of the parameters, generated from their declaration.
+/// The manual page of the parameters, generated from their declaration; for people and for programs.
 #pragma once
 
 #include "discretization/parameters/spec.hpp"
@@ -15,5 +15,14 @@ void print_parameters(std::ostream& out, const ListSpec& spec, const std::string
 /// for each list and a table of its parameters. The root has no parameters of its own.
 void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const std::string& title,
                                const std::string& introduction);
+
+/// The same as JSON, for programs. A list has its `path` (a free name as "<point>"), `presence`, `meaning`, its
+/// `parameters` and `lists`; where the user names what is inside, `free_names` with the `placeholder`, how many there
+/// must be and the `parameter` or `list` that each of them is; `forms`: by a word, what else it needs and allows.
+void print_parameters_json(std::ostream& out, const ListSpec& spec);
+
+/// Name of a parameter or list in programs: `Point Loads` is point_loads; symbols (E, EI2, GIt) stay what they
+/// are, and a word that Python keeps for itself gets an underscore (import_).
+std::string program_name(const std::string& name);
 
 }  // namespace mixbeam

@@ -61,6 +61,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.force = true;
   else if (name == "--markdown")
     line.markdown = true;
+  else if (name == "--json")
+    line.json = true;
   else if (name == "--durable")
     line.durable = true;
   else if (name == "--output")

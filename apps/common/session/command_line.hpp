@@ -12,7 +12,7 @@ struct CommandLine {
   std::optional<std::string> scene_file, output, summary, load_case;
   std::optional<int> threads, last_step;
   bool help = false, print_parameters = false, single = false, quiet = false, markdown = false, durable = false;
-  bool force = false;
+  bool force = false, json = false;
 };
 
 /// Options of the benchmark applications.
