@@ -17,6 +17,7 @@ find_package(LibXml2 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(GSL REQUIRED)
 find_package(muparser CONFIG REQUIRED)
+find_package(yaml-cpp CONFIG REQUIRED)
 
 # --- HDF5: the variant that Trilinos links, which is the one built for Open MPI -----------------------------------------
 set(HDF5_PREFER_PARALLEL TRUE)

@@ -45,7 +45,8 @@ std::string chosen_case(const Scene& scene, const std::optional<std::string>& wa
   if (!wanted && known.empty()) return "";
   if (!wanted) throw InputError("the scene has load cases; a batch takes one of them: --case " + known.front());
   if (std::find(known.begin(), known.end(), *wanted) != known.end()) return *wanted;
-  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case or combination of the scene; allowed: " +
+  throw InputError("option --case: \"" + excerpt(*wanted) +
+                   "\" is not a load case or combination of the scene; allowed: " +
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 
@@ -55,7 +56,7 @@ void set_up_batch(Application& app, const CommandLine& line) {
   if (app.communicator->getSize() > 1)
     throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
   if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+  read_scene_file(app, *line.scene_file, mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))

@@ -122,7 +122,7 @@ int check_command(const Arguments& arguments) {
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
-    read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+    read_scene_file(app, *line.scene_file, mixbeam_definition());
     describe_run(app, "mixbeam", {});
     std::vector<std::string> cases = alternatives(app.scene);
     if (line.load_case) cases = {*line.load_case};

@@ -17,6 +17,8 @@ struct Arguments {
 int run_command(const Arguments& arguments);
 int check_command(const Arguments& arguments);
 int parameters_command(const Arguments& arguments);
+int schema_command(const Arguments& arguments);
+int convert_command(const Arguments& arguments);
 int batch_command(const Arguments& arguments);
 int resume_command(const Arguments& arguments);
 int plot_command(const Arguments& arguments);

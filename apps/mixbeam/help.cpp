@@ -13,10 +13,13 @@ constexpr const char* kExitCodes =
 const char* const kProgram =
     "mixbeam: static equilibrium of structures of geometrically exact beams\n\n"
     "usage: mixbeam COMMAND [arguments]\n\n"
+    "A scene is a file in XML or YAML: SCENE.xml, SCENE.yaml.\n\n"
     "  run SCENE.xml       solves a scene and writes its results\n"
     "  batch SCENE.xml     solves many cases of a scene at once: a table of parameters, or a grid\n"
     "  check SCENE.xml     reads, validates and measures a scene; solves nothing\n"
+    "  convert SCENE.xml SCENE.yaml    writes a scene in YAML, or back in XML\n"
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
+    "  schema              what editors complete and check scenes with: RELAX NG, or JSON Schema for YAML\n"
     "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
     "  plot RESULTS.h5     draws pictures of results\n"
     "  report RESULTS.h5   writes one HTML page about a run\n"
@@ -31,7 +34,7 @@ const std::map<std::string, const char*>& texts() {
        "  DIR/NAME.h5            every converged step: shape, forces, strains, energies, reactions, residuals, state\n"
        "  DIR/NAME.xdmf          the same for ParaView and VisIt: open this file there\n"
        "  DIR/NAME-monitor.csv   what is followed over the steps: load factor, displacements, reactions, energies\n"
-       "where NAME is that of the scene file without .xml, with -CASE behind it for each load case. The list "
+       "where NAME is that of the scene file without its ending, with -CASE behind it for each load case. The list "
        "\"Study\"\n"
        "of a benchmark's scene is ignored.\n\n"
        "  --output DIR         folder for results; default: results/NAME\n"
@@ -70,6 +73,17 @@ const std::map<std::string, const char*>& texts() {
        "Lists every parameter that a scene file may hold, from the declarations that files are checked against.\n\n"
        "  --markdown           as a page of documentation\n"
        "  --json               as data for programs\n\n"},
+      {"schema",
+       "usage: mixbeam schema [--json]\n\n"
+       "Prints a schema, with which editors complete, explain and check scenes: RELAX NG for XML (xmllint, Emacs, VS\n"
+       "Code's XML extension), or for YAML\n\n"
+       "  --json               JSON Schema (VS Code's YAML extension: setting yaml.schemas)\n\n"},
+      {"convert",
+       "usage: mixbeam convert FROM TO [--force]\n\n"
+       "Writes the scene FROM as TO, each in XML or YAML by the ending of its name (.xml, .yaml, .yml). What was "
+       "written\n"
+       "is read again and compared. Comments survive the way from XML to YAML.\n\n"
+       "  --force              replaces TO if it is there\n\n"},
       {"resume",
        "usage: mixbeam resume RESULTS.h5 [options]\n\n"
        "Goes on behind the last completed step in a result file, to the very bits of a run that was never stopped, on\n"

@@ -7,6 +7,7 @@
 #include "mixbeam/version.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <map>
 
@@ -16,10 +17,11 @@ namespace {
 
 using Command = int (*)(const Arguments&);
 
-const std::map<std::string, Command> kCommands = {
-    {"run", run_command},       {"batch", batch_command}, {"check", check_command},  {"parameters", parameters_command},
-    {"resume", resume_command}, {"plot", plot_command},   {"verify", verify_command},
-    {"report", report_command}};
+const std::map<std::string, Command> kCommands = {{"run", run_command},       {"batch", batch_command},
+                                                  {"check", check_command},   {"parameters", parameters_command},
+                                                  {"resume", resume_command}, {"plot", plot_command},
+                                                  {"verify", verify_command}, {"report", report_command},
+                                                  {"schema", schema_command}, {"convert", convert_command}};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;
@@ -28,8 +30,8 @@ std::vector<std::string> command_names() {
 }
 
 std::string hint(const std::string& word) {
-  const std::string ending = word.size() > 4 ? word.substr(word.size() - 4) : "";
-  if (ending == ".xml") return "; did you mean \"mixbeam run " + word + "\"?";
+  const std::string ending = std::filesystem::path(word).extension().string();
+  if (ending == ".xml" || ending == ".yaml" || ending == ".yml") return "; did you mean \"mixbeam run " + word + "\"?";
   return did_you_mean(word, command_names());
 }
 

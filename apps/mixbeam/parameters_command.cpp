@@ -52,4 +52,17 @@ int parameters_command(const Arguments& arguments) {
   return 0;
 }
 
+int schema_command(const Arguments& arguments) {
+  const CommandLine line =
+      read_command_line(arguments.count(), arguments.values.data(), {"--help", "--json"}, "(no file)");
+  if (line.scene_file)
+    throw InputError("\"" + excerpt(*line.scene_file) + "\" given to \"schema\"; allowed: \"--json\"");
+  const ListSpec root = root_spec(mixbeam_definition());
+  if (line.json)
+    print_json_schema(std::cout, root, "Scene of mixbeam in YAML");
+  else
+    print_relax_ng(std::cout, root);
+  return 0;
+}
+
 }  // namespace mixbeam

@@ -63,8 +63,7 @@ int run_script(const Arguments& arguments, const std::string& name) {
   for (const char* argument : arguments.values)
     if (std::filesystem::path(argument).extension() == ".h5" && std::filesystem::exists(argument))
       require_whole(argument);
-  const std::filesystem::path script =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
+  const std::filesystem::path script = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
   std::vector<std::string> words = {suitable_python(), script.string()};
   words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());

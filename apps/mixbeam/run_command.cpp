@@ -19,7 +19,8 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
   const std::vector<std::string> known = alternatives(scene);
   if (!wanted) return known.empty() ? std::vector<std::string>{""} : known;
   if (std::find(known.begin(), known.end(), *wanted) != known.end()) return {*wanted};
-  throw InputError("option --case: \"" + excerpt(*wanted) + "\" is not a load case or combination of the scene; allowed: " +
+  throw InputError("option --case: \"" + excerpt(*wanted) +
+                   "\" is not a load case or combination of the scene; allowed: " +
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 
@@ -27,7 +28,7 @@ void set_up(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
   app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, read_xml(*line.scene_file), mixbeam_definition());
+  read_scene_file(app, *line.scene_file, mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   warn_of_scene(app);
   const std::filesystem::path scene(*line.scene_file);

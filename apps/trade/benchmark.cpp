@@ -97,7 +97,7 @@ Application read_scene_of(const Application& app, const std::string& file) {
   definition.study = ListSpec("Of another application.").without_checks();
   Application read;
   read.communicator = app.communicator;
-  read_scene_file(read, read_xml((folder / file).string()), definition);
+  read_scene_file(read, (folder / file).string(), definition);
   return read;
 }
 

@@ -1,4 +1,4 @@
-/// The manual page of the parameters, generated from their declaration; for people and for programs.
+/// What is generated from the declaration of the parameters: manual pages, data for programs, schemas for editors.
 #pragma once
 
 #include "discretization/parameters/spec.hpp"
@@ -20,6 +20,14 @@ void print_parameters_markdown(std::ostream& out, const ListSpec& spec, const st
 /// `parameters` and `lists`; where the user names what is inside, `free_names` with the `placeholder`, how many there
 /// must be and the `parameter` or `list` that each of them is; `forms`: by a word, what else it needs and allows.
 void print_parameters_json(std::ostream& out, const ListSpec& spec);
+
+/// JSON Schema (draft 7) of files in YAML. It cannot know what compares values: numbers of a range in another place,
+/// names that something bears, lengths of vectors.
+void print_json_schema(std::ostream& out, const ListSpec& spec, const std::string& title);
+
+/// RELAX NG schema of files in XML. Besides, it cannot say of elements, which all have the same name, that one is
+/// needed, stands once, or depends on another.
+void print_relax_ng(std::ostream& out, const ListSpec& spec);
 
 /// Name of a parameter or list in programs: `Point Loads` is point_loads; symbols (E, EI2, GIt) stay what they
 /// are, and a word that Python keeps for itself gets an underscore (import_).

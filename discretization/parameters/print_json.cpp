@@ -1,10 +1,12 @@
 #include "discretization/parameters/print.hpp"
+#include "discretization/parameters/yaml_reader.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace mixbeam {
@@ -113,6 +115,114 @@ Json json_list(const ListSpec& spec, const std::vector<std::string>& path, Prese
   return json;
 }
 
+// JSON Schema
+
+/// Of each number of an array too.
+Json schema_of_number(const Range& range, bool is_whole) {
+  Json schema = {{"type", is_whole ? "integer" : "number"}};
+  if (std::isfinite(range.minimum)) schema[range.minimum_excluded ? "exclusiveMinimum" : "minimum"] = range.minimum;
+  if (std::isfinite(range.maximum)) schema[range.maximum_excluded ? "exclusiveMaximum" : "maximum"] = range.maximum;
+  if (is_whole && !std::isfinite(range.minimum)) schema["minimum"] = std::numeric_limits<int>::min();
+  if (is_whole && !std::isfinite(range.maximum)) schema["maximum"] = std::numeric_limits<int>::max();
+  if (range.infinity_allowed) schema = {{"anyOf", {schema, {{"const", "inf"}}}}};
+  return schema;
+}
+
+/// Text without quotes may look like a number or a switch.
+Json schema_of_text(const ParameterSpec& spec) {
+  const Json any = {{"type", {"string", "number", "boolean"}}};
+  if (spec.choices.empty()) return any;
+  Json words = Json::array();
+  for (const std::string& word : spec.choices) {
+    words.push_back(word);
+    if (int number = 0; parse_number(word, number).empty()) words.push_back(number);
+  }
+  const Json one = {{"enum", words}};
+  return spec.other_words.empty() ? one : Json({{"anyOf", {one, any}}});
+}
+
+Json schema_of_value(const ParameterSpec& spec) {
+  switch (spec.type) {
+    case ParameterType::boolean:
+      return {{"type", "boolean"}};
+    case ParameterType::integer:
+    case ParameterType::integer_array:
+      return schema_of_number(spec.range, true);
+    case ParameterType::real:
+    case ParameterType::real_array:
+      return schema_of_number(spec.range, false);
+    case ParameterType::text:
+    case ParameterType::text_array:
+      break;
+  }
+  return schema_of_text(spec);
+}
+
+Json schema_of_parameter(const ParameterSpec& spec) {
+  Json schema = schema_of_value(spec);
+  if (is_array(spec.type)) {
+    schema = {{"type", "array"}, {"items", schema}};
+    if (spec.length > 0) schema["maxItems"] = spec.length;
+    if (spec.length > 0 || !spec.empty_allowed) schema["minItems"] = std::max(spec.length, 1);
+    if (!spec.choices.empty()) schema["uniqueItems"] = true;
+  }
+  if (!spec.words.empty()) {
+    Json words = spec.words;
+    for (const bool word : {true, false})
+      if (std::count(spec.words.begin(), spec.words.end(), to_text(ParameterValue(word))) > 0) words.push_back(word);
+    schema = {{"anyOf", {schema, {{"enum", words}}}}};
+  }
+  schema["description"] = spec.meaning + " " + allowed_values(spec);
+  if (spec.presence == Presence::defaulted) schema["default"] = json_value(spec.default_value);
+  return schema;
+}
+
+/// What else a word needs and allows. The default word counts where none is given.
+Json schema_of_forms(const ListSpec& spec, const std::string& word, const std::vector<Form>& forms) {
+  std::set<std::string> names;
+  for (const auto& [other, all] : spec.forms)
+    for (const Form& form : all)
+      for (const auto* part : {&form.needed, &form.optional}) names.insert(part->begin(), part->end());
+  Json alternatives = Json::array();
+  for (const Form& form : forms) {
+    Json alternative = {{"required", form.needed}, {"properties", Json::object()}};
+    for (const std::string& name : names)
+      if (std::count(form.needed.begin(), form.needed.end(), name) == 0 &&
+          std::count(form.optional.begin(), form.optional.end(), name) == 0)
+        alternative["properties"][name] = false;
+    alternatives.push_back(alternative);
+  }
+  const ParameterSpec* parameter = spec.find_parameter(spec.form_parameter);
+  const bool is_default = parameter->default_value == ParameterValue(word);
+  Json condition = {{"properties", {{spec.form_parameter, {{"const", word}}}}}};
+  if (!is_default) condition["required"] = {spec.form_parameter};
+  return {{"if", condition}, {"then", {{"anyOf", alternatives}}}};
+}
+
+Json schema_of_list(const ListSpec& spec) {
+  Json schema = {{"type", "object"}, {"description", spec.meaning}};
+  if (spec.unchecked) return schema;
+  Json properties = Json::object(), required = Json::array();
+  for (const ParameterSpec& parameter : spec.parameters) {
+    properties[parameter.name] = schema_of_parameter(parameter);
+    if (parameter.presence == Presence::required) required.push_back(parameter.name);
+  }
+  for (const SublistSpec& sublist : spec.sublists) {
+    properties[sublist.name] = schema_of_list(*sublist.list);
+    if (sublist.presence == Presence::required) required.push_back(sublist.name);
+  }
+  for (const std::string& name : spec.removed)
+    properties[name] = {{"description", "Removed: it has no effect any more."}, {"deprecationMessage", "removed"}};
+  schema["properties"] = properties;
+  if (!required.empty()) schema["required"] = required;
+  schema["additionalProperties"] = false;
+  if (spec.named_parameter) schema["additionalProperties"] = schema_of_parameter(*spec.named_parameter);
+  if (spec.named_list) schema["additionalProperties"] = schema_of_list(*spec.named_list);
+  if (spec.minimum_named > 0) schema["minProperties"] = spec.minimum_named;
+  for (const auto& [word, forms] : spec.forms) schema["allOf"].push_back(schema_of_forms(spec, word, forms));
+  return schema;
+}
+
 /// EI2, GIt, E, nu as engineers write them; not a title of several words.
 bool is_symbol(const std::string& word) {
   if (word.find(' ') != std::string::npos) return false;
@@ -136,6 +246,14 @@ std::string program_name(const std::string& name) {
     result += std::isalnum(letter) != 0 ? static_cast<char>(std::tolower(letter)) : '_';
   }
   return kReserved.count(result) > 0 ? result + "_" : result;
+}
+
+void print_json_schema(std::ostream& out, const ListSpec& spec, const std::string& title) {
+  Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
+  schema.update(schema_of_list(spec));
+  schema["properties"][kRootName] = {{"type", "string"},
+                                     {"description", "Name of the scene; that of the file if absent."}};
+  out << schema.dump(1) << '\n';
 }
 
 void print_parameters_json(std::ostream& out, const ListSpec& spec) {

@@ -2,6 +2,7 @@
 
 #include "discretization/text/message_text.hpp"
 
+#include <filesystem>
 #include <utility>
 
 namespace mixbeam {
@@ -31,27 +32,42 @@ ParameterPath child(ParameterPath path, const std::string& name) {
   return path;
 }
 
+std::string name_of_file(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
 ParameterSource::ParameterSource(std::string file, std::string root_name)
     : file_(std::move(file)), root_name_(std::move(root_name)) {}
 
-void ParameterSource::record(const ParameterPath& path, int line) { lines_[key(path)] = line; }
+void ParameterSource::record(const ParameterPath& path, int line, int column) {
+  const auto [earlier, is_first] = positions_.try_emplace(key(path), Position{line, column});
+  if (is_first) return;
+  throw InputError(text_of({line, column}) + ": " + language_ + " path \"" + to_string(path) +
+                   "\": given twice in this list, in line " + std::to_string(earlier->second.line) +
+                   " and again in line " + std::to_string(line));
+}
 
-int ParameterSource::line(const ParameterPath& path) const {
-  const auto found = lines_.find(key(path));
-  return found == lines_.end() ? 0 : found->second;
+ParameterSource::Position ParameterSource::position(const ParameterPath& path) const {
+  const auto found = positions_.find(key(path));
+  return found == positions_.end() ? Position{} : found->second;
+}
+
+int ParameterSource::line(const ParameterPath& path) const { return position(path).line; }
+
+std::string ParameterSource::text_of(const Position& position) const {
+  const std::string line = file_ + ":" + std::to_string(position.line);
+  return position.column > 0 ? line + ":" + std::to_string(position.column) : line;
 }
 
 std::string ParameterSource::where(const ParameterPath& path) const {
   if (file_.empty()) return "(parameters set by the program)";
   for (ParameterPath enclosing = path;; enclosing.pop_back()) {
-    if (const int found = line(enclosing)) return file_ + ":" + std::to_string(found);
+    if (const Position found = position(enclosing); found.line > 0) return text_of(found);
     if (enclosing.empty()) return file_;
   }
 }
 
 std::string ParameterSource::message(const ParameterPath& path, const std::string& remark) const {
   const std::string name = path.empty() ? excerpt(root_name_) : to_string(path);
-  return where(path) + ": XML path \"" + name + "\": " + remark;
+  return where(path) + ": " + language_ + " path \"" + name + "\": " + remark;
 }
 
 InputError ParameterSource::error(const ParameterPath& path, const std::string& problem) const {

@@ -1,4 +1,4 @@
-/// Where parameters came from: the file and the line of each, for error messages.
+/// Where parameters came from: the file and the place of each in it, for error messages.
 #pragma once
 
 #include "discretization/text/errors.hpp"
@@ -20,6 +20,9 @@ std::string to_string(const ParameterPath& path);
 /// `path` one level deeper.
 ParameterPath child(ParameterPath path, const std::string& name);
 
+/// `scene` of `folder/scene.yaml`.
+std::string name_of_file(const std::string& file);
+
 class ParameterSource {
  public:
   /// Without a file name: a list that the program made itself.
@@ -30,8 +33,11 @@ class ParameterSource {
   const std::string& root_name() const { return root_name_; }
 
   void set_root_name(const std::string& name) { root_name_ = name; }
-  void record(const ParameterPath& path, int line);
-  void reserve(std::size_t entries) { lines_.reserve(entries); }
+  /// Language of the file, `XML`, for messages.
+  void set_language(const std::string& name) { language_ = name; }
+  /// Remembers the place of an entry. Throws InputError if there was one of this path before: names in a list differ.
+  /// `column`: 0 where it says nothing.
+  void record(const ParameterPath& path, int line, int column = 0);
 
   /// Texts of the files that the input names, by that name: readers take them instead of what is on the disk now.
   const std::map<std::string, std::string>& files() const { return files_; }
@@ -40,7 +46,7 @@ class ParameterSource {
   /// Line of this very path, 0 if it was not in the file.
   int line(const ParameterPath& path) const;
 
-  /// `scene.xml:12`; for something that is missing, the line of the innermost list around it.
+  /// `scene.xml:12`, `scene.yaml:12:3`; for something that is missing, the place of the innermost list around it.
   std::string where(const ParameterPath& path) const;
 
   /// `scene.xml:12: XML path "Scene / Members": <remark>`
@@ -51,7 +57,14 @@ class ParameterSource {
  private:
   std::string file_;
   std::string root_name_;
-  std::unordered_map<std::string, int> lines_;
+  std::string language_ = "XML";
+  struct Position {
+    int line = 0, column = 0;
+  };
+  std::unordered_map<std::string, Position> positions_;
+
+  Position position(const ParameterPath& path) const;
+  std::string text_of(const Position& position) const;
   std::map<std::string, std::string> files_;
 };
 

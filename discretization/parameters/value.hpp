@@ -23,6 +23,8 @@ using ParameterValue = std::variant<std::monostate, bool, int, double, std::stri
 const std::vector<std::string>& xml_names();
 inline const std::string& xml_name(ParameterType type) { return xml_names()[static_cast<std::size_t>(type)]; }
 
+inline bool is_array(ParameterType type) { return type >= ParameterType::integer_array; }
+
 inline bool has_type(const ParameterValue& value, ParameterType type) {
   return value.index() == static_cast<std::size_t>(type) + 1;
 }

@@ -20,7 +20,6 @@ namespace mixbeam {
 namespace {
 
 constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;  // as of files
-constexpr std::size_t kMaximumDepth = 64;                       // nested lists; real files need less than ten
 
 const std::vector<std::string> kTags = {"ParameterList", "Parameter"};
 // Teuchos writes the last four of each itself; they say nothing that is needed here.
@@ -71,13 +70,25 @@ class ListBuilder {
   }
 
   void end_element(const std::string& tag) {
+    line_of_end_ = line();
     if (tag == "Parameter") {
       inside_parameter_ = false;
       return;
     }
+    take_comments(Comment::Place::end, path_);
+    last_ended_ = path_;
     open_.pop_back();
     if (!path_.empty()) path_.pop_back();
   }
+
+  /// One behind an entry, in its line, belongs to that entry.
+  void comment(const std::string& text) {
+    const bool is_behind = line_of_end_ > 0 && line_of_end_ == tag_line() && pending_comments_.empty();
+    if (is_behind) return result_.comments.push_back({Comment::Place::behind, last_ended_, trimmed(text)});
+    pending_comments_.push_back(trimmed(text));
+  }
+
+  void end_document() { take_comments(Comment::Place::end, {}); }
 
   void characters(const std::string& text) {
     if (trimmed(text).empty()) return;
@@ -142,20 +153,23 @@ class ListBuilder {
   void start_list(const Attributes& attributes, int line_number) {
     check_attributes(attributes, kListAttributes, line_number);
     if (!has_root_) return start_root(attributes, line_number);
-    if (open_.size() >= kMaximumDepth) {
-      throw at_line(line_number, "lists nested deeper than " + std::to_string(kMaximumDepth));
+    if (open_.size() >= kDeepestLists) {
+      throw at_line(line_number, "lists nested deeper than " + std::to_string(kDeepestLists));
     }
     const std::string& name = name_of(attributes, "ParameterList", line_number);
     path_.push_back(name);
-    claim_path(line_number);
+    result_.source.record(path_, line_number);
+    take_comments(Comment::Place::before, path_);
     open_.push_back(&open_.back()->sublist(name));
   }
 
-  /// Teuchos does not demand a name for the outermost list.
+  /// Teuchos does not demand a name for the outermost list: it takes that of the file.
   void start_root(const Attributes& attributes, int line_number) {
-    if (const std::string* name = find_attribute(attributes, "name")) result_.list->setName(*name);
+    const std::string* name = find_attribute(attributes, "name");
+    result_.list->setName(name == nullptr ? name_of_file(result_.source.file()) : *name);
     result_.source.set_root_name(result_.list->name());
     result_.source.record({}, line_number);
+    take_comments(Comment::Place::before, {});
     open_.push_back(result_.list.get());
     has_root_ = true;
   }
@@ -168,7 +182,8 @@ class ListBuilder {
     const std::string& type = attribute(attributes, "type", "Parameter", line_number);
     const std::string& value = attribute(attributes, "value", "Parameter", line_number);
     path_.push_back(name);
-    claim_path(line_number);
+    result_.source.record(path_, line_number);
+    take_comments(Comment::Place::before, path_);
     const std::vector<std::string>& types = xml_names();
     const auto known = std::find(types.begin(), types.end(), type);
     if (known == types.end()) {
@@ -179,16 +194,15 @@ class ListBuilder {
     const Problem problem = parse_value(value, static_cast<ParameterType>(known - types.begin()), parsed);
     if (!problem.empty()) throw result_.source.error(path_, problem);
     set_value(*open_.back(), name, parsed);
+    last_ended_ = path_;
     path_.pop_back();
     inside_parameter_ = true;
   }
 
-  /// Remembers the line of `path_`, which no other entry may have: names in a list differ.
-  void claim_path(int line_number) {
-    const int earlier = result_.source.line(path_);
-    if (earlier == 0) return result_.source.record(path_, line_number);
-    throw at_line(line_number, "given twice in this list, in line " + std::to_string(earlier) + " and again in line " +
-                                   std::to_string(line_number));
+  /// Those that were read since the last entry belong to this one.
+  void take_comments(Comment::Place place, const ParameterPath& path) {
+    for (std::string& text : pending_comments_) result_.comments.push_back({place, path, std::move(text)});
+    pending_comments_.clear();
   }
 
   xmlParserCtxtPtr parser_;
@@ -196,6 +210,9 @@ class ListBuilder {
   std::exception_ptr error_;
   std::vector<Teuchos::ParameterList*> open_;  ///< lists whose end has not come yet
   ParameterPath path_;
+  std::vector<std::string> pending_comments_;
+  ParameterPath last_ended_;  ///< the entry whose tag ended last
+  int line_of_end_ = 0;
   bool has_root_ = false;
   bool inside_parameter_ = false;
 };
@@ -239,6 +256,10 @@ void on_characters(void* builder, const xmlChar* text, int length) {
   });
 }
 
+void on_comment(void* builder, const xmlChar* text) {
+  tell(builder, [&](ListBuilder& target) { target.comment(to_string(text)); });
+}
+
 void on_document_type(void* builder, const xmlChar* /*name*/, const xmlChar* /*id*/, const xmlChar* /*system_id*/) {
   tell(builder, [](ListBuilder& target) { target.document_type(); });
 }
@@ -259,6 +280,7 @@ void connect(xmlParserCtxt& parser, ListBuilder& builder) {
   parser.sax->endElementNs = on_end_element;
   parser.sax->characters = on_characters;
   parser.sax->cdataBlock = on_characters;
+  parser.sax->comment = on_comment;
   parser.sax->internalSubset = on_document_type;
   parser.sax->serror = on_error;
   parser.userData = &builder;
@@ -306,6 +328,7 @@ XmlParameters parse_xml(const std::string& text, const std::string& file) {
   xmlCtxtUseOptions(parser.get(), XML_PARSE_NONET | XML_PARSE_NOENT);
   xmlParseDocument(parser.get());
   if (builder.error()) std::rethrow_exception(builder.error());
+  builder.end_document();
   if (parser->wellFormed == 0 || !builder.has_root()) throw InputError(file + ":1: not well-formed XML");
   return result;
 }

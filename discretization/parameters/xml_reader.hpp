@@ -8,13 +8,30 @@
 #include <Teuchos_RCP.hpp>
 
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
+/// Nested lists; real files need less than ten.
+inline constexpr std::size_t kDeepestLists = 64;
+
+/// A comment and the entry that it belongs to.
+struct Comment {
+  enum class Place {
+    before,  ///< in lines of its own
+    behind,  ///< in the last line of the entry
+    end      ///< behind the last entry of this list
+  };
+  Place place;
+  ParameterPath path;
+  std::string text;
+};
+
 struct XmlParameters {
-  Teuchos::RCP<Teuchos::ParameterList> list;  ///< bears the name of the root
-  ParameterSource source;                     ///< file and line of every entry
+  Teuchos::RCP<Teuchos::ParameterList> list;  ///< bears the name of the root, or of the file where that has none
+  ParameterSource source;                     ///< file and place of every entry
   std::string text;                           ///< the file itself, to be kept with the results
+  std::vector<Comment> comments{};            ///< of XML, in the order of the file
 };
 
 /// Reads `<ParameterList name="..">` with `<Parameter name=".." type=".." value=".."/>` and nested lists; types bool,

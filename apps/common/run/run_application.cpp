@@ -24,7 +24,7 @@ void set_up(Application& app, const CommandLine& line, const ApplicationDefiniti
   app.quiet = line.quiet;
   app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, read_xml(line.scene_file ? *line.scene_file : default_scene_file(definition.name)), definition);
+  read_scene_file(app, line.scene_file ? *line.scene_file : default_scene_file(definition.name), definition);
   describe_run(app, definition.name, line.threads);
   app.output = line.output ? *line.output : "results/" + definition.name;
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });

@@ -3,6 +3,7 @@
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "discretization/checks/scene_warnings.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
@@ -91,6 +92,10 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
                                       {"Expected"}, app.quantities.names());
   check_expected_values(app.expected, app.scene, app.xml.source);
   check_critical_points_are_found(app);
+}
+
+void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition) {
+  read_scene_file(app, read_parameters(file, root_spec(definition)), definition);
 }
 
 namespace {

@@ -14,6 +14,9 @@ ListSpec root_spec(const ApplicationDefinition& definition);
 /// XML path.
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
 
+/// The same for a file, in XML or YAML.
+void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition);
+
 /// Prints what is unusual in the scene, and counts it in the summary.
 void warn_of_scene(Application& app);
 

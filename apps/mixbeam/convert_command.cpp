@@ -1,0 +1,100 @@
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/command_line.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/parameters/validate.hpp"
+#include "discretization/results/disk_file.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <iostream>
+
+namespace mixbeam {
+
+namespace {
+
+using List = Teuchos::ParameterList;
+
+struct Conversion {
+  std::string from, to;
+  bool may_replace = false;
+};
+
+Conversion read_arguments(const Arguments& arguments) {
+  std::vector<std::string> files;
+  std::vector<const char*> others;
+  for (const char* argument : arguments.values)
+    if (argument[0] == '-' || others.empty())
+      others.push_back(argument);
+    else
+      files.emplace_back(argument);
+  const CommandLine line =
+      read_command_line(static_cast<int>(others.size()), others.data(), {"--force", "--help"}, "scene");
+  if (files.size() != 2)
+    throw InputError(std::to_string(files.size()) +
+                     " files given to \"convert\"; allowed: two, mixbeam convert FROM TO");
+  const std::string ending = lower_case(std::filesystem::path(files[1]).extension().string());
+  if (ending != ".xml" && ending != ".yaml" && ending != ".yml")
+    throw InputError("\"" + excerpt(files[1]) + "\": unknown ending; allowed: .xml, .yaml, .yml");
+  return {files[0], files[1], line.force};
+}
+
+/// Path of the first entry that differs, in name, order or value; empty if none does.
+ParameterPath difference(const List& a, const List& b, const ParameterPath& path = {}) {
+  auto other = b.begin();
+  for (auto entry = a.begin(); entry != a.end(); ++entry, ++other) {
+    const ParameterPath here = child(path, a.name(entry));
+    if (other == b.end() || a.name(entry) != b.name(other)) return here;
+    if (a.entry(entry).isList() != b.entry(other).isList()) return here;
+    if (a.entry(entry).isList()) {
+      const ParameterPath inside = difference(a.sublist(a.name(entry)), b.sublist(b.name(other)), here);
+      if (!inside.empty()) return inside;
+    } else if (value_of(a.entry(entry)) != value_of(b.entry(other))) {
+      return here;
+    }
+  }
+  return other == b.end() ? ParameterPath{} : child(path, b.name(other));
+}
+
+void require_equal(const XmlParameters& from, XmlParameters to, const ListSpec& spec) {
+  List before(*from.list);
+  for (const std::string& warning : validate(before, spec, from.source)) std::cout << "warning: " << warning << "\n";
+  validate(*to.list, spec, to.source);
+  const ParameterPath path = difference(before, *to.list);
+  if (!path.empty() || from.list->name() != to.list->name())
+    throw from.source.error(path, "cannot be written to " + to.source.file() +
+                                      " without a change; allowed in XML: texts in arrays without braces, and without "
+                                      "commas outside of parentheses");
+}
+
+bool has_comment(const std::string& yaml) {
+  for (std::size_t at = yaml.find('#'); at != std::string::npos; at = yaml.find('#', at + 1))
+    if (at == 0 || yaml[at - 1] == '\n' || yaml[at - 1] == ' ' || yaml[at - 1] == '\t') return true;
+  return false;
+}
+
+}  // namespace
+
+int convert_command(const Arguments& arguments) {
+  const auto [from, to, may_replace] = read_arguments(arguments);
+  if (!may_replace && std::filesystem::exists(to))
+    throw InputError("\"" + excerpt(to) + "\" is there already; allowed: another name, or --force to replace it");
+  const ListSpec root = root_spec(mixbeam_definition());
+  const XmlParameters scene = read_parameters(from, root);
+  const bool is_from_xml = format_of(from, scene.text) == FileFormat::xml;
+  const bool is_to_yaml = format_of(to) == FileFormat::yaml;
+  const std::string text = is_to_yaml ? yaml_text(scene, root, to) : xml_text(*scene.list);
+  require_equal(scene, parse_parameters(text, to, root), root);
+  try {
+    replace_file(to, text, false);
+  } catch (const FileError& error) {
+    throw InputError(error.what());
+  }
+  std::cout << to << ": the scene of " << from << "\n";
+  const bool keeps_comments = is_from_xml && is_to_yaml;
+  if (!keeps_comments && (is_from_xml ? !scene.comments.empty() : has_comment(scene.text)))
+    std::cout << "warning: the comments of " << from << " are not in " << to << "\n";
+  return 0;
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,327 @@
+#include "discretization/parameters/yaml_reader.hpp"
+
+#include "discretization/text/message_text.hpp"
+
+#include <libxml/xmlstring.h>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/exceptions.h>
+#include <yaml-cpp/parser.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <sstream>
+#include <utility>
+
+namespace mixbeam {
+namespace {
+
+/// What aliases may add: a real file repeats a few lists, a bomb repeats repetitions.
+constexpr std::size_t kMostAliasNodes = 100'000;
+
+/// A scalar, sequence or map. The children of a map are its keys and values in turn.
+struct YamlNode {
+  enum class Kind { plain, quoted, sequence, map };
+  Kind kind = Kind::plain;
+  bool is_absent = false;  ///< nothing stands there
+  YAML::Mark mark{};
+  std::string text{};
+  std::vector<std::size_t> children{};
+};
+
+std::string described(YamlNode::Kind kind) {
+  return kind == YamlNode::Kind::map ? "a map" : kind == YamlNode::Kind::sequence ? "a sequence" : "a value";
+}
+
+InputError error_at(const std::string& file, const YAML::Mark& mark, const std::string& problem) {
+  return InputError(file + ":" + std::to_string(mark.line + 1) + ":" + std::to_string(mark.column + 1) + ": " +
+                    problem);
+}
+
+/// Receives the parser's events and keeps the nodes. An alias is one more parent of its node.
+class YamlTree : public YAML::EventHandler {
+ public:
+  YamlTree(const std::string& text, const std::string& file) : text_(text), file_(file) {}
+
+  const YamlNode& operator[](std::size_t node) const { return nodes_[node]; }
+  std::size_t size() const { return nodes_.size(); }
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (!nodes_.empty()) throw error_at(file_, mark, "a second document; allowed: one");
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    YamlNode& node = add(YamlNode::Kind::plain, mark, "?", anchor);
+    node.text = null_word(mark);
+    node.is_absent = node.text.empty();
+  }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+    if (open_.empty()) throw error_at(file_, mark, "an alias without anything around it");
+    nodes_[open_.back()].children.push_back(anchors_.at(anchor));
+  }
+  void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                const std::string& value) override {
+    const bool is_text = tag == "!" || tag == "tag:yaml.org,2002:str";
+    const auto is_control = [](unsigned char c) { return c < ' ' && c != '\t' && c != '\n' && c != '\r'; };
+    if (std::any_of(value.begin(), value.end(), is_control))
+      throw error_at(file_, mark, "\"" + excerpt(value) + "\" holds a control character; allowed: text");
+    add(is_text ? YamlNode::Kind::quoted : YamlNode::Kind::plain, mark, is_text ? "!" : tag, anchor).text = value;
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                       YAML::EmitterStyle::value /*style*/) override {
+    open(YamlNode::Kind::sequence, mark, tag, anchor);
+  }
+  void OnSequenceEnd() override { open_.pop_back(); }
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
+                  YAML::EmitterStyle::value /*style*/) override {
+    open(YamlNode::Kind::map, mark, tag, anchor);
+  }
+  void OnMapEnd() override { open_.pop_back(); }
+
+ private:
+  YamlNode& add(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
+    if (tag != "?" && tag != "!" && !tag.empty())
+      throw error_at(file_, mark, "tag \"" + excerpt(tag) + "\"; allowed: !!str for text, types follow from the names");
+    // The parser places a value that is absent where the next token stands, which may be the word null.
+    if (!nodes_.empty() && nodes_.back().kind == YamlNode::Kind::plain && nodes_.back().mark.pos == mark.pos) {
+      nodes_.back().text.clear();
+      nodes_.back().is_absent = true;
+    }
+    const std::size_t index = nodes_.size();
+    if (anchor != 0) anchors_[anchor] = index;
+    if (!open_.empty()) nodes_[open_.back()].children.push_back(index);
+    nodes_.push_back({kind, false, mark, {}, {}});
+    return nodes_.back();
+  }
+  void open(YamlNode::Kind kind, const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
+    if (open_.size() >= kDeepestLists)
+      throw error_at(file_, mark, "lists nested deeper than " + std::to_string(kDeepestLists));
+    add(kind, mark, tag, anchor);
+    open_.push_back(nodes_.size() - 1);
+  }
+  /// The parser tells that a scalar means null, not how it was written, which matters where it is a name.
+  std::string null_word(const YAML::Mark& mark) const {
+    for (const char* word : {"null", "Null", "NULL", "~"})
+      if (text_.compare(static_cast<std::size_t>(mark.pos), std::string(word).size(), word) == 0) return word;
+    return "";
+  }
+
+  const std::string& text_;
+  const std::string& file_;
+  std::vector<YamlNode> nodes_;    ///< the root is the first
+  std::vector<std::size_t> open_;  ///< sequences and maps whose end has not come yet
+  std::map<YAML::anchor_t, std::size_t> anchors_;
+};
+
+Problem parse_plain(const std::string& text, bool& value) {
+  value = text == "true" || text == "True" || text == "TRUE";
+  return value || text == "false" || text == "False" || text == "FALSE" ? "" : "no switch";
+}
+Problem parse_plain(const std::string& text, int& value) { return parse_number(text, value); }
+/// YAML writes .inf where a scene may also say inf.
+Problem parse_plain(const std::string& text, double& value) {
+  const std::size_t sign = text.find_first_not_of("+-") == 1 ? 1 : 0;
+  const bool is_infinite = lower_case(text.substr(sign)) == ".inf";
+  return parse_number(is_infinite ? text.substr(0, sign) + "inf" : text, value);
+}
+
+/// Fills a list from a tree.
+class YamlFiller {
+ public:
+  YamlFiller(const YamlTree& tree, XmlParameters& result) : tree_(tree), result_(result) {}
+
+  void fill_root(const ListSpec& spec) {
+    if (tree_[0].kind != YamlNode::Kind::map)
+      throw error_at(result_.source.file(), tree_[0].mark,
+                     described(tree_[0].kind) + "; allowed: lists by their names, like \"Scene:\"");
+    result_.source.record({}, tree_[0].mark.line + 1, tree_[0].mark.column + 1);
+    fill(*result_.list, &spec, tree_[0]);
+  }
+
+ private:
+  using Kind = YamlNode::Kind;
+
+  InputError error(const YamlNode& node, const std::string& problem) const {
+    const std::string place = path_.empty() ? "" : "YAML path \"" + mixbeam::to_string(path_) + "\": ";
+    return error_at(result_.source.file(), node.mark, place + problem);
+  }
+
+  /// `spec`: none where nothing is declared.
+  void fill(Teuchos::ParameterList& list, const ListSpec* spec, const YamlNode& map) {
+    if (path_.size() > kDeepestLists)
+      throw error(map, "lists nested deeper than " + std::to_string(kDeepestLists) + " by an alias");
+    for (std::size_t i = 0; i + 1 < map.children.size(); i += 2) {
+      const YamlNode& key = tree_[map.children[i]];
+      const YamlNode& value = tree_[map.children[i + 1]];
+      count_nodes(key);
+      path_.push_back(name_of(key));
+      result_.source.record(path_, key.mark.line + 1, key.mark.column + 1);
+      take(list, spec, value);
+      path_.pop_back();
+    }
+  }
+
+  const std::string& name_of(const YamlNode& key) const {
+    if (key.kind != Kind::plain && key.kind != Kind::quoted)
+      throw error(key, described(key.kind) + " as a name; allowed: text");
+    if (key.kind == Kind::plain && key.text == "<<")
+      throw error(key, "a merge key (<<); allowed: each list in full, or an alias of a whole list");
+    if (trimmed(key.text).empty()) throw error(key, "an empty name");
+    return key.text;
+  }
+
+  void take(Teuchos::ParameterList& list, const ListSpec* spec, const YamlNode& value) {
+    const std::string name = path_.back();
+    const bool is_declared = spec != nullptr && !spec->unchecked;
+    if (value.kind == Kind::map) {
+      const SublistSpec* fixed = is_declared ? spec->find_list(name) : nullptr;
+      const ListSpec* inner = fixed != nullptr ? fixed->list.get() : is_declared ? spec->named_list.get() : nullptr;
+      return fill(list.sublist(name), inner, value);
+    }
+    if (path_.size() == 1 && name == kRootName && value.kind != Kind::sequence) {
+      const std::string& root = entries_of(value)[0]->text;
+      list.setName(root);
+      return result_.source.set_root_name(root);
+    }
+    const ParameterSpec* fixed = is_declared ? spec->find_parameter(name) : nullptr;
+    set_value(list, name, value_of(value, fixed != nullptr || !is_declared ? fixed : spec->named_parameter.get()));
+  }
+
+  ParameterValue value_of(const YamlNode& node, const ParameterSpec* spec) {
+    const std::vector<const YamlNode*> entries = entries_of(node);
+    const bool is_array = node.kind == Kind::sequence;
+    ParameterValue value;
+    if (spec != nullptr && parse(entries, is_array, spec->type, value)) return value;
+    for (const ParameterType type : {ParameterType::boolean, ParameterType::integer, ParameterType::real,
+                                     ParameterType::integer_array, ParameterType::real_array})
+      if (!(is_array && entries.empty()) && parse(entries, is_array, type, value)) return value;
+    parse(entries, is_array, is_array ? ParameterType::text_array : ParameterType::text, value);
+    return value;
+  }
+
+  /// The scalar itself, or those of a sequence.
+  std::vector<const YamlNode*> entries_of(const YamlNode& node) {
+    std::vector<const YamlNode*> entries;
+    if (node.kind != Kind::sequence) entries.push_back(&node);
+    for (const std::size_t child : node.children) entries.push_back(&tree_[child]);
+    for (const YamlNode* entry : entries) {
+      count_nodes(*entry);
+      if (entry->is_absent)
+        throw error(*entry, "no value; allowed: a value, \"\" for an empty text, {} for an empty list");
+      if (entry->kind == Kind::map || entry->kind == Kind::sequence)
+        throw error(*entry, described(entry->kind) + " in a sequence; allowed: values between commas, like [1, 2, 3]");
+    }
+    return entries;
+  }
+
+  /// False where an entry does not have the type.
+  static bool parse(const std::vector<const YamlNode*>& entries, bool is_array, ParameterType type,
+                    ParameterValue& value) {
+    switch (type) {
+      case ParameterType::boolean:
+        return !is_array && parse_one<bool>(*entries[0], value);
+      case ParameterType::integer:
+        return !is_array && parse_one<int>(*entries[0], value);
+      case ParameterType::real:
+        return !is_array && parse_one<double>(*entries[0], value);
+      case ParameterType::text:
+        return !is_array && parse_one<std::string>(*entries[0], value);
+      case ParameterType::integer_array:
+        return is_array && parse_all<int>(entries, value);
+      case ParameterType::real_array:
+        return is_array && parse_all<double>(entries, value);
+      case ParameterType::text_array:
+        return is_array && parse_all<std::string>(entries, value);
+    }
+    return false;
+  }
+
+  template <class T>
+  static bool read_scalar(const YamlNode& node, T& value) {
+    if constexpr (std::is_same_v<T, std::string>) {
+      value = node.text;
+      return true;
+    } else {
+      return node.kind == Kind::plain && parse_plain(node.text, value).empty();
+    }
+  }
+  template <class T>
+  static bool parse_one(const YamlNode& node, ParameterValue& value) {
+    return read_scalar(node, value.emplace<T>());
+  }
+  template <class T>
+  static bool parse_all(const std::vector<const YamlNode*>& entries, ParameterValue& value) {
+    Teuchos::Array<T>& all = value.emplace<Teuchos::Array<T>>();
+    for (const YamlNode* entry : entries) {
+      T one{};
+      if (!read_scalar(*entry, one)) return false;
+      all.push_back(one);
+    }
+    return true;
+  }
+
+  void count_nodes(const YamlNode& node) {
+    if (++visited_ <= tree_.size() + kMostAliasNodes) return;
+    throw error(node, "aliases unfold to more than " + std::to_string(kMostAliasNodes) + " entries");
+  }
+
+  const YamlTree& tree_;
+  XmlParameters& result_;
+  ParameterPath path_;
+  std::size_t visited_ = 0;
+};
+
+/// Line of the first byte that is no text in UTF-8, 0 if there is none.
+int line_without_text(const std::string& text) {
+  int number = 1;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line); ++number) {
+    const auto is_control = [](unsigned char c) { return c < ' ' && c != '\t' && c != '\r'; };
+    if (std::any_of(line.begin(), line.end(), is_control)) return number;
+    if (xmlCheckUTF8(reinterpret_cast<const xmlChar*>(line.c_str())) == 0) return number;
+  }
+  return 0;
+}
+
+/// What the parser says, and what is usually meant.
+InputError syntax_error(const YAML::ParserException& problem, const std::string& file) {
+  using namespace YAML::ErrorMsg;
+  const auto is_one_of = [&](std::initializer_list<const char*> messages) {
+    return std::any_of(messages.begin(), messages.end(), [&](const char* text) { return problem.msg == text; });
+  };
+  std::string hint;
+  if (is_one_of({ALIAS_NOT_FOUND, CHAR_IN_ALIAS, UNKNOWN_ANCHOR}))
+    hint = "; a pattern that begins with * stands in quotes, like \"*\"";
+  if (problem.mark.line < 0) return InputError(file + ": not well-formed YAML: " + excerpt(problem.msg) + hint);
+  return error_at(file, problem.mark, "not well-formed YAML: " + excerpt(problem.msg) + hint);
+}
+
+}  // namespace
+
+XmlParameters parse_yaml(const std::string& text, const std::string& file, const ListSpec& spec) {
+  const std::string byte_order_mark = "\xEF\xBB\xBF";
+  const bool is_marked = text.compare(0, byte_order_mark.size(), byte_order_mark) == 0;
+  const std::string plain = is_marked ? text.substr(byte_order_mark.size()) : text;
+  if (const int line = line_without_text(plain); line > 0)
+    throw InputError(file + ":" + std::to_string(line) + ": not a text in UTF-8 without control characters");
+  XmlParameters result{Teuchos::rcp(new Teuchos::ParameterList(name_of_file(file))),
+                       ParameterSource(file, name_of_file(file)),
+                       text,
+                       {}};
+  result.source.set_language("YAML");
+  YamlTree tree(plain, file);
+  try {
+    std::istringstream stream(plain);
+    YAML::Parser parser(stream);
+    while (parser.HandleNextDocument(tree)) {
+    }
+  } catch (const YAML::ParserException& problem) {
+    throw syntax_error(problem, file);
+  }
+  if (tree.size() == 0)
+    throw InputError(file + ":1: the file is empty; allowed: lists by their names, like \"Scene:\"");
+  YamlFiller(tree, result).fill_root(spec);
+  return result;
+}
+
+}  // namespace mixbeam
