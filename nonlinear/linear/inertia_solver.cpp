@@ -23,20 +23,27 @@ void SparseMatrix::multiply(const double* x, double* y) const {
 }
 
 double asymmetry(const SparseMatrix& a) {
-  const auto entry = [&](int i, int j) {
-    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k)
-      if (a.column[k] == j) return a.value[k];
-    return 0.0;
-  };
-  std::vector<double> diagonal(a.rows());
-  for (int i = 0; i < a.rows(); ++i) diagonal[i] = std::max(std::abs(entry(i, i)), 1.0);
-  double largest = 0.0;
-  for (int i = 0; i < a.rows(); ++i)
+  const int n = a.rows();
+  std::vector<int> next(n + 1, 0);  // entries of each column, its rows ascending
+  for (int j : a.column) ++next[j + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::pair<int, double>> transposed(a.column.size());
+  std::vector<double> diagonal(n, 1.0), row(n, 0.0);
+  for (int i = 0; i < n; ++i)
     for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
-      const int j = a.column[k];
-      const double difference = std::abs(a.value[k] - entry(j, i));
+      transposed[next[a.column[k]]++] = {i, a.value[k]};
+      if (a.column[k] == i) diagonal[i] = std::max(std::abs(a.value[k]), 1.0);
+    }
+  double largest = 0.0;
+  for (int i = 0; i < n; ++i) {  // next[i] is now the end of column i
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) row[a.column[k]] = a.value[k];
+    for (int k = i > 0 ? next[i - 1] : 0; k < next[i]; ++k) {
+      const auto& [j, value] = transposed[k];
+      const double difference = std::abs(row[j] - value);
       if (difference > 0.0) largest = std::max(largest, difference / std::sqrt(diagonal[i] * diagonal[j]));
     }
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) row[a.column[k]] = 0.0;
+  }
   return largest;
 }
 

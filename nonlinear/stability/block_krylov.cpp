@@ -2,6 +2,7 @@
 
 #include "nonlinear/linear/linear_solver.hpp"
 
+#include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
@@ -32,10 +33,12 @@ constexpr int kSweeps = 20;
 
 }  // namespace
 
-double dot_product(const Vector& x, const Vector& y) { return std::inner_product(x.begin(), x.end(), y.begin(), 0.0); }
+double dot_product(const Vector& x, const Vector& y) {
+  return Teuchos::BLAS<int, double>().DOT(static_cast<int>(x.size()), x.data(), 1, y.data(), 1);
+}
 
 void add_multiple(double a, const Vector& x, Vector& y) {
-  for (size_t i = 0; i < x.size(); ++i) y[i] += a * x[i];
+  Teuchos::BLAS<int, double>().AXPY(static_cast<int>(x.size()), a, x.data(), 1, y.data(), 1);
 }
 
 std::vector<double> small_eigenproblem(std::vector<double>& a, int m) {
@@ -216,7 +219,7 @@ std::vector<Vector> start_block(int unknowns, int columns) {
   std::mt19937_64 generator(20240229);
   std::vector<Vector> block(columns, Vector(unknowns));
   for (Vector& v : block)
-    for (double& x : v) x = std::ldexp(static_cast<double>(generator() >> 11), -52) - 1.0;
+    for (double& x : v) x = 0x1p-52 * static_cast<double>(generator() >> 11) - 1.0;
   return block;
 }
 

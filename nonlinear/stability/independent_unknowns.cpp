@@ -137,13 +137,25 @@ double IndependentUnknowns::motion_of(int vertex, int component, int by_vertex, 
 void IndependentUnknowns::reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row,
                                      const std::vector<int>& slot, double* out) const {
   for (size_t k = full.graph.row_map(row); k < full.graph.row_map(row + 1); ++k) {
-    const int w = full.graph.entries(k) / kVertexDofs, c = full.graph.entries(k) % kVertexDofs;
+    const int moved = full.graph.entries(k);
     const double a = full.values(k) * measure_[row];
-    for (int by : {w, master_[w]})
-      for (int i = 0; by >= 0 && i < kVertexDofs; ++i)
-        if (unknown(by, i) >= 0)
-          out[slot[unknown(by, i)]] += a * motion_of(w, c, by, i) * measure_[static_cast<size_t>(kVertexDofs) * by + i];
+    for (size_t s = share_start_[moved]; s < share_start_[moved + 1]; ++s)
+      out[slot[share_[s].unknown]] += a * share_[s].motion;
   }
+}
+
+/// Rows of Z: nearly all of them have one entry.
+void IndependentUnknowns::list_shares() {
+  share_.clear();
+  share_start_ = {0};
+  for (int v = 0; v < vertices_; ++v)
+    for (int c = 0; c < kVertexDofs; ++c) {
+      for (int by : {v, master_[v]})
+        for (int i = 0; by >= 0 && i < kVertexDofs; ++i)
+          if (const double motion = unknown(by, i) < 0 ? 0.0 : motion_of(v, c, by, i); motion != 0.0)
+            share_.push_back({unknown(by, i), motion * measure_[static_cast<size_t>(kVertexDofs) * by + i]});
+      share_start_.push_back(share_.size());
+    }
 }
 
 const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent) {
@@ -151,6 +163,7 @@ const SparseMatrix& IndependentUnknowns::reduce(const Tangent& tangent) {
   if (whole_ != nullptr) tangent.gather(*whole_);
   root_.gather_values();
   if (!is_root()) return reduced_;
+  list_shares();
   const auto local = root_.matrix()->getLocalMatrixHost();
   std::fill(reduced_.value.begin(), reduced_.value.end(), 0.0);
   std::vector<int> slot(unknown_.size(), -1);  // where an unknown stands in the rows of the present vertex
@@ -186,14 +199,9 @@ std::vector<double> IndependentUnknowns::measured(const std::vector<double>& row
 
 void IndependentUnknowns::expand(const double* y, DofVector& motion) const {
   std::vector<double> all(unknown_.size(), 0.0);
-  for (int v = 0; is_root() && v < vertices_; ++v)
-    for (int by : {v, master_[v]})
-      for (int i = 0; by >= 0 && i < kVertexDofs; ++i) {
-        if (unknown(by, i) < 0) continue;
-        const double amount = y[unknown(by, i)] * measure_[static_cast<size_t>(kVertexDofs) * by + i];
-        for (int c = 0; c < kVertexDofs; ++c)
-          all[static_cast<size_t>(kVertexDofs) * v + c] += motion_of(v, c, by, i) * amount;
-      }
+  for (size_t row = 0; is_root() && row < all.size(); ++row)
+    for (size_t s = share_start_[row]; s < share_start_[row + 1]; ++s)
+      all[row] += share_[s].motion * y[share_[s].unknown];
   root_.scatter(all.data(), motion);
 }
 

@@ -55,6 +55,7 @@ class IndependentUnknowns {
   void measure(const Model& model);
   void build_structure();
   void probe(const Tangent& tangent);
+  void list_shares();
   void reduce_row(const DofMatrix::local_matrix_host_type& full, size_t row, const std::vector<int>& slot,
                   double* out) const;
   int unknown(int vertex, int component) const {
@@ -74,7 +75,13 @@ class IndependentUnknowns {
   std::vector<int> unknown_;                     ///< (6 * vertex + component): -1 where fixed; rank 0
   std::vector<double> measure_;                  ///< (6 * vertex + component): size of one unit of y; rank 0
   std::vector<std::vector<double>> unit_force_;  ///< (6 * colour + component): free rows of unit forces; rank 0
-  std::vector<std::vector<int>> neighbours_;     ///< (vertex): vertices in its reduced rows; rank 0
+  struct Share {
+    int unknown = 0;
+    double motion = 0.0;  ///< per unit of y
+  };
+  std::vector<Share> share_;                  ///< entries of Z at the state of reduce(); rank 0
+  std::vector<size_t> share_start_;           ///< (6 * vertex + component): its first share; rank 0
+  std::vector<std::vector<int>> neighbours_;  ///< (vertex): vertices in its reduced rows; rank 0
   SparseMatrix reduced_;
 };
 

@@ -4,6 +4,7 @@
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/validate.hpp"
 #include "discretization/parameters/xml_reader.hpp"
+#include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/expression.hpp"
@@ -28,18 +29,24 @@ const std::string kSeparator = "\n=====\n";
   return {text.substr(0, place), text.substr(place + kSeparator.size())};
 }
 
-/// As `mixbeam check` reads a scene, up to the mesh.
-[[maybe_unused]] void read_file(XmlParameters xml) {
+[[maybe_unused]] ListSpec spec_of_file() {
   ListSpec root("fuzz");
   root.add_list("Scene", scene_spec(), Presence::required);
   root.add_list("Expected", expected_values_spec(), Presence::defaulted);
+  return root;
+}
+
+/// As `mixbeam check` reads a scene, up to the mesh.
+[[maybe_unused]] void read_file(XmlParameters xml) {
   for (const char* other : {"Solver", "Analysis", "Batch", "Study"}) xml.list->remove(other, false);
-  validate(*xml.list, root, xml.source);
+  validate(*xml.list, spec_of_file(), xml.source);
   const Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   check_expected_values(read_expected_values(xml.list->sublist("Expected"), xml.source), scene, xml.source);
 }
 
 [[maybe_unused]] void scene(const std::string& text) { read_file(parse_xml(text, "scene.xml")); }
+
+[[maybe_unused]] void yaml(const std::string& text) { read_file(parse_yaml(text, "scene.yaml", spec_of_file())); }
 
 /// The tables of a scene that is in order.
 [[maybe_unused]] void table(const std::string& text) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Fuzzes what reads the input: scene, table, formula, batch, or those that are named.
+# Fuzzes what reads the input: scene, yaml, table, formula, batch, or those that are named.
 # usage: tests/faults/fuzz.sh [-s SECONDS] [-b FOLDER] [TARGET...]      (clang-14 with libclang-rt-14-dev)
 # Corpora come from apps/gallery, apps/verification and apps/batch. Exit code 0: nothing found; 1: the inputs that were found
 # lie in FOLDER (build/fuzz), as crash-*, timeout-*, oom-*; FOLDER/fuzz_TARGET INPUT shows one again.
@@ -8,7 +8,7 @@ seconds=600 root=$(realpath "$(dirname "$0")/../..") folder=
 while getopts s:b: option; do case $option in s) seconds=$OPTARG ;; b) folder=$OPTARG ;; *) exit 2 ;; esac; done
 shift $((OPTIND - 1))
 folder=${folder:-$root/build/fuzz}
-(($# > 0)) || set -- scene table formula batch
+(($# > 0)) || set -- scene yaml table formula batch
 mkdir -p "$folder/objects"
 flags=(-std=c++17 -O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined -fno-omit-frame-pointer
        -I"$root" -isystem /usr/include/trilinos -isystem /usr/include/libxml2)
@@ -31,10 +31,11 @@ found=0
 for target; do
   "${compiler[@]}" "${flags[@]}" -DFUZZ_TARGET="$target" -c "$root/tests/faults/fuzz.cpp" -o "$folder/$target.o"
   clang++-14 -fsanitize=address,undefined,fuzzer "$folder/$target.o" "${objects[@]}" -o "$folder/fuzz_$target" \
-    -ltrilinos_teuchosparameterlist -ltrilinos_teuchosparser -ltrilinos_teuchoscomm -ltrilinos_teuchoscore -lxml2 -lmuparser -lgsl -lgslcblas
+    -ltrilinos_teuchosparameterlist -ltrilinos_teuchosparser -ltrilinos_teuchoscomm -ltrilinos_teuchoscore -lxml2 -lyaml-cpp -lmuparser -lgsl -lgslcblas
   corpus=$folder/corpus_$target; mkdir -p "$corpus"
   case $target in
     scene) for xml in "$root"/apps/*/*.xml; do cp "$xml" "$corpus/$(basename "$(dirname "$xml")")-$(basename "$xml")"; done ;;
+    yaml) for xml in "$root"/apps/gallery/*.xml; do "$root/build/release/bin/mixbeam" convert "$xml" "$corpus/$(basename "$xml" .xml).yaml" >/dev/null; done ;;
     table) { cat "$root/tests/faults/points.csv"; echo =====; cat "$root/tests/faults/members.csv"; } >"$corpus/column" ;;
     formula) grep -oh 'value="[^"{}]*[*/^(][^"{}]*"' "$root"/apps/*/*.xml | sort -u | cut -d'"' -f2 | split -l 1 - "$corpus/" ;;
     batch) for xml in "$root"/apps/batch/*.xml "$root"/tests/faults/column.xml; do
