@@ -71,14 +71,10 @@ void bind_stiffnesses(BoundList<SectionDraft>& section) {
 }
 
 void bind_shape(BoundList<SectionDraft>& section) {
-  section.bind([](auto& d) -> auto& { return d.shape.kind; }, text("Shape"),
-               "Shape of a section of one material, instead of stiffnesses; with its dimensions and Material.",
-               {{"circle", SectionShapeKind::circle},
-                {"tube", SectionShapeKind::tube},
-                {"rectangle", SectionShapeKind::rectangle},
-                {"ellipse", SectionShapeKind::ellipse},
-                {"I", SectionShapeKind::i_section},
-                {"box", SectionShapeKind::box}});
+  section.bind(
+      [](auto& d) -> auto& { return d.shape.kind; }, text("Shape"),
+      "Shape of a section of one material, instead of stiffnesses; with its dimensions and Material.",
+      section_shape_words());
   const auto bind = [&](double SectionShape::*size, const std::string& name, const std::string& meaning) {
     section.bind(
         [size](auto& d) -> auto& { return d.shape.*size; }, real(name).above(0.0), meaning);

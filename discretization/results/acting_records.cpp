@@ -1,4 +1,5 @@
 #include "discretization/results/records.hpp"
+#include "discretization/scene/section_shape.hpp"
 
 #include <array>
 #include <limits>
@@ -106,6 +107,17 @@ void add_eigenstrain(ActingTable& table, const SampledEigenstrain& sampled) {
   table.add_beginning(sampled.eigenstrain);
 }
 
+void add_section(ActingTable& table, const SampledSection& sampled) {
+  const bool has_shape = !sampled.shape.empty();
+  table.add("name", sampled.name);
+  table.add("shape", has_shape ? section_shape_word(sampled.shape.front().kind) : "none");
+  const std::vector<SectionShape> shapes = has_shape ? sampled.shape : std::vector<SectionShape>(kPlacesAlongMember);
+  for (const SectionShape& shape : shapes) {
+    for (const double size : {shape.size2, shape.size3, shape.wall, shape.web}) table.add("dimensions", size);
+    table.add("strength", shape.strength.value_or(std::numeric_limits<double>::quiet_NaN()));
+  }
+}
+
 }  // namespace
 
 void write_acting(hid_t file, const Acting& acting) {
@@ -116,6 +128,9 @@ void write_acting(hid_t file, const Acting& acting) {
   write_table(group, "point_loads", acting.point_loads, add_point_load);
   write_table(group, "line_loads", acting.line_loads, add_line_load);
   write_table(group, "eigenstrains", acting.eigenstrains, add_eigenstrain);
+  write_table(group, "sections", acting.sections, add_section);
+  write_table(group, "members", acting.section_of_member,
+              [](ActingTable& table, int section) { table.add("section", static_cast<double>(section)); });
 }
 
 }  // namespace mixbeam

@@ -201,6 +201,19 @@ double i_section_torsion_constant(double width, double height, double flange, do
   return std::max(separate, flanges + between * cube(web) / 3.0 + 2.0 * alpha * square(square(circle)));
 }
 
+const std::vector<std::pair<std::string, SectionShapeKind>>& section_shape_words() {
+  static const std::vector<std::pair<std::string, SectionShapeKind>> words = {
+      {"circle", SectionShapeKind::circle},       {"tube", SectionShapeKind::tube},
+      {"rectangle", SectionShapeKind::rectangle}, {"ellipse", SectionShapeKind::ellipse},
+      {"I", SectionShapeKind::i_section},         {"box", SectionShapeKind::box}};
+  return words;
+}
+
+const std::string& section_shape_word(SectionShapeKind kind) {
+  const auto& words = section_shape_words();
+  return std::find_if(words.begin(), words.end(), [kind](const auto& word) { return word.second == kind; })->first;
+}
+
 Section make_section(const std::string& name, const SectionShape& shape) {
   check_dimensions(shape);
   check_material(shape);

@@ -4,6 +4,8 @@
 #include "discretization/scene/scene.hpp"
 
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace mixbeam {
 
@@ -20,6 +22,10 @@ namespace mixbeam {
 ///
 /// Throws std::invalid_argument for dimensions or moduli that no body has.
 Section make_section(const std::string& name, const SectionShape& shape);
+
+/// How files call the kinds.
+const std::vector<std::pair<std::string, SectionShapeKind>>& section_shape_words();
+const std::string& section_shape_word(SectionShapeKind kind);
 
 /// What geometry gives: everything that does not depend on the material but for the shear factors.
 struct SectionGeometry {

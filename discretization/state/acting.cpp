@@ -1,9 +1,12 @@
 #include "discretization/state/acting.hpp"
 
+#include "discretization/scene/section_law.hpp"
 #include "discretization/text/expression.hpp"
 
 #include <array>
+#include <map>
 #include <set>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -56,16 +59,37 @@ class PlaceFinder {
 
 /// Values at the places of a line load.
 std::vector<Vector3> sampled_values(const Vector3& constant, const std::array<std::string, 3>& formula, double length) {
-  std::vector<Vector3> values(kPlacesOfLineLoad, constant);
+  std::vector<Vector3> values(kPlacesAlongMember, constant);
   for (std::size_t i = 0; i < 3; ++i) {
     if (formula[i].empty()) continue;
     const Expression component(formula[i], {"s", "x"});
-    for (int place = 0; place < kPlacesOfLineLoad; ++place) {
-      const double x = static_cast<double>(place) / (kPlacesOfLineLoad - 1);
+    for (int place = 0; place < kPlacesAlongMember; ++place) {
+      const double x = static_cast<double>(place) / (kPlacesAlongMember - 1);
       values[place][i] = component({x * length, x});
     }
   }
   return values;
+}
+
+SampledSection sampled_section(const Scene& scene, const Member& member) {
+  const SectionLaw law(scene, member);
+  SampledSection sampled;
+  for (int place = 0; place < kPlacesAlongMember; ++place) {
+    const Section section = law.section(static_cast<double>(place) / (kPlacesAlongMember - 1));
+    sampled.name = section.name;
+    if (section.shape) sampled.shape.push_back(*section.shape);
+  }
+  return sampled;
+}
+
+void add_sections(const Scene& scene, Acting& acting) {
+  std::map<std::tuple<std::string, std::string, std::string>, int> known;
+  for (const Member& member : scene.members) {
+    const auto [section, is_new] =
+        known.try_emplace({member.section, member.end_section, member.taper}, static_cast<int>(acting.sections.size()));
+    if (is_new) acting.sections.push_back(sampled_section(scene, member));
+    acting.section_of_member.push_back(section->second);
+  }
 }
 
 }  // namespace
@@ -93,6 +117,7 @@ Acting acting_on(const Scene& scene, const Mesh& mesh) {
     acting.eigenstrains.push_back({strain, member, sampled_values(strain.strain, strain.strain_formula, length),
                                    sampled_values(strain.curvature, strain.curvature_formula, length)});
   }
+  add_sections(scene, acting);
   return acting;
 }
 

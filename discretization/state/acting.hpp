@@ -1,5 +1,5 @@
 /// What acts on a structure, for result files and pictures: each support, joint and load with its place, patterns,
-/// wildcards and tables resolved.
+/// wildcards and tables resolved; and the sections of its members.
 #pragma once
 
 #include "discretization/mesh/mesh.hpp"
@@ -23,19 +23,25 @@ struct PlacedItem {
   PlaceOnMember place{};
 };
 
-/// A line load with its values at kPlacesOfLineLoad places from start to end of the member, evenly spread.
+/// A line load with its values at kPlacesAlongMember places from start to end of the member, evenly spread.
 struct SampledLineLoad {
   DistributedLoad load{};
   int member = 0;
   std::vector<Vector3> force{}, couple{};  ///< (place) spatial, or material where it follows [force / length, force]
 };
-inline constexpr int kPlacesOfLineLoad = 9;
+inline constexpr int kPlacesAlongMember = 9;
 
 /// The same of an eigenstrain, material. [1, radian / length]
 struct SampledEigenstrain {
   Eigenstrain eigenstrain{};
   int member = 0;
   std::vector<Vector3> strain{}, curvature{};
+};
+
+/// A section along a member, as pictures show it.
+struct SampledSection {
+  std::string name{};                 ///< of the section, at the start of a taper
+  std::vector<SectionShape> shape{};  ///< (place) as of a line load; empty: given by stiffnesses
 };
 
 struct Acting {
@@ -45,6 +51,8 @@ struct Acting {
   std::vector<PlacedItem<PointLoad>> point_loads{};  ///< one that follows is on its member
   std::vector<SampledLineLoad> line_loads{};
   std::vector<SampledEigenstrain> eigenstrains{};
+  std::vector<SampledSection> sections{};  ///< all that differ
+  std::vector<int> section_of_member{};    ///< place in `sections`
 };
 
 /// Of a scene and its mesh. A point lies on the first member there that no joint moves against it.

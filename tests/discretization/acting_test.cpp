@@ -1,5 +1,7 @@
 /// What acts on a structure, with its places: names, joints, formulas and inner points resolved.
 #include "discretization/state/acting.hpp"
+#include "discretization/scene/section_law.hpp"
+#include "discretization/scene/section_shape.hpp"
 
 #include "input_text.hpp"
 
@@ -24,6 +26,7 @@ Scene hinged() {
   scene.units = "m, N";
   scene.sections = {Section{}};
   scene.sections[0].name = "s";
+  set_diagonal(scene.sections[0], {1, 1, 1, 1, 1, 1});
   scene.points = {{"a", {0, 0, 0}}, {"b", {2, 0, 0}}, {"c", {2, 3, 0}}};
   scene.members = {straight("first", "a", "b"), straight("second", "b", "c")};
   scene.members[0].inner_points = {{"middle", 0.5}};
@@ -75,7 +78,7 @@ TEST(ActingOn, LineLoadsAreSampledAlongTheirMember) {
   ASSERT_EQ(acting.line_loads.size(), 1U);
   EXPECT_EQ(acting.line_loads[0].member, 1);
   const std::vector<Vector3>& force = acting.line_loads[0].force;
-  ASSERT_EQ(force.size(), static_cast<std::size_t>(kPlacesOfLineLoad));
+  ASSERT_EQ(force.size(), static_cast<std::size_t>(kPlacesAlongMember));
   EXPECT_NEAR(force[4][0], 1.5, kRounding);
   EXPECT_NEAR(force[4][2], 0.25, kRounding);
   EXPECT_NEAR(force[8][0], 3.0, kRounding);
@@ -94,6 +97,37 @@ TEST(ActingOn, EigenstrainsAreSampledToo) {
   EXPECT_EQ(acting.eigenstrains[0].member, 0);
   EXPECT_NEAR(acting.eigenstrains[0].strain[4][0], 5e-4, kRounding);
   EXPECT_NEAR(acting.eigenstrains[0].curvature[0][1], 0.5, kRounding);
+}
+
+TEST(ActingOn, SectionsAreSampledOnceForAllMembersThatShareThem) {
+  Scene scene = hinged();
+  SectionShape thin;
+  thin.kind = SectionShapeKind::tube;
+  thin.size2 = 2.0;
+  thin.wall = 0.5;
+  thin.youngs_modulus = 1.0;
+  SectionShape thick = thin;
+  thick.size2 = 4.0;
+  scene.sections = {make_section("s", thin), make_section("t", thick)};
+  scene.members.push_back(straight("third", "a", "c"));
+  scene.members[1].end_section = "t";
+  scene.members[1].taper = "x^2";
+  const Acting acting = acting_on(scene, build_mesh(scene));
+  EXPECT_EQ(acting.section_of_member, (std::vector<int>{0, 1, 0}));
+  ASSERT_EQ(acting.sections.size(), 2U);
+  ASSERT_EQ(acting.sections[1].shape.size(), static_cast<std::size_t>(kPlacesAlongMember));
+  EXPECT_NEAR(acting.sections[0].shape[8].size2, 2.0, kRounding);
+  EXPECT_NEAR(acting.sections[1].shape[4].size2, 2.5, kRounding);
+  EXPECT_NEAR(acting.sections[1].shape[8].size2, 4.0, kRounding);
+  EXPECT_NEAR(acting.sections[1].shape[4].wall, 0.5, kRounding);
+}
+
+TEST(ActingOn, SectionsGivenByStiffnessesHaveNoShape) {
+  const Scene scene = hinged();
+  const Acting acting = acting_on(scene, build_mesh(scene));
+  ASSERT_EQ(acting.sections.size(), 1U);
+  EXPECT_EQ(acting.sections[0].name, "s");
+  EXPECT_TRUE(acting.sections[0].shape.empty());
 }
 
 }  // namespace
