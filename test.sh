@@ -10,7 +10,8 @@ usage() {
 usage: ./test.sh [--no-install] [--headers] [--] [option of ctest]...
 
 Installs missing Debian packages, configures and builds the preset "release", and runs the tests. ParaView's Python is
-installed for one test where that removes nothing; without it the test is skipped.
+installed for one test where that removes nothing, and a language server of npm for another; without them these tests
+are skipped.
 
   --no-install   stop with the list of missing packages instead of installing them
   --headers      also compile each header alone (a few seconds for each one that includes Trilinos)
@@ -36,6 +37,7 @@ done
 
 prepare "$install"
 ensure_vtk "$install"
+ensure_yaml_server "$install"
 if [[ $headers == yes ]]; then
   say "Compile each header alone"
   cmake --build "$build_directory" --parallel "$(nproc)" --target verify_headers || fail 1 "A header is not complete."

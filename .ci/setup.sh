@@ -25,12 +25,20 @@ readonly required_packages=(
   python3-matplotlib python3-h5py
   # scenes in YAML; the module for Python
   libyaml-cpp-dev pybind11-dev python3-dev
+  # a test checks the JSON Schema of scenes with them
+  python3-jsonschema python3-yaml
 )
 
 # One test opens the results with VTK's own XDMF reader. Debian's python3-vtk9 has none; ParaView's Python has, takes
 # 120 MB to download and conflicts with python3-vtk9. Therefore only test.sh asks for it, nothing is removed for it,
 # and without it that test is skipped.
 readonly vtk_package=python3-paraview
+
+# One test asks the language server of VS Code's YAML extension what it completes, explains and marks in a scene. Node.js
+# and npm are 355 packages of Debian, but only 23 MB to download (npm alone could do without, if its 20 packages were
+# fetched one by one); the server itself is 29 MB in the build folder. This version is the last that runs on Debian's
+# Node.js 18. As above: only test.sh asks for it, and without it that test is skipped.
+readonly yaml_server=yaml-language-server@1.15.0
 
 say() { printf '== %s\n' "$*"; }
 fail() { # fail <exit code> <message>...
@@ -97,6 +105,21 @@ ensure_vtk() { # ensure_vtk <install: yes|no>; never ends the script
   fi
   say "Without $vtk_package, which one test needs: it is skipped. By hand, as root:"
   printf '    apt-get install --no-install-recommends --no-remove %s\n' "$vtk_package"
+}
+
+ensure_yaml_server() { # ensure_yaml_server <install: yes|no>; never ends the script
+  local folder=$build_directory/yaml-language-server
+  [[ -d $folder/node_modules/yaml-language-server ]] && return 0
+  if [[ $1 == yes ]]; then
+    if ! command -v npm >/dev/null && command -v dpkg-query >/dev/null; then
+      say "Missing Debian packages: nodejs npm (for one test)"
+      install_packages --no-remove nodejs npm || true
+    fi
+    mkdir -p "$folder"
+    npm install --prefix "$folder" --no-audit --no-fund "$yaml_server" && return 0
+  fi
+  say "Without $yaml_server, which one test needs: it is skipped. By hand:"
+  printf '    npm install --prefix %s %s\n' "$folder" "$yaml_server"
 }
 
 prepare() { # prepare <install: yes|no>

@@ -106,6 +106,7 @@ void print_check(Application& app, const std::string& load_case) {
   }
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   print_needs(out, needs_of(scene, app.solver));
+  if (scene.sections.size() == 1) out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
                  scene.distributed_loads.size(), scene.eigenstrains.size());

@@ -86,9 +86,7 @@ ListSpec import_spec() {
   spec.add(text(kMembersFile), meaning_of_members_file());
   for (const BoundParameter<Member>& parameter : member_parameters().parameters) {
     if (parameter.column_default.empty()) continue;
-    ParameterSpec in_all_records = parameter.spec.means(parameter.column_default);
-    if (in_all_records.presence == Presence::required) in_all_records.presence = Presence::optional;
-    spec.add(in_all_records);
+    spec.add(parameter.spec.means(parameter.column_default));
   }
   return spec;
 }
@@ -206,10 +204,8 @@ Member imported_member(const ImportTable& table, const CsvRecord& record, const 
     const std::string column = lower_case(parameter.spec.name);
     if (!table.cell(record, column).empty())
       parameter.give(member, cell_value(table, record, parameter.spec));
-    else if (!parameter.read(list, member) && parameter.spec.presence == Presence::required)
-      throw table.error(
-          record, column,
-          "missing " + column + "; allowed: a value here, or \"" + parameter.spec.name + "\" of \"Import\"");
+    else
+      parameter.read(list, member);
   }
   return member;
 }

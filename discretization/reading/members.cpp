@@ -25,8 +25,8 @@ constexpr int kLargestOrder = 8;
 constexpr double kSameTwist = 1e-6;  // of twists, which are written with six digits. [radian]
 
 void bind_section_along(BoundList<Member>& member) {
-  member.bind(&Member::section, text("Section").required(), "Name of its section.")
-      .column("Section of the members whose record names none.");
+  member.bind(&Member::section, text("Section"), "Name of its section; may be absent where the scene has only one.")
+      .column("Section of the members whose record names none; may be absent where the scene has only one.");
   member.bind(&Member::end_section, text("End Section"),
               "Name of the section at its end: the section changes from start to end.");
   member.bind(&Member::taper, text("Taper"),
@@ -127,10 +127,15 @@ void SceneReader::read_members() {
 Member SceneReader::read_member(const std::string& name, const List& list, const InputPlace& place) const {
   Member member = member_parameters().read(list);
   member.name = name;
+  take_only_section(member);
   check_taper(member, place);
   check_inner_points(member, place["Inner Points"]);
   if (list.isParameter("Stations")) read_stations(member, list, place);
   return member;
+}
+
+void SceneReader::take_only_section(Member& member) const {
+  if (member.section.empty() && scene_.sections.size() == 1) member.section = scene_.sections.front().name;
 }
 
 void SceneReader::check_taper(const Member& member, const InputPlace& place) const {
@@ -226,6 +231,7 @@ void SceneReader::import_members() {
   std::map<std::array<std::string, 3>, std::string> seen;  // by their points in alphabetical order, and the section
   imported_members_->for_each([&](const CsvRecord& record) {
     Member member = imported_member(*imported_members_, record, list);
+    take_only_section(member);
     const auto [low, high] = std::minmax(member.start_point, member.end_point);
     const auto [first, is_new] = seen.try_emplace({low, high, member.section}, member.name);
     if (!is_new)

@@ -150,9 +150,9 @@ InputError SceneReader::unknown(std::size_t member, const std::string& parameter
                                 const std::string& name, const Index& known) const {
   std::vector<std::string> names(known.size());  // in the order of the scene
   for (const auto& [known_name, index] : known) names[index] = known_name;
-  return member_error(member, {parameter},
-                      "value \"" + excerpt(name) + "\" is not a " + what +
-                          " of the scene; allowed: " + quoted_list(names) + did_you_mean(name, names));
+  const std::string seen =
+      name.empty() ? "missing " + what : "value \"" + excerpt(name) + "\" is not a " + what + " of the scene";
+  return member_error(member, {parameter}, seen + "; allowed: " + quoted_list(names) + did_you_mean(name, names));
 }
 
 InputError SceneReader::member_error(std::size_t member, const ParameterPath& parameter,

@@ -48,7 +48,7 @@ class SceneReader {
   void check_name(const std::string& name, const InputPlace& place) const;
   /// False if there is a point of this name.
   bool add_point(const std::string& name, const Vector3& position);
-  /// A name in a member that nothing bears.
+  /// A name in a member that nothing bears; empty: none was given.
   InputError unknown(std::size_t member, const std::string& parameter, const std::string& what, const std::string& name,
                      const Index& known) const;
   const Vector3& position_of(const std::string& point) const;
@@ -56,6 +56,8 @@ class SceneReader {
   // reading/members.cpp
   void read_members();
   Member read_member(const std::string& name, const List& list, const InputPlace& place) const;
+  /// Of a member that names none: where the scene has one section, that is meant.
+  void take_only_section(Member& member) const;
   void check_inner_points(Member& member, const InputPlace& place) const;
   void read_stations(Member& member, const List& list, const InputPlace& place) const;
   void check_taper(const Member& member, const InputPlace& place) const;

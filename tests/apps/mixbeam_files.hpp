@@ -4,8 +4,10 @@
 #include "process.hpp"
 
 #include <hdf5.h>
+#include <libxml/parser.h>
 
 #include <map>
+#include <memory>
 #include <optional>
 
 namespace mixbeam {
@@ -97,6 +99,20 @@ inline int complete_steps(const FileContents& contents) {
   const auto series = contents.find("monitor/step");
   const int in_series = series == contents.end() ? 0 : std::stoi(series->second);  // the count stands before the bytes
   return steps == in_series ? steps : -1;
+}
+
+/// What `mixbeam` prints with these arguments.
+inline std::string output_of(const std::vector<std::string>& arguments) {
+  const TemporaryFolder folder;
+  const Ended ended = run_process(program("mixbeam"), arguments, folder);
+  EXPECT_EQ(ended.exit_code, 0) << ended.err;
+  return ended.out;
+}
+
+using XmlDocument = std::unique_ptr<xmlDoc, void (*)(xmlDocPtr)>;
+/// Empty for a text that is no XML.
+inline XmlDocument xml_document(const std::string& text) {
+  return {xmlReadMemory(text.data(), static_cast<int>(text.size()), "", nullptr, XML_PARSE_NOERROR), xmlFreeDoc};
 }
 
 /// The scene of a benchmark with `solver` as its list "Solver".

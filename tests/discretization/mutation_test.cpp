@@ -2,6 +2,7 @@
 /// a place; nothing crashes, hangs or fills the memory. The same test runs under the sanitizers.
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/checks/scene_warnings.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "input_text.hpp"
 #include "rich_scene.hpp"
@@ -242,9 +243,16 @@ class Mutator {
   std::mt19937 random_;
 };
 
+ListSpec root_of_scenes() {
+  ListSpec root("file");
+  root.add_list("Scene", scene_spec(), Presence::required);
+  root.add_list("Expected", expected_values_spec(), Presence::defaulted);
+  return root;
+}
+
 /// Everything that happens to a scene file before it is solved.
-void read_everything(const std::string& text) {
-  XmlParameters xml = parse_xml(text, "scene.xml");
+void read_everything(const std::string& text, const std::string& file = "scene.xml") {
+  XmlParameters xml = parse_parameters(text, file, root_of_scenes());
   if (!xml.list->isSublist("Scene")) throw InputError("scene.xml: no list Scene");  // applications say it by themselves
   const Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   if (xml.list->isSublist("Expected"))
@@ -254,7 +262,7 @@ void read_everything(const std::string& text) {
 }
 
 /// Whether a refusal names a line or, for what is missing, a list.
-bool names_a_place(const std::string& message) { return message.rfind("scene.xml:", 0) == 0; }
+bool names_a_place(const std::string& message) { return message.rfind("scene.", 0) == 0; }
 
 TEST(Mutations, TheSceneItselfIsRead) {
   EXPECT_NO_THROW(read_everything(kRichScene));
@@ -267,7 +275,7 @@ TEST(Mutations, TheSceneItselfIsRead) {
   EXPECT_EQ(scene.stages, 2);
 }
 
-TEST(Mutations, AreReadOrRefusedWithAPlace) {
+void expect_read_or_refused(const std::string& whole, const std::string& file) {
   const unsigned seed =
       20261121U + static_cast<unsigned>(GTEST_FLAG_GET(random_seed));  // others: --gtest_random_seed=1
   constexpr int kMutations = 10000;
@@ -276,12 +284,12 @@ TEST(Mutations, AreReadOrRefusedWithAPlace) {
   int read = 0;
   double slowest = 0.0;
   for (int i = 0; i < kMutations; ++i) {
-    std::string text = kRichScene;
+    std::string text = whole;
     for (std::size_t changes = 1 + (i % 4 == 0 ? mutator.below(4) : 0); changes > 0; --changes)
       if (!text.empty()) text = mutator.mutated(text);
     const auto start = Clock::now();
     try {
-      read_everything(text);
+      read_everything(text, file);
       ++read;
     } catch (const InputError& error) {
       EXPECT_TRUE(names_a_place(error.what())) << "seed " << seed << ", mutation " << i << ": " << error.what();
@@ -293,8 +301,16 @@ TEST(Mutations, AreReadOrRefusedWithAPlace) {
   }
   EXPECT_GT(read, kMutations / 50);  // mutations must not all be trivial syntax errors ...
   EXPECT_LT(read, kMutations / 2);   // ... nor harmless
-  RecordProperty("read", read);
-  RecordProperty("slowest_in_milliseconds", static_cast<int>(1e3 * slowest));
+  testing::Test::RecordProperty("read", read);
+  testing::Test::RecordProperty("slowest_in_milliseconds", static_cast<int>(1e3 * slowest));
+}
+
+TEST(Mutations, AreReadOrRefusedWithAPlace) { expect_read_or_refused(kRichScene, "scene.xml"); }
+
+TEST(Mutations, InYamlAreReadOrRefusedWithAPlace) {
+  const std::string yaml = yaml_text(parse_xml(kRichScene, "scene.xml"), root_of_scenes(), "scene.yaml");
+  EXPECT_NO_THROW(read_everything(yaml, "scene.yaml"));
+  expect_read_or_refused(yaml, "scene.yaml");
 }
 
 /// Parts of the file, each alone enough to fill the memory if it were believed.

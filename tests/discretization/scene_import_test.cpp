@@ -54,6 +54,14 @@ TEST_F(SceneImport, ReadsTables) {
   EXPECT_EQ(scene.members[1].elements, 7);
 }
 
+TEST_F(SceneImport, TheOnlySectionIsMeantWhereNoneIsNamed) {
+  write("points.csv", kPoints);
+  write("members.csv", "m,A,B\n");
+  EXPECT_EQ(read().members[0].section, "flat");
+  write("members.csv", "m,A,B\nn,B,A,flat\n");
+  expect_refused({"members.csv:2:1: ", "member \"n\" of section \"flat\" is the same line as \"m\""});
+}
+
 TEST_F(SceneImport, JoinsWhatTheSceneHas) {
   write("points.csv", kPoints);
   write("members.csv", kMembers);
@@ -113,7 +121,6 @@ TEST_F(SceneImport, ErrorsInMembersNameLineAndColumn) {
   };
   refused("m,A,B,flat\nn,B,Q,flat\n", {"members.csv:2:5: ", "member \"n\"", "\"Q\" is not a point"});
   refused("m,A,B,flat\nn,B,C,flet\n", {"members.csv:2:7: ", "did you mean \"flat\"?"});
-  refused("m,A,B\n", {"members.csv:1:1: ", "missing section"});
   refused("m,A,B,flat,9\n", {"members.csv:1:12: ", "order: value 9", "1 <= value <= 8"});
   refused("m,A,B,flat,2,0\n", {"members.csv:1:14: ", "elements: value 0"});
   refused("m,A,B,flat\nn/1,B,C,flat\n", {"members.csv:2:1: ", "\"n/1\"", "without \"/\""});

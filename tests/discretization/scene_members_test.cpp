@@ -88,6 +88,13 @@ TEST(SceneMembers, PolylineSharesElementsByLength) {
   EXPECT_EQ(few.members[0].elements + few.members[1].elements + few.members[2].elements, 3);
 }
 
+TEST(SceneMembers, TheOnlySectionIsMeantWhereNoneIsNamed) {
+  const std::string line = list("m", word("Start", "A") + word("End", "B"));
+  EXPECT_EQ(scene_from(scene_text(kPoints, line)).members[0].section, "flat");
+  expect_text_refused(scene_text(kPoints, line, "", "A", list("other", kFlatSection)),
+                      {"Members / m / Section", "missing section; allowed: \"flat\", \"other\""});
+}
+
 TEST(SceneMembers, PolylineThroughNamedPoints) {
   const std::string corner = numbers("corner", "{0, 3, 0}");
   const Scene scene = with_curve(curve("polyline", words("Corners", "{corner}")), "B", "", kPoints + corner);

@@ -1,0 +1,174 @@
+/// Scenes in XML and YAML: `mixbeam convert` there and back, and runs of either.
+#include "discretization/parameters/parameter_file.hpp"
+#include "discretization/parameters/value.hpp"
+#include "mixbeam_files.hpp"
+
+#include <algorithm>
+
+namespace mixbeam::convert_test {
+namespace {
+
+class Convert : public ::testing::Test {
+ protected:
+  Ended run(const std::vector<std::string>& arguments) { return run_process(program("mixbeam"), arguments, folder_); }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+  void convert(const std::string& from, const std::string& to) {
+    const Ended ended = run({"convert", from, file(to)});
+    EXPECT_EQ(ended.exit_code, 0) << from << "\n" << ended.err;
+  }
+
+  TemporaryFolder folder_;
+};
+
+std::vector<fs::path> scenes_of_the_repository() {
+  std::vector<fs::path> scenes;
+  for (const char* folder : {"apps", "tests"})
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(MIXBEAM_SOURCE_DIR) / folder))
+      if (entry.path().extension() == ".xml") scenes.push_back(entry.path());
+  std::sort(scenes.begin(), scenes.end());
+  return scenes;
+}
+
+/// Names and values of a list, with all their digits. A whole number for a real is the same in YAML.
+std::string contents(const Teuchos::ParameterList& list) {
+  std::string text;
+  for (auto entry = list.begin(); entry != list.end(); ++entry) {
+    const std::string& name = list.name(entry);
+    text += name + " = ";
+    text +=
+        list.isSublist(name) ? "{" + contents(list.sublist(name)) + "}\n" : to_text(value_of(list.entry(entry))) + "\n";
+  }
+  return text;
+}
+
+std::string contents_of_file(const fs::path& file) {
+  const XmlParameters xml = read_xml(file.string());
+  return xml.list->name() + "\n" + contents(*xml.list);
+}
+
+TEST_F(Convert, EverySceneSurvivesTheWayToYamlAndBack) {
+  const std::vector<fs::path> scenes = scenes_of_the_repository();
+  EXPECT_GT(scenes.size(), 50u);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const std::string name = std::to_string(i);
+    convert(scenes[i].string(), name + ".yaml");
+    convert(file(name + ".yaml"), name + ".xml");
+    EXPECT_EQ(contents_of_file(scenes[i]), contents_of_file(file(name + ".xml"))) << scenes[i];
+  }
+  write_text(file("changed.xml"), changed(text_of(scenes[0]), "type=\"double\" value=\"", "type=\"double\" value=\"1"));
+  EXPECT_NE(contents_of_file(file("changed.xml")), contents_of_file(scenes[0]));
+}
+
+const std::string kCommented = R"(<!-- top, of
+     two lines -->
+<ParameterList name="rod">
+  <ParameterList name="Scene">
+    <!-- of the sections -->
+    <ParameterList name="Sections">
+      <ParameterList name="rod"> <!-- inside -->
+        <Parameter name="EA" type="double" value="1e300"/>  <!-- stiff -->
+        <Parameter name="Shear Rigid" type="bool" value="true"/>
+        <Parameter name="GIt" type="int" value="1"/>
+        <Parameter name="EI2" type="double" value="0.1"/>
+        <Parameter name="EI3" type="double" value="0.30000000000000004"/>
+        <!-- last -->
+      </ParameterList>
+    </ParameterList>
+    <ParameterList name="Points">
+      <Parameter name="no" type="Array(double)" value="{0, 0, 0}"/>
+      <Parameter name="a: #b" type="Array(double)" value="{1, 0, -0.0}"/>
+    </ParameterList>
+    <ParameterList name="Members"><ParameterList name="1e3">
+      <Parameter name="Start" type="string" value="no"/>
+      <Parameter name="End" type="string" value="a: #b"/>
+    </ParameterList></ParameterList>
+    <ParameterList name="Supports"><ParameterList name="&quot;\&lt;">
+      <Parameter name="Point" type="string" value="no"/>
+      <Parameter name="Fixed Rotation" type="Array(string)" value="{}"/>
+    </ParameterList></ParameterList>
+  </ParameterList>
+</ParameterList>
+<!-- bottom -->
+)";
+
+TEST_F(Convert, CommentsNamesAndDigitsSurvive) {
+  write_text(file("rod.xml"), kCommented);
+  convert(file("rod.xml"), "rod.yaml");
+  EXPECT_EQ(text_of(file("rod.yaml")), R"(# top, of
+# two lines
+Scene:
+  # of the sections
+  Sections:
+    rod:
+      # inside
+      EA: 1.0e+300  # stiff
+      Shear Rigid: true
+      GIt: 1
+      EI2: 0.1
+      EI3: 0.30000000000000004
+      # last
+  Points:
+    "no": [0, 0, 0]
+    "a: #b": [1, 0, -0]
+  Members:
+    "1e3": {Start: "no", End: "a: #b"}
+  Supports:
+    "\"\\<": {Point: "no", Fixed Rotation: []}
+# bottom
+)");
+  const Ended back = run({"convert", file("rod.yaml"), file("back.xml")});
+  expect_in(back.out, {"warning: the comments of ", "rod.yaml are not in "});
+  EXPECT_EQ(contents_of_file(file("back.xml")), contents_of_file(file("rod.xml")));
+}
+
+TEST_F(Convert, RefusesWhatItWouldChange) {
+  write_text(file("a.xml"), kCommented);
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::vector<std::string>& parts) {
+    const Ended ended = run(arguments);
+    EXPECT_EQ(ended.exit_code, 2) << ended.out;
+    expect_in(ended.err, parts);
+  };
+  convert(file("a.xml"), "a.yaml");
+  refused({"convert", file("a.xml"), file("a.yaml")}, {"is there already", "--force"});
+  EXPECT_EQ(run({"convert", file("a.xml"), file("a.yaml"), "--force"}).exit_code, 0);
+  refused({"convert", file("a.xml")}, {"1 files given to \"convert\"; allowed: two"});
+  refused({"convert", file("a.xml"), file("a.json")}, {"unknown ending; allowed: .xml, .yaml, .yml"});
+  refused({"convert", file("a.xml"), file("nowhere/b.yaml")}, {"nowhere"});
+  write_text(file("b.yaml"), changed(text_of(file("a.yaml")), "Fixed Rotation: []}", R"(Point Loads: 1})"));
+  refused({"convert", file("b.yaml"), file("b.xml")}, {"b.yaml:20:", "Point Loads", "unknown name"});
+  write_text(file("c.yaml"), changed(text_of(file("a.yaml")), "# bottom\n", "Study: {words: [\"a, b\", c]}\n"));
+  refused({"convert", file("c.yaml"), file("c.xml")}, {"c.yaml:21:", "Study / words", "cannot be written to"});
+  EXPECT_FALSE(fs::exists(file("c.xml")));
+}
+
+TEST_F(Convert, RunsOfEitherFileAreTheSameBits) {
+  const fs::path scene = fs::path(MIXBEAM_SOURCE_DIR) / "apps" / "gallery" / "snap_back.xml";
+  convert(scene.string(), "snap_back.yaml");
+  ASSERT_EQ(run({"run", scene.string(), "--quiet", "--threads", "1", "--output", file("xml")}).exit_code, 0);
+  const Ended ended = run({"run", file("snap_back.yaml"), "--quiet", "--threads", "1", "--output", file("yaml")});
+  ASSERT_EQ(ended.exit_code, 0) << ended.err;
+  const auto xml = contents_of(folder_ / "xml/snap_back.h5"), yaml = contents_of(folder_ / "yaml/snap_back.h5");
+  ASSERT_TRUE(xml && yaml);
+  EXPECT_EQ(differences(*xml, *yaml), "scene differs\n");
+  const std::string results = file("yaml/snap_back.h5");
+  const Ended resumed = run({"resume", results, "--quiet", "--from", "1", "--threads", "1"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_EQ(differences(*yaml, *contents_of(results)), "");
+}
+
+TEST_F(Convert, ABatchReadsYamlAndItsTableBesideIt) {
+  const fs::path folder = fs::path(MIXBEAM_SOURCE_DIR) / "apps" / "batch";
+  fs::copy_file(folder / "elastica_sweep.csv", folder_ / "elastica_sweep.csv");
+  convert((folder / "elastica_sweep.xml").string(), "elastica_sweep.yaml");
+  const auto table = [&](const std::string& scene, const std::string& output) {
+    const Ended ended = run({"batch", scene, "--quiet", "--threads", "1", "--output", file(output)});
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    return text_of(folder_ / output / "elastica_sweep-batch.csv");
+  };
+  const std::string xml = table((folder / "elastica_sweep.xml").string(), "xml");
+  EXPECT_GT(xml.size(), 100u);
+  EXPECT_EQ(table(file("elastica_sweep.yaml"), "yaml"), xml);
+}
+
+}  // namespace
+}  // namespace mixbeam::convert_test

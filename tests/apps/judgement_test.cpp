@@ -1,0 +1,212 @@
+/// Scenes as the schemas judge them: all of the repository are valid, and mutated ones are refused where the reader
+/// does.
+#include "apps/common/run/scene_file.hpp"
+#include "discretization/parameters/parameter_file.hpp"
+#include "mixbeam_files.hpp"
+
+#include <libxml/relaxng.h>
+
+#include <algorithm>
+#include <random>
+#include <regex>
+
+namespace mixbeam::judgement_test {
+namespace {
+
+/// What judges scenes: the reader, and the schema of each format.
+class Judgement : public ::testing::Test {
+ protected:
+  Judgement() {
+    const std::string text = output_of({"schema"});
+    xmlRelaxNGParserCtxtPtr parser = xmlRelaxNGNewMemParserCtxt(text.data(), static_cast<int>(text.size()));
+    schema_.reset(xmlRelaxNGParse(parser));
+    xmlRelaxNGFreeParserCtxt(parser);
+    definition_.name = "scene";
+    definition_.study = ListSpec("").without_checks();
+    definition_.chooses_meshes = definition_.answers_quantities = true;
+    app_communicator_ = Tpetra::getDefaultComm();
+  }
+
+  bool accepts_xml(const std::string& text) const {
+    const XmlDocument document = xml_document(text);
+    if (!document) return false;
+    xmlRelaxNGValidCtxtPtr context = xmlRelaxNGNewValidCtxt(schema_.get());
+    xmlRelaxNGSetValidErrors(context, nullptr, nullptr, nullptr);
+    xmlRelaxNGSetValidStructuredErrors(
+        context, [](void*, xmlErrorPtr) {}, nullptr);
+    const bool valid = xmlRelaxNGValidateDoc(context, document.get()) == 0;
+    xmlRelaxNGFreeValidCtxt(context);
+    return valid;
+  }
+
+  /// What the JSON Schema has against each text; empty where it is valid.
+  std::vector<std::string> against_yaml(const std::vector<std::string>& texts) const {
+    const TemporaryFolder folder;
+    write_text(folder / "schema.json", output_of({"schema", "--json"}));
+    std::vector<std::string> arguments = {std::string(MIXBEAM_SOURCE_DIR) + "/tests/apps/schema_check.py",
+                                          (folder / "schema.json").string()},
+                             verdicts;
+    for (std::size_t i = 0; i < texts.size(); ++i) {
+      arguments.push_back((folder / (std::to_string(i) + ".yaml")).string());
+      write_text(arguments.back(), texts[i]);
+    }
+    const Ended ended = run_process("/usr/bin/python3", arguments, folder);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    std::istringstream lines(ended.out);
+    for (std::string line; std::getline(lines, line);) verdicts.push_back(line);
+    EXPECT_EQ(verdicts.size(), texts.size());
+    verdicts.resize(texts.size());
+    return verdicts;
+  }
+
+  /// Message of the refusal; empty where the scene is read.
+  std::string refusal_of(const std::string& text, const std::string& file) const {
+    Application app;
+    app.communicator = app_communicator_;
+    try {
+      read_scene_file(app, parse_parameters(text, file, root_spec(definition_)), definition_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  std::string yaml_of(const std::string& xml) const {
+    return yaml_text(parse_xml(xml, "scene.xml"), root_spec(definition_), "scene.yaml");
+  }
+
+  ApplicationDefinition definition_;
+  Communicator app_communicator_;
+  std::unique_ptr<xmlRelaxNG, void (*)(xmlRelaxNGPtr)> schema_{nullptr, xmlRelaxNGFree};
+};
+
+std::vector<std::string> scenes_in(const std::vector<std::string>& folders) {
+  std::vector<std::string> texts;
+  for (const std::string& folder : folders)
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(MIXBEAM_SOURCE_DIR) / folder))
+      if (entry.path().extension() == ".xml") texts.push_back(text_of(entry.path()));
+  std::sort(texts.begin(), texts.end());
+  return texts;
+}
+
+TEST_F(Judgement, AllScenesOfTheRepositoryAreValid) {
+  const std::vector<std::string> scenes = scenes_in({"apps", "tests"});
+  EXPECT_GT(scenes.size(), 50u);
+  std::vector<std::string> in_yaml;
+  for (const std::string& scene : scenes) {
+    EXPECT_TRUE(accepts_xml(scene)) << scene;
+    in_yaml.push_back(yaml_of(scene));
+  }
+  EXPECT_FALSE(accepts_xml(changed(scenes[0], "\"Members\"", "\"Membres\"")));
+  in_yaml.push_back(changed(in_yaml[0], "Members:", "Membres:"));
+  const std::vector<std::string> verdicts = against_yaml(in_yaml);
+  for (std::size_t i = 0; i + 1 < verdicts.size(); ++i) EXPECT_EQ(verdicts[i], "") << in_yaml[i];
+  EXPECT_NE(verdicts.back(), "");
+}
+
+/// Refusals of the reader that a schema cannot foresee: a part of the message, and why.
+using Unforeseen = std::vector<std::pair<std::string, std::string>>;
+
+const Unforeseen kUnforeseen = {
+    {"is not a point of the scene", "names that something else must bear"},
+};
+const Unforeseen kUnforeseenInXml = {
+    {"missing", "elements of one name cannot be counted: none needed"},
+    {"given twice", "likewise"},
+};
+const Unforeseen kUnforeseenInYaml = {
+    {"given twice", "the parsers of editors notice that, a schema sees one"},
+};
+
+/// Mutated scenes, and how many of them both refuse.
+class Comparison {
+ public:
+  explicit Comparison(Unforeseen more) : more_(std::move(more)) {}
+
+  void add(const std::string& text, const std::string& reader, const std::string& schema) {
+    if (reader.empty() != schema.empty()) {
+      EXPECT_TRUE(schema.empty() && is_unforeseen(reader)) << "reader: " << reader << "\nschema: " << schema << "\n"
+                                                           << text;
+      ++unforeseen;
+    } else if (!reader.empty()) {
+      ++refused;
+    } else {
+      ++read;
+    }
+  }
+
+  int read = 0, refused = 0, unforeseen = 0;
+
+ private:
+  bool is_unforeseen(const std::string& message) const {
+    for (const Unforeseen* reasons : {&kUnforeseen, &more_})
+      for (const auto& [part, reason] : *reasons)
+        if (message.find(part) != std::string::npos) return true;
+    return false;
+  }
+
+  Unforeseen more_;
+};
+
+constexpr int kMutations = 200;
+
+/// Replaces, removes or doubles one random match of `pattern` ($1: name, $2: value).
+class Mutator {
+ public:
+  std::string mutated(const std::string& text, const std::regex& pattern, const std::vector<std::string>& values) {
+    std::vector<std::smatch> places(std::sregex_iterator(text.begin(), text.end(), pattern), std::sregex_iterator());
+    const std::smatch& place = places[below(places.size())];
+    const auto begin = [&](int group) { return static_cast<std::size_t>(place.position(group)); };
+    const std::string whole = place.str();
+    switch (below(6)) {
+      case 0:
+        return std::string(text).erase(begin(0), whole.size());
+      case 1:
+        return std::string(text).insert(begin(0), whole);
+      case 2:
+        return std::string(text).insert(begin(1) + place.str(1).size(), "s");
+      default:
+        return std::string(text).replace(begin(2), place.str(2).size(), values[below(values.size())]);
+    }
+  }
+
+  std::size_t below(std::size_t bound) { return random_() % bound; }
+
+ private:
+  std::mt19937 random_{20261123};
+};
+
+TEST_F(Judgement, MutatedXmlIsJudgedAsByTheReader) {
+  const std::vector<std::string> scenes = scenes_in({"apps/gallery"});
+  const std::regex parameter(R"re(<Parameter name="([^"]*)" type="[^"]*" value="([^"]*)"/>\s*)re");
+  Mutator mutator;
+  Comparison comparison(kUnforeseenInXml);
+  for (int i = 0; i < kMutations; ++i) {
+    const std::string text = mutator.mutated(
+        scenes[mutator.below(scenes.size())], parameter,
+        {"-1", "0", "1e6", "0.5", "3000000000", "abc", "", "inf", "true", "{1, 2}", "{0, 0, 0}", "{x, z}", "{x, x}"});
+    comparison.add(text, refusal_of(text, "scene.xml"), accepts_xml(text) ? "" : "refused");
+  }
+  EXPECT_GT(comparison.read, kMutations / 10);
+  EXPECT_GT(comparison.refused, kMutations / 5);
+}
+
+TEST_F(Judgement, MutatedYamlIsJudgedAsByTheReader) {
+  std::vector<std::string> scenes, texts;
+  for (const std::string& scene : scenes_in({"apps/gallery"})) scenes.push_back(yaml_of(scene));
+  const std::regex entry(R"re(([A-Za-z][A-Za-z0-9 ]*): ("[^"\n]*"|\[[^\]]*\]|[^,{}"\[\]\n#]+)(, |(?=\})|\n))re");
+  Mutator mutator;
+  for (int i = 0; i < kMutations; ++i)
+    texts.push_back(mutator.mutated(scenes[mutator.below(scenes.size())], entry,
+                                    {"-1", "0", "1.0e+06", "0.5", "3000000000", "abc", "\"\"", "inf", "true", "[1, 2]",
+                                     "[0, 0, 0]", "[x, z]", "[x, x]", "\"7\"", "{}", "1.0"}));
+  const std::vector<std::string> verdicts = against_yaml(texts);
+  Comparison comparison(kUnforeseenInYaml);
+  for (std::size_t i = 0; i < texts.size(); ++i)
+    comparison.add(texts[i], refusal_of(texts[i], "scene.yaml"), verdicts[i]);
+  EXPECT_GT(comparison.read, kMutations / 10);
+  EXPECT_GT(comparison.refused, kMutations / 5);
+}
+
+}  // namespace
+}  // namespace mixbeam::judgement_test
