@@ -104,8 +104,7 @@ class BatchRun {
   CaseQuantities quantities_;
   CaseScenes case_scenes_;
   BatchSolver solver_;
-  std::vector<Scene> scenes_;
-  std::vector<std::vector<std::size_t>> groups_;
+  GroupedCases grouped_;
   bool interrupted_ = false;
 };
 
@@ -123,29 +122,18 @@ void require_memory_of_cases(const Application& app, const Scene& scene, std::si
 void BatchRun::read_scenes() {
   const Stopwatch stopwatch(app_, "batch set-up");
   if (batch_.size() > 0) require_memory_of_cases(app_, case_scenes_.scene_of(0), batch_.size());
-  std::vector<CaseLikeness> likeness;
-  likeness.reserve(batch_.size());
-  scenes_.reserve(batch_.size());
-  for (std::size_t i = 0; i < batch_.size(); ++i) {
-    scenes_.push_back(case_scenes_.scene_of(i));
-    likeness.push_back(likeness_of(scenes_.back()));
-  }
-  groups_ = group_cases(likeness);
+  grouped_ = grouped_cases(case_scenes_, batch_.size());
 }
 
 void BatchRun::solve() {
   read_scenes();
   const Stopwatch stopwatch(app_, "batch solve");
-  for (std::size_t g = 0; g < groups_.size() && !interrupted_; ++g) {
-    const double before = stopwatch.seconds();
-    std::vector<Scene> scenes;
-    for (const std::size_t i : groups_[g]) scenes.push_back(std::move(scenes_[i]));
-    solver_.solve(groups_[g], scenes);
-    report_group(groups_[g], g, groups_.size(), stopwatch.seconds() - before);
-    const auto& results = solver_.results();
-    const bool asked = interrupt_requested(app_.communicator);
-    interrupted_ = asked && std::any_of(results.begin(), results.end(), [](const CaseResult& r) { return !r.solved; });
-  }
+  double before = stopwatch.seconds();
+  interrupted_ = !solver_.solve_all(grouped_, [&](std::size_t g) {
+    const double now = stopwatch.seconds();
+    report_group(grouped_.groups[g], g, grouped_.groups.size(), now - before);
+    before = now;
+  });
 }
 
 void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t number, std::size_t groups,

@@ -6,6 +6,8 @@
 #include "discretization/scene/merged_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 
+#include <algorithm>
+
 namespace mixbeam {
 
 namespace {
@@ -39,6 +41,19 @@ std::string cause_of(const LoadPathResult& result) {
 
 }  // namespace
 
+GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases) {
+  GroupedCases result;
+  std::vector<CaseLikeness> likeness;
+  likeness.reserve(cases);
+  result.scenes.reserve(cases);
+  for (std::size_t i = 0; i < cases; ++i) {
+    result.scenes.push_back(scenes.scene_of(i));
+    likeness.push_back(likeness_of(result.scenes.back()));
+  }
+  result.groups = group_cases(likeness);
+  return result;
+}
+
 BatchSolver::BatchSolver(Application& app, const CaseQuantities& quantities, std::size_t cases,
                          std::function<bool()> stop)
     : app_(app),
@@ -51,6 +66,18 @@ void BatchSolver::solve(const std::vector<std::size_t>& cases, const std::vector
   cases_ = &cases;
   scenes_ = &scenes;
   solve_range({0, cases.size()});
+}
+
+bool BatchSolver::solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved) {
+  const auto is_left = [](const CaseResult& result) { return !result.solved; };
+  for (std::size_t g = 0; g < cases.groups.size(); ++g) {
+    std::vector<Scene> scenes;
+    for (const std::size_t i : cases.groups[g]) scenes.push_back(std::move(cases.scenes[i]));
+    solve(cases.groups[g], scenes);
+    solved(g);
+    if (stop_() && std::any_of(results_.begin(), results_.end(), is_left)) return false;
+  }
+  return true;
 }
 
 void BatchSolver::solve_range(const Range& range) {

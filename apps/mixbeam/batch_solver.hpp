@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/mixbeam/case_quantities.hpp"
+#include "apps/mixbeam/case_scenes.hpp"
 
 #include <functional>
 #include <map>
@@ -9,6 +10,14 @@
 #include <mutex>
 
 namespace mixbeam {
+
+/// The scenes of all cases of a batch, and which of them are solved side by side.
+struct GroupedCases {
+  std::vector<Scene> scenes{};
+  std::vector<std::vector<std::size_t>> groups{};
+};
+/// Throws as CaseScenes.
+GroupedCases grouped_cases(CaseScenes& scenes, std::size_t cases);
 
 /// How one case ended.
 struct CaseResult {
@@ -29,6 +38,9 @@ class BatchSolver {
 
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
+
+  /// Solves all groups, whose scenes are gone then, and tells of each its number. False: stopped before the last case.
+  bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved);
 
   const std::vector<CaseResult>& results() const { return results_; }
   /// As they are now, for other threads than the one that solves: final as far as they are solved.

@@ -116,6 +116,21 @@ void print_check(Application& app, const std::string& load_case) {
 
 }  // namespace
 
+void check_scene(Application& app, const std::optional<std::string>& load_case) {
+  std::vector<std::string> cases = alternatives(app.scene);
+  if (load_case) cases = {*load_case};
+  if (cases.empty()) cases = {""};
+  require_reachable(app, cases);
+  try {
+    for (const std::string& one : cases) print_check(app, one);
+  } catch (const MemberError& error) {
+    throw placed(app, error);
+  }
+  warn_of_scene(app);
+  const std::string skipped = check_supports(app.scene, app.xml.source);
+  if (!skipped.empty()) app.out() << "warning: " << skipped << "\n";
+}
+
 int check_command(const Arguments& arguments) {
   const CommandLine line = read_command_line(arguments.count(), arguments.values.data(), {"--case", "--help"});
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam check SCENE.xml");
@@ -125,18 +140,7 @@ int check_command(const Arguments& arguments) {
     app.communicator = session.communicator();
     read_scene_file(app, *line.scene_file, mixbeam_definition());
     describe_run(app, "mixbeam", {});
-    std::vector<std::string> cases = alternatives(app.scene);
-    if (line.load_case) cases = {*line.load_case};
-    if (cases.empty()) cases = {""};
-    require_reachable(app, cases);
-    try {
-      for (const std::string& load_case : cases) print_check(app, load_case);
-    } catch (const MemberError& error) {
-      throw placed(app, error);
-    }
-    warn_of_scene(app);
-    const std::string skipped = check_supports(app.scene, app.xml.source);
-    if (!skipped.empty()) app.out() << "warning: " << skipped << "\n";
+    check_scene(app, line.load_case);
     app.out() << *line.scene_file << ": in order\n";
     return 0;
   });

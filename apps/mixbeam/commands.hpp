@@ -3,6 +3,7 @@
 
 #include "apps/common/run/application.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ int verify_command(const Arguments& arguments);
 
 /// Help on the whole program, or on one subcommand; empty when there is none of that name.
 std::string help_text(const std::string& command = "");
+
+/// What `check` prints of a scene that was read, of one load case or all. Throws InputError.
+void check_scene(Application& app, const std::optional<std::string>& load_case);
 
 /// What mixbeam accepts in a scene file: lists of the benchmark programs included.
 const ApplicationDefinition& mixbeam_definition();

@@ -35,7 +35,9 @@ void say_how_to_resume(Application& app, const Simulation& simulation, const std
   std::snprintf(progress, sizeof progress, "%.6g of %d", simulation.result().load_factor, simulation.scene().stages);
   app.out() << "Stopped after step " << simulation.result().steps << ", load factor " << progress << ". ";
   const std::string obstacle = obstacle_to_resuming(app);
-  if (obstacle.empty())
+  if (obstacle.empty() && file.empty())
+    app.out() << "This run cannot be resumed: it has no file.\n";
+  else if (obstacle.empty())
     app.out() << "To go on:\n  mixbeam resume " << file.string() << "\n";
   else
     app.out() << "This run cannot be resumed: " << obstacle << ".\n";
@@ -46,6 +48,10 @@ void say_how_to_resume(Application& app, const Simulation& simulation, const std
 std::string obstacle_to_resuming(const Application& app) {
   if (app.scene.accuracy) return "its scene asks for an accuracy, and the mesh is chosen by the whole run";
   return obstacle_to_resuming(app.solver);
+}
+
+std::map<std::string, std::string> properties_of_case(const std::string& load_case) {
+  return {{"load_case", load_case}};
 }
 
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
@@ -67,17 +73,21 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   app.load_case = load_case;
   RunReport report(&app.quantities, scene);
   if (resume != nullptr) report.add(*resume);
+  const std::string name = file.empty() ? scene.name : file.stem().string();
   Recording recording;
   recording.file = file;
-  recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
-  recording.properties = {{"load_case", load_case}};
+  if (!file.empty()) recording.monitor = file.parent_path() / (file.stem().string() + "-monitor.csv");
+  recording.properties = properties_of_case(load_case);
   if (!app.quantities.empty()) recording.quantities = &app.quantities;
   recording.resume = resume;
   recording.writing = writing;
-  recording.stop = [&app] { return interrupt_requested(app.communicator); };
+  recording.stop = [&app] {
+    return interrupt_requested(app.communicator) || (app.asked_to_stop && app.asked_to_stop());
+  };
   recording.record_observer = [&report](const StepRecord& record) { report.add(record); };
   recording.observer = [&app](const Simulation& simulation, const StepReport& step) {
     app.check_expected(simulation, step);
+    if (app.watch) app.watch(simulation, step);
   };
   const std::size_t checks = app.summary.checks().size();
   recording.restart = [&app, &report, checks] {
@@ -89,18 +99,18 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
     accurate =
         app.record_accurately(scene, app.solver, recording, asks_for_path(app.solver, app.expected, load_case, scene));
   Simulation simulation = accurate ? accurate->simulation : app.record(scene, app.solver, recording);
-  app.out() << file.stem().string() << ": " << counted(simulation.result().steps, "step") << " to load factor "
-            << simulation.result().load_factor << ", " << file.string() << "\n";
-  if (accurate) report_mesh(app, file.stem().string(), *accurate);
+  app.out() << name << ": " << counted(simulation.result().steps, "step") << " to load factor "
+            << simulation.result().load_factor << (file.empty() ? "" : ", " + file.string()) << "\n";
+  if (accurate) report_mesh(app, name, *accurate);
   report.print(app.out());
-  warn_of_uncertain_forces(app, file.stem().string(), simulation);
-  report.add_stresses(app, file.stem().string());
-  report.add_errors(app, file.stem().string());
-  report.add_quantities(app, file.stem().string());
-  report.check_balance(app, file.stem().string());
+  warn_of_uncertain_forces(app, name, simulation);
+  report.add_stresses(app, name);
+  report.add_errors(app, name);
+  report.add_quantities(app, name);
+  report.check_balance(app, name);
   const bool between_meshes = accurate && accurate->end == AccuracyEnd::interrupted;
   if (!simulation.result().interrupted && !between_meshes) {
-    report.add_end(app, file.stem().string());
+    report.add_end(app, name);
     return RunEnd::arrived;
   }
   say_how_to_resume(app, simulation, file);
@@ -128,8 +138,8 @@ int finish_runs(Application& app, const CommandLine& line, const std::function<R
   char seconds[32];
   std::snprintf(seconds, sizeof seconds, "%.3f s", app.summary.seconds["total"]);
   app.out() << "mixbeam: " << counted(app.summary.load_steps, "load step") << ", "
-            << counted(app.summary.newton_iterations, "Newton iteration") << ", " << seconds << ", results in "
-            << app.output.string() << "\n";
+            << counted(app.summary.newton_iterations, "Newton iteration") << ", " << seconds
+            << (app.output.empty() ? "" : ", results in " + app.output.string()) << "\n";
   print_ends(app.out(), app.summary, app.solver.analysis.control.has_value());
   if (end == RunEnd::interrupted) return kInterruptedExitCode;
   return app.summary.all_passed() ? 0 : kFailedExitCode;

@@ -16,8 +16,11 @@ std::string obstacle_to_resuming(const Application& app);
 /// holds it. Collective.
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
 
-/// Solves the scene of one case (an empty name: what acts in all cases) into `file`, or goes on with
-/// `resume`, and prints what came out.
+/// What a result file tells of the case of its scene.
+std::map<std::string, std::string> properties_of_case(const std::string& load_case);
+
+/// Solves the scene of one case (an empty name: what acts in all cases) into `file` (none where that is empty), or goes
+/// on with `resume`, and prints what came out.
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
                 const WritingOptions& writing, const StoredRun* resume = nullptr);
 
@@ -25,8 +28,8 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
                                      const std::string& load_case);
 
-/// Largest and smallest values of the quantities in the summary at the ends of several runs: one row for each quantity in
-/// a CSV file, and a table on the terminal. Nothing where fewer than two runs have any. Throws as CsvTable.
+/// Largest and smallest values of the quantities in the summary at the ends of several runs: one row for each quantity
+/// in a CSV file, and a table on the terminal. Nothing where fewer than two runs have any. Throws as CsvTable.
 void write_envelope(const Application& app, const std::filesystem::path& file);
 
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.

@@ -20,7 +20,11 @@ BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
 def main():
-    options = _options()
+    words = sys.argv[1:]
+    for i, word in enumerate(words[:-1]):  # a negative azimuth is no option
+        if word == "--view":
+            words[i:i + 2] = ["", f"--view={words[i + 1]}"]
+    options = options_of([word for word in words if word])
     try:
         import style
         from results import InputError
@@ -35,7 +39,8 @@ def main():
     return 0
 
 
-def _options():
+def options_of(words):
+    """What a command line asks for."""
     kinds = "; ".join(f"{name}: {text}" for name, text in KINDS.items())
     parser = argparse.ArgumentParser(description=__doc__, epilog=f"Pictures: {kinds}.")
     parser.add_argument("result", type=Path, help="result file (.h5)")
@@ -56,24 +61,33 @@ def _options():
                         help="one followed number over another: names of Quantities, POINT.z of a followed point, "
                              "force:POINT.x, moment:, rotation:, load_factor")
     parser.add_argument("--dots", type=int, metavar="N", help="dots per inch of a PNG")
-    words = sys.argv[1:]
-    for i, word in enumerate(words[:-1]):  # a negative azimuth is no option
-        if word == "--view":
-            words[i:i + 2] = ["", f"--view={words[i + 1]}"]
-    return parser.parse_args([word for word in words if word])
+    return parser.parse_args(words)
 
 
 def _draw(options, style):
     """Draws what is asked for, and yields the paths of the files."""
-    import numpy as np
-
-    import fields
     from results import InputError, Run
-    from view import Look, View
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
     if not formats or set(formats) - {"png", "svg", "pdf"}:
         raise InputError(f"--format {options.format}: allowed are png, svg, pdf, separated by commas")
+    if options.dots:
+        style.plt.rcParams["savefig.dpi"] = options.dots
+    with Run(options.result, options.case, options.members) as run:
+        folder = options.output or options.result.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, canvas in figures(run, options):
+            yield from style.save_all(canvas, folder / f"{run.path.stem}_{name}", formats)
+
+
+def figures(run, options):
+    """(name, figure) of every picture that the options ask of an open run."""
+    import numpy as np
+
+    import fields
+    from results import InputError
+    from view import Look, View
+
     if options.field not in fields.FIELDS:
         raise InputError(f"--field {options.field}: allowed are " + ", ".join(fields.FIELDS))
     if not (np.isfinite(options.scale) and options.scale >= 0.0):
@@ -82,20 +96,12 @@ def _draw(options, style):
         raise InputError("--picture along: needs --along with the names of members")
     if options.picture and "curve" in options.picture and not options.curve:
         raise InputError("--picture curve: needs --curve with two names")
-    if options.dots:
-        style.plt.rcParams["savefig.dpi"] = options.dots
-    with Run(options.result, options.case, options.members) as run:
-        chosen = _chosen_steps(run, options.step, options.result)
-        folder = options.output or options.result.parent
-        folder.mkdir(parents=True, exist_ok=True)
-        stem = run.path.stem
-        look = Look(options.view, options.scale, options.moments)
-        view = View(run, chosen, look)
-        wanted = [kind for kind in ("along", "curve") if getattr(options, kind)]
-        every = wanted or [kind for kind in KINDS if kind not in ("along", "curve")]
-        for kind in options.picture or every:
-            for name, canvas in _figures(kind, run, view, chosen, options):
-                yield from style.save_all(canvas, folder / f"{stem}_{name}", formats)
+    chosen = _chosen_steps(run, options.step, run.path)
+    view = View(run, chosen, Look(options.view, options.scale, options.moments))
+    wanted = [kind for kind in ("along", "curve") if getattr(options, kind)]
+    every = wanted or [kind for kind in KINDS if kind not in ("along", "curve")]
+    for kind in options.picture or every:
+        yield from _figures(kind, run, view, chosen, options)
 
 
 def _figures(kind, run, view, chosen, options):

@@ -1,9 +1,12 @@
 """The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
 
+import sys
+
 import matplotlib
 import matplotlib.colors
 
-matplotlib.use("Agg")  # pictures into files, no display needed
+if "matplotlib.pyplot" not in sys.modules:  # a host that has it draws its own way
+    matplotlib.use("Agg")  # pictures into files, no display needed
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
@@ -19,7 +22,7 @@ ORDER_MARKERS = {1: "o", 2: "s", 3: "^", 4: "D", 5: "v", 6: "P", 7: "X", 8: "*"}
 
 DOTS_PER_INCH = 160
 
-plt.rcParams.update({
+SETTINGS = {
     "font.family": "STIXGeneral",
     "mathtext.fontset": "stix",
     "font.size": 12,
@@ -42,7 +45,8 @@ plt.rcParams.update({
     "figure.constrained_layout.use": True,
     "svg.fonttype": "none",  # text stays text
     "savefig.dpi": DOTS_PER_INCH,
-})
+}
+plt.rcParams.update(SETTINGS)
 
 
 def figure(width, height, rows=1, columns=1, **options):

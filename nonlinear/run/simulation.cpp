@@ -85,11 +85,11 @@ void Simulation::restore(const StateSnapshot& snapshot, double load_factor, cons
   stability_ = known;
 }
 
-Simulation Simulation::at(const State& state, double load_factor) const {
+Simulation Simulation::at(const State& state, double load_factor, const RecordedStability& known) const {
   Simulation other = *this;
   other.state_ = state;
   other.load_factor_ = load_factor;
-  other.stability_ = {};
+  other.stability_ = known;
   return other;
 }
 

@@ -32,8 +32,8 @@ class Simulation {
   /// mesh. Collective.
   void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {});
 
-  /// The same structure in another state, with the same result().
-  Simulation at(const State& state, double load_factor) const;
+  /// The same structure in another state, with the same result(). `known`: its stability.
+  Simulation at(const State& state, double load_factor, const RecordedStability& known = {}) const;
 
   const LoadPathResult& result() const { return result_; }
   const State& state() const { return state_; }

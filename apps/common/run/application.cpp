@@ -61,7 +61,10 @@ int Application::threads_for(const Scene& solved, const SolverParameters& parame
   return threads;
 }
 
-std::ostream& Application::out() const { return writes_files() ? std::cout : nowhere(); }
+std::ostream& Application::out() const {
+  if (!writes_files()) return nowhere();
+  return terminal != nullptr ? *terminal : std::cout;
+}
 
 std::ostream& Application::progress_out(const std::string& label) const {
   return quiet || label.empty() ? nowhere() : out();
@@ -165,7 +168,7 @@ void Application::give_up(const Simulation& simulation, const std::string& label
                           const std::filesystem::path& results) const {
   const std::filesystem::path file = failure_file_of(results);
   const std::string page = (label.empty() ? "" : label + ": ") + simulation.result().failure + where_state;
-  if (!writes_files()) throw ConvergenceError(page);
+  if (!writes_files() || results.empty()) throw ConvergenceError(page);
   try {
     const bool durable = false;
     replace_file(file, page + "\n", durable);

@@ -24,7 +24,7 @@ using RunObserver = std::function<void(const Simulation& simulation, const StepR
 
 /// Where and how a run is recorded.
 struct Recording {
-  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it
+  std::filesystem::path file{};     ///< result file; XDMF of the same name beside it; empty: observers see it only
   std::filesystem::path monitor{};  ///< CSV file of what is followed over the steps; empty: none
   int points_per_element = kPointsByOrder;
   std::map<std::string, std::string> properties{};  ///< in the file, besides those of program and machine
@@ -35,6 +35,13 @@ struct Recording {
   const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
   const StoredRun* resume = nullptr;        ///< goes on behind its last step, in its file
   WritingOptions writing{};
+};
+
+/// A step of a run that is over.
+struct KeptStep {
+  StepReport report{};
+  State state{};
+  RecordedStability stability{};
 };
 
 /// `results/scene_failure.txt` of `results/scene.h5`.
@@ -57,6 +64,9 @@ class Application {
   Summary summary;
   SharedResultLock summary_lock{};  ///< of the file of the summary, where one is asked for
   Communicator communicator;
+  std::ostream* terminal = nullptr;       ///< where rank 0 prints; null: standard output
+  std::function<bool()> asked_to_stop{};  ///< a run asks it as it asks for interrupts; none: never
+  RunObserver watch{};                    ///< of the steps of a run, after they were recorded
 
   std::ostream& out() const;
   /// Where progress lines of a run go: nowhere if the user or an empty label says so.
@@ -93,6 +103,9 @@ class Application {
   /// where the state was carried over from another mesh, its end. `keeps_path`: the whole path is wanted.
   AccurateRun record_accurately(const Scene& solved, const SolverParameters& parameters, const Recording& recording,
                                 bool keeps_path);
+
+  /// Writes the result file that record() would have written on the way. `simulation`: of these steps.
+  void write(const Simulation& simulation, const std::vector<KeptStep>& steps, const Recording& recording) const;
 
   /// As record(), to <output>/<file>.h5.
   Simulation solve_and_record(const Scene& solved, const SolverParameters& parameters, const std::string& file,

@@ -28,6 +28,11 @@ PathControl control_of(const Recording& recording) {
   return control;
 }
 
+/// Where a run that failed has left its last state.
+std::string remains_of(const Recording& recording) {
+  return recording.file.empty() ? "" : "The last converged state is the last step in " + recording.file.string() + ".";
+}
+
 }  // namespace
 
 /// The files of a run, and those who listen to it.
@@ -40,6 +45,7 @@ class Application::Recorder {
         points_(followed_points(scene)) {
     ResultHeader header = app.header(scene, recording.properties);
     if (recording.quantities != nullptr) header.quantities = recording.quantities->names();
+    if (recording.file.empty()) return;
     results_ = recording.resume != nullptr
                    ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
                    : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.writing);
@@ -57,7 +63,7 @@ class Application::Recorder {
   void keep(const Simulation& running, const StepReport& report, const ErrorEstimate* estimate = nullptr) {
     has_steps_ = true;
     const StepRecord step = record(running, report, estimate);
-    results_->append_step(step);
+    if (results_) results_->append_step(step);
     for_monitor([&] { monitor_->add(step); });
     if (recording_.record_observer) recording_.record_observer(step);
     if (recording_.observer) recording_.observer(running, report);
@@ -76,7 +82,7 @@ class Application::Recorder {
     return step;
   }
   void close() {
-    results_->close();
+    if (results_) results_->close();
     for_monitor([&] { monitor_->close(); });
   }
 
@@ -103,7 +109,7 @@ class Application::Recorder {
   const SolverParameters& parameters_;
   const Recording& recording_;
   std::vector<std::string> points_;
-  std::unique_ptr<ResultFile> results_;
+  std::unique_ptr<ResultFile> results_;  ///< null: without a file
   std::optional<MonitorTable> monitor_;
   bool has_steps_ = false;
 };
@@ -120,7 +126,7 @@ std::optional<StoredRun> Application::completed_series(const Scene& solved, cons
 
 Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& wanted) {
   require_memory(*this, solved, parameters);
-  require_disk(*this, solved, parameters, wanted.file);
+  if (!wanted.file.empty()) require_disk(*this, solved, parameters, wanted.file);
   const std::optional<StoredRun> completed = completed_series(solved, parameters, wanted);
   Recording recording = wanted;
   if (completed) recording.resume = &*completed;
@@ -135,8 +141,7 @@ Simulation Application::record(const Scene& solved, const SolverParameters& para
     recording.record_observer(recorder.record(simulation, {}, nullptr));
   recorder.close();
   if (simulation.result().finished || simulation.result().interrupted) return simulation;
-  give_up(simulation, recording.file.stem().string(),
-          "The last converged state is the last step in " + recording.file.string() + ".", recording.file);
+  give_up(simulation, recording.file.stem().string(), remains_of(recording), recording.file);
 }
 
 AccurateRun Application::record_accurately(const Scene& solved, const SolverParameters& parameters,
@@ -163,7 +168,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
   observer.threads = [&](const Scene& on_mesh) {
     require_memory(*this, on_mesh, parameters);
-    require_disk(*this, on_mesh, parameters, recording.file);
+    if (!recording.file.empty()) require_disk(*this, on_mesh, parameters, recording.file);
     return threads_for(on_mesh, parameters);
   };
   AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);
@@ -174,8 +179,15 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   }
   for (const auto& [phase, seconds] : run.simulation.times()) summary.seconds[phase] += seconds;
   if (run.simulation.result().finished || run.simulation.result().interrupted) return run;
-  give_up(run.simulation, label, "The last converged state is the last step in " + recording.file.string() + ".",
-          recording.file);
+  give_up(run.simulation, label, remains_of(recording), recording.file);
+}
+
+void Application::write(const Simulation& simulation, const std::vector<KeptStep>& steps,
+                        const Recording& recording) const {
+  Recorder recorder(*this, simulation.scene(), solver, recording);
+  for (const KeptStep& step : steps)
+    recorder.keep(simulation.at(step.state, step.report.load_factor, step.stability), step.report);
+  recorder.close();
 }
 
 }  // namespace mixbeam

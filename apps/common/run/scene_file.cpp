@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -37,6 +38,13 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
 }
 
 namespace {
+
+/// Made once: a host may read thousands of scenes.
+const ListSpec& known_root_spec(const ApplicationDefinition& definition) {
+  static std::map<std::string, ListSpec> known;
+  const auto found = known.find(definition.name);
+  return found != known.end() ? found->second : known.emplace(definition.name, root_spec(definition)).first->second;
+}
 
 /// Values at critical points need a path on which these are looked for.
 void check_critical_points_are_found(const Application& app) {
@@ -73,7 +81,7 @@ void read_quantities_of(Application& app) {
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
-  for (const std::string& text : validate(*app.xml.list, root_spec(definition), app.xml.source)) {
+  for (const std::string& text : validate(*app.xml.list, known_root_spec(definition), app.xml.source)) {
     app.summary.warnings.push_back(text);
     app.out() << "warning: " << text << "\n";
   }

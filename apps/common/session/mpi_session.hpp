@@ -26,4 +26,9 @@ class MpiSession {
   Communicator communicator_;
 };
 
+/// For a library in the process of somebody else: MPI (a process alone), Kokkos and Tpetra, once, and to the end of the
+/// process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI
+/// already, this process is alone all the same.
+Communicator start_as_guest();
+
 }  // namespace mixbeam

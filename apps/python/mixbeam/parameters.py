@@ -1,0 +1,311 @@
+"""Parameter lists as objects. What a list may hold, and how it is called, comes from the declarations of the program."""
+
+import copy
+import json
+import operator
+from collections.abc import Mapping, MutableMapping
+from functools import cache
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from . import _core
+from .errors import InputError, unknown
+
+KINDS_OF_XML = {bool: "bool", int: "int", float: "double", str: "string"}
+
+
+class Declaration:
+    """Of one list: its parameters, lists and free names, by the names of the program and by those of Python."""
+
+    def __init__(self, data):
+        self.name = data.get("name", "")
+        self.path = " / ".join(data.get("path", []))
+        self.meaning = data.get("meaning", "")
+        self.unchecked = data.get("unchecked", False)
+        self.parameters = {one["name"]: one for one in data.get("parameters", [])}
+        self.lists = {one["name"]: Declaration(one) for one in data.get("lists", [])}
+        free = data.get("free_names", {})
+        self.placeholder = free.get("placeholder")
+        self.free_parameter = free.get("parameter")
+        self.free_list = Declaration(free["list"]) if "list" in free else None
+        fixed = [*data.get("parameters", []), *data.get("lists", [])]
+        self.xml_names = {one["program_name"]: one["name"] for one in fixed}
+        self.words = data.get("forms", {})
+
+    def xml_name(self, name):
+        """The name in XML of what Python calls `name` (either is understood), None for neither."""
+        return self.xml_names.get(name) or (name if name in self.parameters or name in self.lists else None)
+
+    def parameter(self, xml_name):
+        """The declaration of a parameter of this name, fixed or free; None."""
+        return self.parameters.get(xml_name) or (self.free_parameter if xml_name not in self.lists else None)
+
+    def inner(self, xml_name):
+        """The Declaration of a list of this name, fixed or free; None."""
+        return self.lists.get(xml_name) or (self.free_list if xml_name not in self.parameters else None)
+
+    def places(self, name):
+        """Paths of the fixed lists below this one that have `name`."""
+        if self.xml_name(name):
+            return [()]
+        return [(xml, *rest) for xml, inner in self.lists.items() for rest in inner.places(name)]
+
+    def class_name(self, inside):
+        """Of its objects: that of a list `Point Loads` of free names is PointLoad."""
+        words = inside.name.split()
+        last = words[-1]
+        singular = last[:-3] + "y" if last.endswith("ies") else last[:-1] if last.endswith("s") else self.name.strip("<>")
+        return "".join(word.capitalize() for word in [*words[:-1], singular])
+
+
+@cache
+def root():
+    """Declaration of a whole scene file."""
+    return Declaration(json.loads(_core.declarations()))
+
+
+class Parameters(MutableMapping):
+    """A parameter list: fixed names are attributes, names of your own are keys.
+
+    `scene.members["beam"].elements = 20`. Numbers, texts, sequences and arrays are converted to the declared type; a name
+    that is not declared raises UnknownName, with the nearest one. A parameter that was not given is its default, or None;
+    one that is set to None is given no longer. Arrays of numbers are arrays of NumPy, whose entries may be changed.
+    """
+
+    __slots__ = ("_declaration", "_parent", "_key", "_entries", "_kinds")
+
+    def __init__(self, declaration, parent=None, key=None, **given):
+        for name, value in zip(Parameters.__slots__, (declaration, parent, key, {}, {})):
+            object.__setattr__(self, name, value)
+        self.update_by_name(given)
+
+    # --- by attributes -------------------------------------------------------------------------------------------------
+    def __getattr__(self, name):
+        if name.startswith("__"):
+            raise AttributeError(name)
+        declaration = self._declaration
+        xml = declaration.xml_name(name)
+        if xml is None:
+            raise unknown(self._place(), name, list(declaration.xml_names))
+        if xml in self._entries:
+            return self[xml]
+        if xml in declaration.lists:
+            return Parameters(declaration.lists[xml], self, xml)  # joins the list once it holds something
+        default = declaration.parameters[xml].get("default")
+        return tuple(default) if isinstance(default, list) else default
+
+    def __setattr__(self, name, value):
+        xml = self._declaration.xml_name(name)
+        if xml is None:
+            raise unknown(self._place(), name, list(self._declaration.xml_names))
+        self[xml] = value
+
+    def __delattr__(self, name):
+        del self[self._declaration.xml_name(name) or name]
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._declaration.xml_names]
+
+    def update_by_name(self, given):
+        """Sets what `given` {name: value} tells; a name of one of the lists below is found there: E is that of Material."""
+        for name, value in given.items():
+            places = self._declaration.places(name)
+            if len(places) != 1 and not self._takes(name):
+                known = [*self._declaration.xml_names]
+                for inner in self._declaration.lists.values():
+                    known += inner.xml_names
+                raise unknown(self._place(), name, known)
+            target = self
+            for xml in places[0] if len(places) == 1 else ():
+                target = getattr(target, xml)
+            if target._takes(name):
+                target[name] = value
+            else:
+                setattr(target, name, value)
+
+    # --- by keys -------------------------------------------------------------------------------------------------------
+    def __getitem__(self, name):
+        xml = self._declaration.xml_name(name) or name
+        if xml not in self._entries:
+            raise unknown(self._place(), name, list(self._entries))
+        return self._entries[xml]
+
+    def __setitem__(self, name, value):
+        declaration = self._declaration
+        xml = declaration.xml_name(name) or name
+        inner, parameter = declaration.inner(xml), declaration.parameter(xml)
+        if value is None:
+            self._entries.pop(xml, None)
+            self._kinds.pop(xml, None)
+            return
+        if isinstance(value, Mapping) and (inner or declaration.unchecked):
+            child = Parameters(inner or Declaration({"unchecked": True}), None, f"{self._place()} / {xml}")
+            if isinstance(value, Parameters):
+                child._copy(value)
+            else:
+                child.update_by_name(value)
+            object.__setattr__(child, "_parent", self)  # now that it is complete
+            object.__setattr__(child, "_key", xml)
+            self._kinds.pop(xml, None)
+            self._entries[xml] = child
+        elif parameter or declaration.unchecked:
+            kind, converted = convert(value, parameter, f"{self._place()} / {xml}")
+            self._kinds[xml], self._entries[xml] = kind, converted
+        elif inner:
+            raise InputError(f"{self._place()} / {xml}: {value!r}; allowed: a list, as an object or a dict")
+        else:
+            raise unknown(self._place(), name, list(declaration.xml_names))
+        self._join()
+
+    def __delitem__(self, name):
+        xml = self._declaration.xml_name(name) or name
+        if xml not in self._entries:
+            raise unknown(self._place(), name, list(self._entries))
+        del self._entries[xml]
+        self._kinds.pop(xml, None)
+
+    def __iter__(self):
+        return iter(self._entries)
+
+    def __len__(self):
+        return len(self._entries)
+
+    def __eq__(self, other):
+        """The same entries of the same types in the same order."""
+        if not isinstance(other, Parameters):
+            return NotImplemented
+        return list(self._entries) == list(other._entries) and self._kinds == other._kinds and all(
+            same(value, other._entries[name]) for name, value in self._entries.items())
+
+    __hash__ = None
+
+    def __repr__(self):
+        return f"<{self._place()}: " + ", ".join(f"{name}={value!r}" for name, value in self._entries.items()) + ">"
+
+    # --- inside --------------------------------------------------------------------------------------------------------
+    def _takes(self, name):
+        """Whether `name` may be a key that is no attribute."""
+        free = self._declaration.placeholder is not None or self._declaration.unchecked
+        return free and self._declaration.xml_name(name) is None
+
+    def _place(self):
+        if self._parent is None:
+            return self._key or "scene"
+        before = self._parent._place()
+        return self._key if before == "scene" else f"{before} / {self._key}"
+
+    def _join(self):
+        """The list above holds this one from its first entry on."""
+        if self._parent is not None and self._parent._entries.get(self._key) is not self:
+            self._parent._entries[self._key] = self
+            self._parent._join()
+
+    def _copy(self, other):
+        for name, value in other._entries.items():
+            if isinstance(value, Parameters):
+                child = Parameters(self._declaration.inner(name) or value._declaration, self, name)
+                child._copy(value)
+                self._entries[name] = child
+            else:
+                self._entries[name] = value if isinstance(value, str) else copy.copy(value)
+                self._kinds[name] = other._kinds[name]
+
+    def _fill(self, entries):
+        """From the library: {name: (type, value), or a dict of a list}."""
+        for name, entry in entries.items():
+            if isinstance(entry, dict):
+                child = Parameters(self._declaration.inner(name) or Declaration({"unchecked": True}), self, name)
+                child._fill(entry)
+                self._entries[name] = child
+            else:
+                kind, value = entry
+                self._kinds[name] = kind
+                self._entries[name] = np.array(value, float) if kind == "Array(double)" else value
+        return self
+
+    def _xml(self, name, indent):
+        """Lines of a list called `name`."""
+        yield f"{indent}<ParameterList name={quoted(name)}>\n"
+        for key, value in self._entries.items():
+            if isinstance(value, Parameters):
+                yield from value._xml(key, indent + "  ")
+            else:
+                text = quoted(text_of(value, self._kinds[key]))
+                yield f'{indent}  <Parameter name={quoted(key)} type="{self._kinds[key]}" value={text}/>\n'
+        yield f"{indent}</ParameterList>\n"
+
+
+def same(one, other):
+    """Of values, arrays and lists."""
+    return np.array_equal(one, other) if isinstance(one, np.ndarray) else one == other
+
+
+def convert(value, parameter, place):
+    """(type in XML, value) of what was given for a declared parameter; None: of one that nobody declares."""
+    kind = parameter["type"] if parameter else undeclared_kind(value)
+    if parameter and parameter.get("words") and isinstance(value, (str, bool)):
+        return "string", str(value).lower() if isinstance(value, bool) else value
+    try:
+        return kind, CONVERSIONS[kind](value)
+    except (TypeError, ValueError):
+        raise InputError(f"{place}: {value!r}; allowed: {kind}") from None
+
+
+def undeclared_kind(value):
+    if isinstance(value, (list, tuple, np.ndarray)):
+        kind = np.asarray(value).dtype.kind
+        return {"i": "Array(int)", "f": "Array(double)"}.get(kind, "Array(string)")
+    return KINDS_OF_XML.get(type(value), "string")
+
+
+def _text(value):
+    if not isinstance(value, str):
+        raise TypeError
+    return value
+
+
+def _boolean(value):
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError
+    return bool(value)
+
+
+def _real(value):
+    if isinstance(value, (bool, np.bool_)) or isinstance(value, str) and value.strip() not in ("inf", "-inf"):
+        raise TypeError
+    return float(value)
+
+
+def _integer(value):
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError
+    return int(value) if isinstance(value, float) and value.is_integer() else operator.index(value)
+
+
+def _texts(value):
+    words = [_text(word) for word in ([value] if isinstance(value, str) else value)]
+    if any(not word.strip() or "{" in word or "}" in word or "," in word and "(" not in word for word in words):
+        raise ValueError
+    return words
+
+
+def _reals(value):
+    return np.array(value, dtype=float).ravel()
+
+
+CONVERSIONS = {"bool": _boolean, "int": _integer, "double": _real, "string": _text,
+               "Array(int)": lambda value: [_integer(number) for number in value],
+               "Array(double)": _reals, "Array(string)": _texts}
+
+
+def text_of(value, kind):
+    """As XML holds it: numbers in the fewest digits that give the same bits."""
+    if kind.startswith("Array"):
+        return "{" + ", ".join(text_of(one, kind[6:-1]) for one in (value.tolist() if kind == "Array(double)" else value)) + "}"
+    return str(value).lower() if kind == "bool" else repr(value) if kind == "double" else str(value)
+
+
+def quoted(text):
+    """As the value of an attribute; white space inside stays what it is."""
+    return quoteattr(text, {"\n": "&#10;", "\t": "&#9;", "\r": "&#13;"})

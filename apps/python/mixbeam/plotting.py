@@ -1,0 +1,90 @@
+"""Pictures of runs, by the code of `mixbeam plot` (apps/plots), whose modules stand beside this one in the folder plots."""
+
+import contextlib
+import importlib
+import sys
+import tempfile
+import threading
+from pathlib import Path
+
+from .errors import InputError, unknown
+
+FOLDER = Path(__file__).parent / "plots"
+_lock = threading.RLock()
+_loaded = {}  # modules of the folder, which nobody else sees: their names are those of scripts ("style", "view")
+
+
+class _Plots:
+    """The modules, while they are in reach."""
+
+    @staticmethod
+    def load(name):
+        return importlib.import_module(name)
+
+    @staticmethod
+    def call(function, *arguments):
+        """Errors of input as those of this package."""
+        try:
+            return function(*arguments)
+        except sys.modules["results"].InputError as error:
+            raise InputError(str(error)) from None
+
+
+@contextlib.contextmanager
+def modules():
+    """Puts the folder in reach, and its style; that of the host is back afterwards."""
+    import matplotlib.pyplot  # before the modules: they leave the back end alone then
+
+    names = {file.stem for file in FOLDER.glob("*.py")}
+    with _lock:
+        others = {name: sys.modules.pop(name) for name in names if name in sys.modules}
+        sys.modules.update(_loaded)
+        sys.path.insert(0, str(FOLDER))
+        try:
+            with matplotlib.rc_context():
+                matplotlib.rcParams.update(importlib.import_module("style").SETTINGS)
+                yield _Plots
+        finally:
+            sys.path.remove(str(FOLDER))
+            _loaded.update({name: sys.modules.pop(name) for name in names if name in sys.modules})
+            sys.modules.update(others)
+
+
+class Picture:
+    """A figure of matplotlib that notebooks show."""
+
+    def __init__(self, name, figure):
+        self.name, self.figure = name, figure
+
+    def save(self, file):
+        """Writes it in the format that the ending says: .png, .svg, .pdf."""
+        file = Path(file)
+        with modules() as plots:
+            plots.load("style").save_all(self.figure, file.with_suffix(""), [file.suffix[1:]])
+
+    def _repr_png_(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "picture.png"
+            self.save(file)
+            return file.read_bytes()
+
+
+def picture(results, kind, given):
+    """One Picture of an open result file, or {name: Picture} where it takes several."""
+    with modules() as plots:
+        script = plots.load("plot_result")
+        if kind not in script.KINDS:
+            raise unknown("pictures", kind, list(script.KINDS))
+        options = script.options_of([str(results.path)])
+        for name, value in given.items():
+            if name not in vars(options) or name in ("result", "output", "format", "picture", "case", "members"):
+                raise unknown("options of a picture", name, list(vars(options)))
+            setattr(options, name, str(value) if name == "step" else value)
+        options.picture = [kind]
+        pictures = {name: Picture(name, figure)
+                    for name, figure in plots.call(lambda: list(script.figures(results, options)))}
+        for one in pictures.values():
+            plots.load("style").plt.close(one.figure)  # a notebook would show it a second time
+    if not pictures:
+        raise InputError(f"{results.path}: nothing to show in a picture {kind!r}")
+    return pictures if len(pictures) > 1 else next(iter(pictures.values()))

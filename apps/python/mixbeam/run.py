@@ -1,0 +1,330 @@
+"""Runs: solving scenes, and asking for what came out."""
+
+import os
+import sys
+import tempfile
+from collections import namedtuple
+from functools import cache, cached_property
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+
+from . import _core, plotting
+from .errors import ConvergenceError, InputError, unknown
+from .parameters import Parameters, root
+from .scene import Scene, text_and_file, xml_path
+
+Check = namedtuple("Check", "name value reference source passed")
+Extreme = namedtuple("Extreme", "value member arc_length side")
+SceneCheck = namedtuple("SceneCheck", "text warnings")
+AT_ENDS = 1e-12  # an arc length may be rounded so far, over the length of its member, and belongs to it still
+
+
+def run(scene, case=None, *, output=None, threads=None, durable=False, force=False, progress=False, on_step=None):
+    """Solves a scene (a Scene, an XML text or the path of a file), in this process.
+
+    case: of a scene with load cases; output: result file, else nothing is written; durable: each step waits for the
+    disk; force: also what seems not to fit into memory; progress: a line that tells where the run is; on_step: called
+    with the Run as far as it is, after each step, and stops it by returning True.
+
+    Returns a Run. Raises InputError, ConvergenceError.
+    """
+    text, file = text_and_file(scene)
+    return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), threads, durable, force, listener),
+                    output, progress, on_step)
+
+
+def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
+    """Goes on behind the last step of a result file, in that file, to the bits of a run that was never stopped."""
+    return _watched(lambda listener: _core.resume(os.fspath(file), threads, durable, listener), file, progress, on_step)
+
+
+def check(scene, case=None):
+    """Reads and measures a scene, solves nothing: what `mixbeam check` prints, and its warnings. Raises InputError."""
+    return SceneCheck(*_core.check(*text_and_file(scene), case))
+
+
+def open_results(file):
+    """The Run in a result file. Raises InputError."""
+    file = Path(file)
+    with plotting.modules() as plots:
+        results = plots.call(plots.load("results").Run, file)
+    members = results._file["members"]
+    meshes = [members[name][:].tolist() if name in members else [] for name in ("order", "elements")]
+    return Run(_core.open(str(file), *meshes), file)
+
+
+def batch(scene, table, case=None, *, output="followed", threads=None, progress=False):
+    """Solves a scene once for each row of a table, by the program's solver for many cases at once.
+
+    table: {parameter: values}, or a structured array; parameters by their paths, "point_loads/tip/force[1]". output:
+    "followed" (motion of points that are held or loaded, reactions), "expected" or "quantities" of the scene.
+
+    Returns a structured array: the columns of the table, those of the output, and of each case iterations, residual,
+    converged, stable and, where it is not converged, its cause.
+    """
+    outputs = root().lists["Batch"].parameters["Output"]["choices"]
+    if output not in outputs:
+        raise unknown("output of a batch", output, outputs)
+    if not isinstance(table, dict):
+        table = {name: table[name] for name in table.dtype.names}
+    columns = dict(zip(table, np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in table.values()))))
+    if any(column.ndim != 1 for column in columns.values()):
+        raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
+    values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
+    say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
+    found = _core.batch(*text_and_file(scene), case, [xml_path(name) for name in columns], values,
+                        outputs.index(output), threads, say)
+    numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
+    causes = np.array(found["cause"], dtype=str)
+    kinds = [(name, float) for name in numbers]
+    kinds += [("iterations", int), ("converged", bool), ("stable", "U7"), ("cause", causes.dtype)]
+    result = np.empty(len(values), dtype=kinds)
+    for name, column in {**numbers, **{key: found[key] for key in ("iterations", "converged", "stable")},
+                         "cause": causes}.items():
+        result[name] = column
+    return result
+
+
+def _watched(start, output, progress, on_step):
+    """Runs, and tells who wants to know."""
+
+    def listener(core):
+        path = core.path()
+        if progress:
+            _say(f"step {path['step'][-1]}  load factor {path['load_factor'][-1]:.5f}  "
+                 f"iterations {path['newton_iterations'][-1]}")
+        return bool(on_step(Run(core))) if on_step else False
+
+    core, failure = start(listener if progress or on_step else None)
+    if progress:
+        print(flush=True)
+    if failure is not None:
+        raise ConvergenceError(failure, Run(core))
+    return Run(core, output)
+
+
+def _say(text):
+    """One line that changes, in a terminal as in a notebook."""
+    print(f"\rmixbeam: {text}   ", end="", file=sys.stdout, flush=True)
+
+
+@cache
+def quantity_declaration():
+    return root().lists["Quantities"].free_list
+
+
+@cache
+def kinds_of_quantities():
+    """{name in Python: name in scenes}: reaction_force, von_mises_stress, ..."""
+    return {word.lower().replace(" ", "_"): word for word in quantity_declaration().parameters["Quantity"]["choices"]}
+
+
+class Run:
+    """What a run has found. `steps` are counted from 0; -1 is the last one, None all of them (a leading axis of arrays).
+
+    Every quantity of the list Quantities is a method of its name: displacement("tip"), reaction_force("wall"),
+    material_moment("beam@50%"), von_mises_stress(member="beam", take="largest"), strain_energy(), ... with the place as
+    first argument and the other parameters of that list by name. Numbers, arrays of three components, {place: ...} for a
+    pattern, an Extreme for the largest along members.
+    """
+
+    def __init__(self, core, file=None):
+        self._core = core
+        self.file = Path(file) if file else None  # result file; None: nothing was written
+        for name, values in core.path().items():
+            setattr(self, f"{name}s" if name == "load_factor" else name, values)  # of each step
+        self.step_numbers = self.__dict__.pop("step")
+        self.stable = np.array(self.stable)
+
+    def __len__(self):
+        """Number of steps, the state at the start of the path included."""
+        return len(self.load_factors)
+
+    def __repr__(self):
+        end = f"load factor {self.load_factors[-1]:.6g}, stable: {self.stable[-1]}" if len(self) else "no steps"
+        return f"<mixbeam.Run {self.scene.name}: {len(self)} steps, {end}>"
+
+    def __getattr__(self, name):
+        kind = kinds_of_quantities().get(name)
+        if kind is None or name.startswith("__"):
+            raise unknown("run", name, [*dir(type(self)), *kinds_of_quantities()])
+        return lambda point=None, *, step=-1, **parameters: self.quantity(kind, point, step=step, **parameters)
+
+    def __dir__(self):
+        return [*super().__dir__(), *kinds_of_quantities()]
+
+    @cached_property
+    def scene(self):
+        """The Scene that was solved."""
+        return Scene.from_xml(self._core.scene())
+
+    @property
+    def load_case(self):
+        """Name of the load case or combination; empty for a scene without any."""
+        return self._core.load_case()
+
+    @property
+    def report(self):
+        """The text that the program prints of a run."""
+        return self._core.report()
+
+    @property
+    def warnings(self):
+        """What should be known of scene and results, a list of texts."""
+        return self._core.warnings()
+
+    @property
+    def checks(self):
+        """Comparisons with expected values, limits and balances: a list of Check."""
+        return [Check(*one) for one in self._core.checks()]
+
+    @property
+    def passed(self):
+        """Whether all checks passed."""
+        return all(one.passed for one in self.checks)
+
+    @property
+    def interrupted(self):
+        """Whether on_step stopped it before its end."""
+        return self._core.interrupted()
+
+    # --- quantities ----------------------------------------------------------------------------------------------------
+    def quantity(self, kind, point=None, *, step=-1, **parameters):
+        """A quantity by its name in the list Quantities ("reaction force"); see Run."""
+        given = {"quantity": kind, "point": point, **parameters}
+        return _valued("q", *self._evaluate({"q": given}, step), step)
+
+    def quantities(self, step=-1):
+        """{name: value} of all quantities that the scene asks for."""
+        asked = self.scene.quantities
+        names, rows = self._evaluate(asked, step)
+        return {name: _valued(name, names, rows, step) for name in asked}
+
+    def _evaluate(self, entries, step):
+        wanted = Parameters(root().lists["Quantities"])
+        for name, parameters in entries.items():
+            wanted[name] = parameters
+        steps = list(range(len(self))) if step is None else [step]
+        return self._core.evaluate("".join(wanted._xml("quantities", "")), steps)
+
+    # --- along members -------------------------------------------------------------------------------------------------
+    @cached_property
+    def members(self):
+        """{name: MemberResults}, in the order of the scene."""
+        return {name: MemberResults(self, name, *mesh) for name, mesh in self._core.members().items()}
+
+    def member(self, name):
+        """Results along a member."""
+        if name not in self.members:
+            raise unknown("members of the run", name, list(self.members))
+        return self.members[name]
+
+    # --- the path ------------------------------------------------------------------------------------------------------
+    def limit_points(self):
+        """The limit points among critical_points()."""
+        return [point for point in self.critical_points if point.kind == "limit point"]
+
+    @cached_property
+    def critical_points(self):
+        """Limit points and bifurcations, in the order of the path: kind, load_factor, load_factor_error, modes (how many
+        vanish together), negative_before, negative_after; (samples, 3) arrays position, displacement, mode."""
+        found = [SimpleNamespace(**one) for step in range(len(self)) for one in self._core.critical_points(step)]
+        if found or not self.file:
+            return found
+        fields = ("position", "displacement", "mode")
+        return [SimpleNamespace(kind=point.kind, load_factor=point.load_factor,
+                                load_factor_error=float(point._group.attrs.get("load_factor_error", np.nan)),
+                                negative_before=point.negative_before, negative_after=point.negative_after,
+                                modes=point.modes, **{name: point.field(name) for name in fields})
+                for point in self.results.critical_points()]
+
+    def buckling_modes(self, count=1):
+        """The first modes of linear buckling of the undeformed structure: load_factor, mode (samples, 3), residual,
+        confirmed."""
+        return [SimpleNamespace(**one) for one in self._core.buckling_modes(count)]
+
+    def error_estimate(self, step=-1):
+        """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
+        return self._core.error_estimate(self._number(step))
+
+    def state(self, step=-1):
+        """The solver's own numbers: {name: array}."""
+        return self._core.state(self._number(step))
+
+    def _number(self, step):
+        return range(len(self))[step] if -len(self) <= step < len(self) else step
+
+    # --- files and pictures --------------------------------------------------------------------------------------------
+    def write(self, file):
+        """Writes the result file that `mixbeam run` would have written."""
+        self._core.write(os.fspath(file))
+
+    @cached_property
+    def results(self):
+        """The result file as apps/plots reads it; of a run without one, a file that goes away with this object."""
+        file = self.file
+        if file is None:
+            self._folder = tempfile.TemporaryDirectory(prefix="mixbeam-")
+            file = Path(self._folder.name) / f"{self.scene.name.replace('/', '_')}.h5"
+            self.write(file)
+        with plotting.modules() as plots:
+            return plots.call(plots.load("results").Run, file)
+
+    def plot(self, picture="shape", **options):
+        """A picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
+        load_path, critical_modes, iterations, steps. Options: those of `mixbeam plot`, as field="axial", view="xy"."""
+        return plotting.picture(self.results, picture, options)
+
+
+class MemberResults:
+    """Results along a member; `s`: arc length of the undeformed centerline, a number or an array."""
+
+    FIELDS = {"moment": "material_moment", "force": "material_force", "strain": "force_strain",
+              "curvature": "moment_strain", "position": "position", "displacement": "displacement",
+              "reference_position": "reference_position", "triad": "triad"}
+
+    def __init__(self, run_, name, length, order, elements):
+        self._run = run_
+        self.name, self.length, self.order, self.elements = name, length, order, elements
+
+    def field(self, name, s, step=-1, before_vertex=False):
+        """(3,) for a number s, (n, 3) for an array; triad: unit quaternions w, x, y, z. At a vertex between two elements
+        the one behind it counts, or the one before it."""
+        s = np.asarray(s, dtype=float)
+        share = s.ravel() / self.length
+        if not np.all((share >= -AT_ENDS) & (share <= 1 + AT_ENDS)):
+            raise InputError(f"member {self.name!r}: arc length {s}; allowed: 0 to {self.length:.10g}")
+        found = self._run._core.sample(self.name, np.clip(share, 0.0, 1.0).tolist(), step, before_vertex)
+        return found[name].reshape(*s.shape, -1)
+
+    def __getattr__(self, name):
+        if name not in self.FIELDS:
+            raise unknown(f"member {self.name!r}", name, [*self.FIELDS, *dir(type(self))])
+        return lambda s, step=-1, before_vertex=False: self.field(self.FIELDS[name], s, step, before_vertex)
+
+    def __dir__(self):
+        return [*super().__dir__(), *self.FIELDS]
+
+
+def _valued(name, names, rows, step):
+    """What the columns of a quantity say: see Run."""
+    rows = rows[0] if step is not None else rows.T
+    places = {}
+    for column, values in zip(names, rows):
+        if column == name or column.startswith((name + ".", name + "[")):
+            place, _, component = column[len(name):].rpartition(".") if "." in column[len(name):].rpartition("]")[2] \
+                else (column[len(name):], "", "")
+            places.setdefault(place.strip("[]"), {})[component] = values
+    found = {place: _of_place(values) for place, values in places.items()}
+    return found[""] if list(found) == [""] else found
+
+
+def _of_place(values):
+    if "member" in values:
+        return Extreme(values[""], *(values[word] for word in ("member", "arc_length", "side")))
+    if list(values) == [""]:
+        value = values[""]
+        return float(value) if np.ndim(value) == 0 else value
+    return np.stack(list(values.values()), axis=-1)

@@ -1,0 +1,174 @@
+"""Scenes: a whole scene file as an object."""
+
+import os
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from . import _core
+from .errors import InputError, unknown
+from .parameters import Declaration, Parameters, root
+
+
+class Scene(Parameters):
+    """A scene: the parameter lists of a scene file, those of its list Scene as attributes like the outer ones.
+
+    `scene.sections`, `scene.points`, `scene.members`, `scene.supports`, `scene.point_loads`, ...; `scene.analysis`,
+    `scene.solver`, `scene.quantities`, `scene.expected`. What they hold: `mixbeam parameters`.
+    """
+
+    __slots__ = ("name", "file")
+
+    def __init__(self, name="scene", **given):
+        object.__setattr__(self, "name", name)  # of the structure, and of files
+        object.__setattr__(self, "file", None)  # from which it was read; what it imports lies in its folder
+        super().__init__(root())
+        self.update_by_name(given)
+
+    @classmethod
+    def read(cls, file):
+        """The scene of a file, word for word but for its comments. Raises InputError with file, line and place."""
+        return cls._of(_core.read(os.fspath(file)), Path(file))
+
+    @classmethod
+    def from_xml(cls, text, file=None):
+        """The scene of an XML text; `file`: what messages call it."""
+        return cls._of(_core.parse(text, str(file or "scene")), Path(file) if file else None)
+
+    @classmethod
+    def _of(cls, parsed, file):
+        name, entries = parsed
+        scene = cls(name)
+        object.__setattr__(scene, "file", file)
+        scene._fill(entries)
+        return scene
+
+    def copy(self):
+        """Another scene with the same entries."""
+        other = Scene(self.name)
+        object.__setattr__(other, "file", self.file)
+        other._copy(self)
+        return other
+
+    def to_xml(self):
+        """The scene as a text: read again, it is the same list."""
+        return '<?xml version="1.0"?>\n' + "".join(self._xml(self.name, ""))
+
+    def write(self, file):
+        """Writes the XML file of the scene."""
+        Path(file).write_text(self.to_xml(), encoding="utf-8")
+
+    def add_points(self, name, coordinates):
+        """Points from an array (..., 3): returns their names, name0, name1, ... or name0_0, ..., in its shape (...)."""
+        coordinates = np.asarray(coordinates, dtype=float)
+        if coordinates.shape[-1:] != (3,):
+            raise InputError(f"coordinates of {name}: an array of shape {coordinates.shape}; allowed: (..., 3)")
+        names = np.empty(coordinates.shape[:-1], dtype=object)
+        for place in np.ndindex(names.shape):
+            names[place] = name + "_".join(map(str, place))
+            self.points[names[place]] = coordinates[place]
+        return names
+
+    def add_members(self, name, start, end, **parameters):
+        """Members from arrays of names of points, each parameter one value or an array: returns their names, name0, ..."""
+        arrays = {key: np.asarray(value, dtype=object) if _is_array(value, np.shape(start)) else value
+                  for key, value in {"start": start, "end": end, **parameters}.items()}
+        shape = np.broadcast_shapes(*(np.shape(value) for value in (start, end)))
+        names = np.empty(shape, dtype=object)
+        for place in np.ndindex(shape):
+            names[place] = name + "_".join(map(str, place))
+            one = {key: np.broadcast_to(value, shape)[place] if isinstance(value, np.ndarray) else value
+                   for key, value in arrays.items()}
+            self.members[names[place]] = {key: _plain(value) for key, value in one.items()}
+        return names
+
+    # The list Scene is not in the way: its names are those of the whole.
+    def __getattr__(self, name):
+        return getattr(self._home(name), name) if self._is_inside(name) else super().__getattr__(name)
+
+    def __setattr__(self, name, value):
+        if name in Scene.__slots__:
+            object.__setattr__(self, name, value)
+        elif self._is_inside(name):
+            setattr(self._home(name), name, value)
+        else:
+            super().__setattr__(name, value)
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._declaration.lists["Scene"].xml_names]
+
+    def __reduce__(self):  # to other processes, as its text
+        return _unpickled, (self.to_xml(), self.file)
+
+    def _is_inside(self, name):
+        return self._declaration.xml_name(name) is None and not name.startswith("__")
+
+    def _home(self, name):
+        declaration = self._declaration.lists["Scene"]
+        if declaration.xml_name(name) is None:
+            raise unknown("scene", name, [*self._declaration.xml_names, *declaration.xml_names])
+        return super().__getattr__("Scene")
+
+
+def _unpickled(text, file):
+    return Scene.from_xml(text, file)
+
+
+def _is_array(value, shape):
+    return isinstance(value, np.ndarray) and (value.dtype == object or value.shape[:len(shape)] == shape)
+
+
+def _plain(value):
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def text_and_file(scene):
+    """(XML, what messages call it) of a Scene, a text or the path of a file."""
+    if isinstance(scene, Scene):
+        return scene.to_xml(), str(scene.file or scene.name)
+    if isinstance(scene, str) and scene.lstrip().startswith("<"):
+        return scene, "scene"
+    return text_and_file(Scene.read(scene))
+
+
+def xml_path(path):
+    """Of a parameter of a batch: "point_loads/tip/force[1]" and "Point Loads/tip/Force[1]" are the same."""
+    parts, declaration = [], root().lists["Scene"]
+    for part in path.split("/"):
+        name, bracket, component = part.partition("[")
+        known = root() if not parts and declaration.xml_name(name) is None else declaration
+        xml = (known.xml_name(name) if known else None) or name
+        declaration = (known.inner(xml) if known else None) or Declaration({})
+        parts.append(xml + bracket + component)
+    return "/".join(parts)
+
+
+@cache
+def classes():
+    """{name: function that makes such a list}: Section, Member, Support, PointLoad, ..., and Circle, Arc, ... of shapes."""
+    found = {}
+
+    def collect(declaration):
+        for inner in declaration.lists.values():
+            if inner.free_list:
+                found.setdefault(inner.free_list.class_name(inner), (inner.free_list, {}))
+                collect(inner.free_list)
+            for word in inner.parameters.get("Shape", {}).get("choices", ()):
+                found.setdefault(word.capitalize(), (inner, {"Shape": word}))
+            collect(inner)
+        for word in declaration.parameters.get("Shape", {}).get("choices", ()):
+            found.setdefault(word.capitalize(), (declaration, {"Shape": word}))
+
+    collect(root())
+    return {name: _maker(name, *what) for name, what in found.items()}
+
+
+def _maker(name, declaration, fixed):
+    def make(**parameters):
+        return Parameters(declaration, None, declaration.path, **fixed, **parameters)
+
+    make.__name__ = make.__qualname__ = name
+    make.declaration, make.fixed = declaration, fixed
+    make.__doc__ = f"{declaration.meaning}\n\nOf the list {declaration.path}: " + ", ".join(declaration.xml_names)
+    return make

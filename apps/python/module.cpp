@@ -1,0 +1,224 @@
+/// mixbeam._core: the program's own library in the process of Python. What users see is written in Python, in
+/// apps/python/mixbeam; here numbers change hands, and nothing is decided.
+#include "apps/common/run/scene_file.hpp"
+#include "apps/mixbeam/batch_solver.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/scene_run.hpp"
+#include "apps/python/arrays.hpp"
+#include "discretization/parameters/print.hpp"
+#include "discretization/parameters/value.hpp"
+#include "discretization/text/memory_error.hpp"
+#include "mixbeam/version.hpp"
+
+#include <limits>
+
+namespace py = pybind11;
+
+namespace mixbeam {
+
+namespace {
+
+/// {name: [type, value] of a parameter, a dict of a list}.
+py::dict entries_of(const Teuchos::ParameterList& list) {
+  py::dict entries;
+  for (auto entry = list.begin(); entry != list.end(); ++entry) {
+    const std::string& name = list.name(entry);
+    if (list.isSublist(name)) {
+      entries[py::str(name)] = entries_of(list.sublist(name));
+      continue;
+    }
+    const ParameterValue value = value_of(list.entry(entry));
+    const auto to_python = [](const auto& held) -> py::object {
+      using Held = std::decay_t<decltype(held)>;
+      if constexpr (std::is_same_v<Held, std::monostate>)
+        return py::none();
+      else if constexpr (std::is_class_v<Held> && !std::is_same_v<Held, std::string>)
+        return py::cast(held.toVector());
+      else
+        return py::cast(held);
+    };
+    const auto type = static_cast<ParameterType>(value.index() - 1);
+    entries[py::str(name)] = py::make_tuple(xml_name(type), std::visit(to_python, value));
+  }
+  return entries;
+}
+
+py::tuple parameters_of(const XmlParameters& parameters) {
+  return py::make_tuple(parameters.list->name(), entries_of(*parameters.list));
+}
+py::tuple parse(const std::string& xml, const std::string& file) {
+  return parameters_of(in_turn([&] { return parse_xml(xml, file); }));
+}
+py::tuple read_file(const std::string& file) {
+  return parameters_of(in_turn([&] { return read_xml(file); }));
+}
+
+std::string declarations() {
+  std::ostringstream text;
+  print_parameters_json(text, root_spec(mixbeam_definition()));
+  return text.str();
+}
+
+py::tuple check(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case) {
+  Run run = in_turn([&] {
+    Run read(new SolvedRun(xml, file, Turn::threads({}), false), DeleteInTurn());
+    check_scene(read->app(), load_case);
+    return read;
+  });
+  return py::make_tuple(run->report(), run->app().summary.warnings);
+}
+
+/// The run, and why it failed to converge.
+struct Outcome {
+  Run run;
+  std::optional<std::string> failure{};
+};
+
+/// Solves what `prepare` gives, while the listener hears of its steps.
+template <class Prepare, class Solve>
+py::tuple watched(py::object callback, const Prepare& prepare, const Solve& solve) {
+  Listener listener(std::move(callback));
+  Outcome outcome;
+  {
+    const Turn turn;
+    outcome.run = Run(prepare().release(), DeleteInTurn());
+    Application& app = outcome.run->app();
+    app.asked_to_stop = [&] { return listener.stops(); };
+    outcome.run->on_step([&] { listener.call(outcome.run); });
+    try {
+      solve(*outcome.run);
+    } catch (const ConvergenceError& error) {
+      outcome.failure = error.what();
+    }
+    app.asked_to_stop = {};
+    outcome.run->on_step({});
+  }
+  listener.rethrow();
+  return py::make_tuple(outcome.run, outcome.failure);
+}
+
+py::tuple run(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case,
+              const std::string& output, const std::optional<int>& threads, bool durable, bool force,
+              py::object callback) {
+  return watched(
+      std::move(callback), [&] { return std::make_unique<SolvedRun>(xml, file, Turn::threads(threads), force); },
+      [&](SolvedRun& solved) {
+        const std::filesystem::path results(output);
+        if (results.has_parent_path()) prepare_output_folder(results.parent_path());
+        solved.solve(meant_case(solved.app().scene, load_case), results, {{}, durable});
+      });
+}
+
+py::tuple resume(const std::string& file, const std::optional<int>& threads, bool durable, py::object callback) {
+  std::optional<StoredRun> stored;
+  return watched(
+      std::move(callback),
+      [&] {
+        stored.emplace(file);
+        return SolvedRun::from_file(file, {}, Turn::threads(threads));
+      },
+      [&](SolvedRun& solved) {
+        const std::string obstacle = obstacle_to_resuming(solved.app());
+        if (!obstacle.empty()) throw InputError(file + ": cannot be resumed: " + obstacle);
+        solved.solve(solved.app().load_case, file, {{}, durable}, &*stored);
+      });
+}
+
+Run open(const std::string& file, const std::vector<int>& orders, const std::vector<int>& elements) {
+  StoredMesh mesh(orders.size());
+  for (std::size_t i = 0; i < mesh.size(); ++i) mesh[i] = {orders[i], elements[i]};
+  return in_turn([&] { return Run(SolvedRun::from_file(file, mesh, Turn::threads({})).release(), DeleteInTurn()); });
+}
+
+py::dict batch(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case,
+               const std::vector<std::string>& parameters, const py::array_t<double, py::array::c_style>& values,
+               int output, const std::optional<int>& threads, py::object callback) {
+  Listener listener(std::move(callback));
+  Batch cases;
+  for (const std::string& parameter : parameters) cases.columns.push_back({parameter, ""});
+  cases.values.assign(values.data(), values.data() + values.size());
+  cases.output = static_cast<BatchOutput>(output);
+  std::vector<std::string> names;
+  std::vector<CaseResult> results;
+  {
+    const Turn turn;
+    SolvedRun base(xml, file, Turn::threads(threads), false);
+    const std::string name = meant_case(base.app().scene, load_case);
+    const CaseQuantities quantities(base.app(), cases.output, name);
+    CaseScenes scenes(base.app(), cases, name);
+    BatchSolver solver(base.app(), quantities, cases.size(), [&] { return listener.stops(); });
+    GroupedCases grouped = grouped_cases(scenes, cases.size());
+    std::size_t done = 0;
+    solver.solve_all(grouped, [&](std::size_t g) { listener.call(done += grouped.groups[g].size(), cases.size()); });
+    names = quantities.names();
+    results = solver.results();
+  }
+  listener.rethrow();
+  std::vector<double> rows, residual;
+  std::vector<int> iterations, converged, solved;
+  std::vector<std::string> stable, cause;
+  for (CaseResult& result : results) {
+    result.values.resize(names.size(), std::numeric_limits<double>::quiet_NaN());
+    rows.insert(rows.end(), result.values.begin(), result.values.end());
+    residual.push_back(result.residual);
+    iterations.push_back(result.iterations);
+    converged.push_back(result.converged ? 1 : 0);
+    solved.push_back(result.solved ? 1 : 0);
+    stable.push_back(result.stable);
+    cause.push_back(result.cause);
+  }
+  const std::size_t columns = names.size();
+  using namespace py::literals;
+  return py::dict("names"_a = names, "values"_a = table(std::move(rows), columns), "residual"_a = numbers(residual),
+                  "iterations"_a = numbers(iterations), "converged"_a = numbers(converged),
+                  "solved"_a = numbers(solved), "stable"_a = stable, "cause"_a = cause);
+}
+
+void set_error(const char* name, const std::exception& error) {
+  PyErr_SetString(py::module_::import("mixbeam.errors").attr(name).ptr(), error.what());
+}
+
+/// Exit code 2 of the program, and what it leaves to Python.
+void translate(const std::exception_ptr& thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+  } catch (const py::builtin_exception&) {
+    throw;
+  } catch (const py::error_already_set&) {
+    throw;
+  } catch (const ConvergenceError& error) {
+    set_error("ConvergenceError", error);
+  } catch (const std::exception& error) {
+    const bool is_input = dynamic_cast<const InputError*>(&error) != nullptr ||
+                          dynamic_cast<const FileError*>(&error) != nullptr ||
+                          dynamic_cast<const ResultFileError*>(&error) != nullptr ||
+                          dynamic_cast<const std::invalid_argument*>(&error) != nullptr;
+    if (is_input)
+      set_error("InputError", error);
+    else if (is_out_of_memory(error))
+      PyErr_SetString(PyExc_MemoryError, reason_of(error).c_str());
+    else
+      throw;
+  } catch (const char* text) {  // NOX and LOCA throw texts
+    PyErr_SetString(PyExc_RuntimeError, text);
+  }
+}
+
+}  // namespace
+
+}  // namespace mixbeam
+
+PYBIND11_MODULE(_core, module) {
+  using namespace mixbeam;
+  py::register_exception_translator([](std::exception_ptr thrown) { translate(thrown); });
+  module.attr("version") = kVersion;
+  module.def("parse", parse);
+  module.def("read", read_file);
+  module.def("declarations", declarations);
+  module.def("check", check);
+  module.def("run", run);
+  module.def("resume", resume);
+  module.def("open", open);
+  module.def("batch", batch);
+  bind_run(module);
+}

@@ -1,0 +1,195 @@
+/// What a run hands out: paths, quantities, fields, modes.
+#include "apps/common/run/expected_quantity.hpp"
+#include "apps/python/arrays.hpp"
+
+#include <tuple>
+
+namespace py = pybind11;
+
+namespace mixbeam {
+
+namespace {
+
+py::dict path_of(const SolvedRun& run) {
+  std::vector<int> step, iterations, negative, critical;
+  std::vector<double> load_factor;
+  std::vector<std::string> stable;
+  int before = 0;
+  for (const KeptStep& kept : run.steps()) {
+    const PathPoint& point = kept.report.point;
+    step.push_back(point.step);
+    load_factor.push_back(point.load_factor);
+    iterations.push_back(point.newton_iterations - std::exchange(before, point.newton_iterations));
+    negative.push_back(kept.stability.negative);
+    critical.push_back(point.critical_points);
+    stable.push_back(kept.stability.stable);
+  }
+  py::dict path;
+  path["step"] = numbers(step);
+  path["load_factor"] = numbers(std::move(load_factor));
+  path["newton_iterations"] = numbers(iterations);
+  path["negative_eigenvalues"] = numbers(negative);
+  path["critical_points_passed"] = numbers(critical);
+  path["stable"] = stable;
+  return path;
+}
+
+/// Names of columns, and their values in some steps.
+py::tuple evaluate(const SolvedRun& run, const std::string& xml, const std::vector<int>& steps) {
+  std::vector<std::string> names;
+  std::vector<double> values;
+  in_turn([&] {
+    const XmlParameters parameters = parse_xml(xml, "quantity");
+    const std::vector<Quantity> wanted = read_quantities(*parameters.list, parameters.source, {});
+    const QuantitySet quantities(wanted, run.at(-1).scene(), {parameters.source, {}});
+    names = quantities.names();
+    for (const int step : steps) {
+      const std::vector<double> row = values_of(quantities, run.at(step));
+      values.insert(values.end(), row.begin(), row.end());
+    }
+  });
+  const std::size_t columns = names.size();
+  return py::make_tuple(std::move(names), table(std::move(values), columns));
+}
+
+/// Fields at relative arc lengths of a member.
+py::dict sample(const SolvedRun& run, const std::string& member, const std::vector<double>& positions, int step,
+                bool before_vertex) {
+  std::map<std::string, std::vector<Vector3>> fields;
+  std::vector<double> arc_length;
+  std::vector<std::array<double, 4>> triad;
+  in_turn([&] {
+    const Simulation simulation = run.at(step);
+    const int index = member_index(simulation.scene(), member);
+    const auto add = [&](const char* name, const Vec3<double>& value) {
+      fields[name].push_back({value[0], value[1], value[2]});
+    };
+    for (const double position : positions) {
+      const PointSample at = sample_member(simulation.model(), simulation.state(), index, position, before_vertex);
+      arc_length.push_back(at.arc_length);
+      triad.push_back({at.triad.w, at.triad.x, at.triad.y, at.triad.z});
+      add("reference_position", at.reference_position);
+      add("position", at.position);
+      add("displacement", at.displacement);
+      add("material_force", at.force);
+      add("material_moment", at.moment);
+      add("force_strain", at.force_strain);
+      add("moment_strain", at.moment_strain);
+    }
+  });
+  py::dict result;
+  result["arc_length"] = numbers(std::move(arc_length));
+  result["triad"] = numbers(std::move(triad));
+  for (auto& [name, values] : fields) result[py::str(name)] = numbers(std::move(values));
+  return result;
+}
+
+py::dict members_of(const SolvedRun& run) {
+  std::vector<std::tuple<std::string, double, int, int>> found;
+  in_turn([&] {
+    const Simulation simulation = run.at(-1);
+    const std::vector<Member>& members = simulation.scene().members;
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const MeshMember& on_mesh = simulation.model().mesh().members[i];
+      found.emplace_back(members[i].name, on_mesh.curve.length, members[i].order, on_mesh.elements);
+    }
+  });
+  py::dict members;
+  for (const auto& [name, length, order, elements] : found)
+    members[py::str(name)] = py::make_tuple(length, order, elements);
+  return members;
+}
+
+py::dict state_of(const SolvedRun& run, int step) {
+  StateSnapshot state = in_turn([&] {
+    const Simulation simulation = run.at(step);
+    return snapshot_of(simulation.model(), simulation.state());
+  });
+  py::dict arrays;
+  arrays["vertex_displacement"] = table(std::move(state.vertex_displacement), 3);
+  arrays["vertex_rotation"] = table(std::move(state.vertex_rotation), 4);
+  arrays["element_triad"] = table(std::move(state.element_triad), 4);
+  arrays["interior"] = numbers(std::move(state.interior));
+  return arrays;
+}
+
+py::list critical_points_of(const SolvedRun& run, int step) {
+  std::vector<RecordedCriticalPoint> points = in_turn([&] {
+    const KeptStep& kept = run.step(step);
+    if (kept.report.critical_points.empty()) return std::vector<RecordedCriticalPoint>{};
+    return run.at(step).record(kept.report, kPointsByOrder, {}).critical_points;
+  });
+  py::list result;
+  for (RecordedCriticalPoint& point : points) {
+    py::dict one;
+    one["kind"] = point.kind;
+    one["load_factor"] = point.load_factor;
+    one["load_factor_error"] = point.load_factor_error;
+    one["negative_before"] = point.negative_before;
+    one["negative_after"] = point.negative_after;
+    one["modes"] = point.modes;
+    one["position"] = numbers(std::move(point.position));
+    one["displacement"] = numbers(std::move(point.displacement));
+    one["mode"] = numbers(std::move(point.mode));
+    result.append(one);
+  }
+  return result;
+}
+
+py::list buckling_modes_of(const SolvedRun& run, int count) {
+  py::list result;
+  for (RecordedBucklingMode& mode : in_turn([&] { return run.at(0).buckling_modes(count, kPointsByOrder); })) {
+    py::dict one;
+    one["load_factor"] = mode.load_factor;
+    one["residual"] = mode.residual;
+    one["confirmed"] = mode.confirmed;
+    one["mode"] = numbers(std::move(mode.mode));
+    result.append(one);
+  }
+  return result;
+}
+
+py::object error_estimate_of(const SolvedRun& run, int step) {
+  const ErrorEstimate estimate = in_turn([&] { return run.at(step).estimate_error(); });
+  if (!estimate.exists()) return py::str(estimate.not_estimated);
+  py::dict errors;
+  const auto add = [&](const char* name, const EstimatedError& error) {
+    errors[name] = py::make_tuple(error.error, error.size);
+  };
+  add("largest_displacement", estimate.largest_displacement);
+  add("displacement", estimate.displacement);
+  add("moment", estimate.moment);
+  add("energy", estimate.energy);
+  return std::move(errors);
+}
+
+py::list checks_of(const SolvedRun& run) {
+  py::list checks;
+  for (const CheckedQuantity& check : run.app().summary.checks())
+    checks.append(py::make_tuple(check.name, check.word.empty() ? py::cast(check.value) : py::cast(check.word),
+                                 check.reference, check.source, check.pass));
+  return checks;
+}
+
+}  // namespace
+
+void bind_run(py::module_& module) {
+  py::class_<SolvedRun, Run>(module, "SolvedRun")
+      .def("path", path_of)
+      .def("evaluate", evaluate)
+      .def("sample", sample)
+      .def("members", members_of)
+      .def("state", state_of)
+      .def("critical_points", critical_points_of)
+      .def("buckling_modes", buckling_modes_of)
+      .def("error_estimate", error_estimate_of)
+      .def("checks", checks_of)
+      .def("report", &SolvedRun::report)
+      .def("interrupted", &SolvedRun::interrupted)
+      .def("warnings", [](const SolvedRun& run) { return run.app().summary.warnings; })
+      .def("load_case", [](const SolvedRun& run) { return run.app().load_case; })
+      .def("scene", [](const SolvedRun& run) { return run.app().xml.text; })
+      .def("write", [](const SolvedRun& run, const std::string& file) { in_turn([&] { run.write(file); }); });
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,127 @@
+#include "apps/python/solved_run.hpp"
+
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/mpi_session.hpp"
+#include "apps/mixbeam/commands.hpp"
+#include "apps/mixbeam/scene_run.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/message_text.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+std::string property(const StoredRun& run, const std::string& name) {
+  const auto found = run.header().properties.find(name);
+  return found == run.header().properties.end() ? "" : found->second;
+}
+
+void prepare(Application& app, std::ostream& report, bool force) {
+  app.communicator = start_as_guest();
+  app.terminal = &report;
+  app.quiet = true;
+  app.force = force;
+}
+
+}  // namespace
+
+SolvedRun::SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force) {
+  prepare(app_, report_, force);
+  read_scene_file(app_, parse_xml(xml, file), mixbeam_definition());
+  describe_run(app_, "mixbeam", threads);
+  warn_of_scene(app_);
+}
+
+std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& file, const StoredMesh& mesh,
+                                                const std::optional<int>& threads) {
+  StoredRun stored(file);
+  if (property(stored, "program") != "mixbeam")
+    throw InputError(file.string() + ": written by \"" + property(stored, "program") +
+                     "\", whose scenes are those of its study; allowed: results of mixbeam run");
+  auto run = std::make_unique<SolvedRun>(stored.header().scene_xml, file.string() + " (scene)", threads, true);
+  Application& app = run->app_;
+  app.load_case = property(stored, "load_case");
+  Scene scene = scene_of_case(app.scene, app.load_case);
+  if (scene.accuracy && !mesh.empty()) scene = on_mesh(scene, mesh);
+  run->simulation_.emplace(scene, app.solver, app.communicator);
+  for (std::size_t i = 0; i < stored.steps().size(); ++i) {
+    KeptStep& step = run->steps_.emplace_back();
+    step.report.point = stored.steps()[i];
+    step.report.step = step.report.point.step;
+    step.report.load_factor = step.report.point.load_factor;
+    step.stability = stored.stability()[i];
+  }
+  run->stored_ = std::move(stored);
+  return run;
+}
+
+void SolvedRun::solve(const std::string& load_case, const std::filesystem::path& file, const WritingOptions& writing,
+                      const StoredRun* resume) {
+  require_reachable(app_, {load_case});
+  app_.output = file.parent_path();
+  app_.watch = [this](const Simulation& simulation, const StepReport& report) { keep(simulation, report); };
+  const CommandLine no_options;
+  const int code = finish_runs(app_, no_options, [&] {
+    WritingOptions locked = writing;
+    if (!file.empty()) locked.lock = lock_or_warn(app_, file);
+    const RunEnd end = run_case(app_, load_case, file, locked, resume);
+    if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});
+    return end;
+  });
+  interrupted_ = code == kInterruptedExitCode;
+}
+
+void SolvedRun::keep(const Simulation& simulation, const StepReport& report) {
+  const bool is_same_mesh = simulation_ && &simulation_->model() == &simulation.model();
+  if (!is_same_mesh) {  // a scene with an accuracy goes on with another mesh
+    steps_.clear();
+    stored_.reset();
+  }
+  simulation_ = simulation;
+  steps_.push_back({report, simulation.state(), simulation.stability()});
+  if (on_step_) on_step_();
+}
+
+void SolvedRun::write(const std::filesystem::path& file) const {
+  Recording recording;
+  recording.file = file;
+  recording.properties = properties_of_case(app_.load_case);
+  if (!app_.quantities.empty()) recording.quantities = &app_.quantities;
+  recording.writing.lock = lock_result(file, *app_.communicator);
+  std::vector<KeptStep> steps = steps_;
+  for (std::size_t i = 0; stored_ && i < steps.size(); ++i) steps[i].state = at(static_cast<int>(i)).state();
+  app_.write(at(-1), steps, recording);
+}
+
+std::size_t SolvedRun::place_of(int step) const {
+  const int count = static_cast<int>(steps_.size()), place = step < 0 ? count + step : step;
+  if (place < 0 || place >= count)
+    throw InputError("step " + std::to_string(step) + "; allowed: 0 to " + std::to_string(count - 1) +
+                     ", or -1 for the last one");
+  return static_cast<std::size_t>(place);
+}
+
+Simulation SolvedRun::at(int step) const {
+  const std::size_t place = place_of(step);
+  const KeptStep& kept = steps_[place];
+  if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);
+  Simulation simulation = *simulation_;
+  simulation.restore(stored_->state(place), kept.report.load_factor, kept.stability);
+  return simulation;
+}
+
+std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted) {
+  const std::vector<std::string> known = alternatives(scene);
+  if (!wanted && known.empty()) return "";
+  const std::string name = wanted.value_or("");
+  if (std::find(known.begin(), known.end(), name) != known.end()) return name;
+  throw InputError((wanted ? "case \"" + excerpt(name) + "\"" : "no case is named") +
+                   ", but load cases and combinations of the scene are " +
+                   (known.empty() ? "none" : quoted_list(known)) + "; allowed: one of them" +
+                   did_you_mean(name, known));
+}
+
+}  // namespace mixbeam

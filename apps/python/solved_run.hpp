@@ -1,0 +1,65 @@
+/// A run that is over, or under way: its scene, its steps, and what can be asked of them. Nothing here knows Python.
+#pragma once
+
+#include "apps/common/run/application.hpp"
+
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace mixbeam {
+
+/// Orders and numbers of elements of the members of a result file, empty where its scene has them.
+using StoredMesh = std::vector<MemberMesh>;
+
+class SolvedRun {
+ public:
+  /// Reads a scene; `file` stands in messages, and what the scene imports lies in its folder. Throws InputError.
+  SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force);
+
+  /// A run from a result file of `mixbeam run`. Throws InputError.
+  static std::unique_ptr<SolvedRun> from_file(const std::filesystem::path& file, const StoredMesh& mesh,
+                                              const std::optional<int>& threads);
+
+  /// Solves a case of the scene ("": a scene without cases) into `file`, or without one. Throws InputError,
+  /// ConvergenceError; the steps that were done are there in any case.
+  void solve(const std::string& load_case, const std::filesystem::path& file, const WritingOptions& writing,
+             const StoredRun* resume = nullptr);
+
+  /// Writes the result file that the run would have left. Throws ResultFileError, InputError.
+  void write(const std::filesystem::path& file) const;
+
+  /// Called after each step of solve(), which at(-1) is then.
+  void on_step(std::function<void()> action) { on_step_ = std::move(action); }
+
+  Application& app() { return app_; }
+  const Application& app() const { return app_; }
+  const std::vector<KeptStep>& steps() const { return steps_; }
+  bool interrupted() const { return interrupted_; }
+  /// What the program would have printed.
+  std::string report() const { return report_.str(); }
+
+  /// The structure in the state of a step, counted from 0, or from the end from -1 on. Throws InputError.
+  Simulation at(int step) const;
+  /// That step with its critical points. Throws InputError.
+  const KeptStep& step(int step) const { return steps_[place_of(step)]; }
+
+ private:
+  std::size_t place_of(int step) const;
+  void keep(const Simulation& simulation, const StepReport& report);
+
+  std::ostringstream report_;
+  Application app_;
+  std::optional<Simulation> simulation_;  ///< of the last step
+  std::vector<KeptStep> steps_;
+  std::optional<StoredRun> stored_;  ///< holds the states of the steps, where they come from a file
+  std::function<void()> on_step_{};
+  bool interrupted_ = false;
+};
+
+/// The case of a scene that is meant. Throws InputError where it has several and none is named.
+std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted);
+
+}  // namespace mixbeam

@@ -1,0 +1,475 @@
+#!/usr/bin/python3
+"""The module for Python: the bits of the program, every parameter, the manners of a guest, forks, the examples of its page.
+
+usage: python_test.py MIXBEAM PACKAGES     the program, and the folder in which the package mixbeam lies
+"""
+
+import ctypes
+import doctest
+import gc
+import multiprocessing
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import textwrap
+import threading
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM, PACKAGES = (str(Path(word).resolve()) for word in (sys.argv.pop(1), sys.argv.pop(1)))
+SOURCES = Path(__file__).resolve().parents[2]
+sys.path.insert(0, PACKAGES)
+os.environ["PYTHONPATH"] = PACKAGES
+
+import numpy as np  # noqa: E402
+
+import mixbeam  # noqa: E402
+from mixbeam.parameters import root  # noqa: E402
+
+SCENES = sorted(SOURCES.glob("apps/*/*.xml"))
+SECONDS = 120  # for what must not hang; it takes a second
+
+
+def cantilever(force=-10.0, elements=20):
+    scene = mixbeam.Scene("cantilever")
+    scene.sections["steel"] = mixbeam.Circle(diameter=4, E=206e3, nu=0.3)
+    scene.points["wall"] = 0, 0, 0
+    scene.points["tip"] = 1000, 0, 0
+    scene.members["rod"] = mixbeam.Member(start="wall", end="tip", section="steel", elements=elements)
+    scene.supports["clamp"] = mixbeam.Support(point="wall")
+    scene.point_loads["weight"] = mixbeam.PointLoad(point="tip", force=(0, 0, force))
+    return scene
+
+
+def deflection(force):
+    return mixbeam.run(cantilever(force)).displacement("tip")[2]
+
+
+def loaded_frame():
+    """A path of several steps, with a bifurcation."""
+    scene = mixbeam.read(SOURCES / "apps/gallery/lees_frame.xml")
+    scene.analysis.trace = True
+    return scene
+
+
+def large_run(seconds=0.0):
+    """Takes long enough for something to happen meanwhile."""
+    scene = cantilever(elements=20000)
+    scene.solver.load_path.method = "fixed"
+    scene.solver.load_path.steps = 200
+    return mixbeam.run(scene, force=True)
+
+
+def same_state(one, other):
+    return list(one) == list(other) and all(np.array_equal(one[name], other[name]) for name in one)
+
+
+def program(*words, folder):
+    return subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, timeout=SECONDS)
+
+
+def in_python(text, *words):
+    """What another Python prints that runs this text."""
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(text), *words], capture_output=True, text=True, timeout=SECONDS)
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
+    return done.stdout.strip()
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        self.folder = Path(folder.name)
+        os.chdir(self.folder)
+
+
+class Scenes(InFolder):
+    def test_every_scene_is_the_same_list_when_it_was_written_and_read(self):
+        self.assertGreater(len(SCENES), 30)
+        for file in SCENES:
+            scene = mixbeam.read(file)
+            again = mixbeam.Scene.from_xml(scene.to_xml(), file)
+            self.assertEqual(scene, again, file)
+            self.assertEqual(scene.name, again.name)
+        again.units = "ell, lbf"
+        self.assertNotEqual(scene, again)
+
+    def test_a_list_with_another_type_order_or_bit_differs(self):
+        scene = cantilever()
+        for change in (lambda s: s.point_loads["weight"].force.__setitem__(2, np.nextafter(-10, 0)),
+                       lambda s: s.points.update(wall=s.points.pop("wall")),
+                       lambda s: delattr(s.members["rod"], "elements")):
+            other = scene.copy()
+            self.assertEqual(scene, other)
+            change(other)
+            self.assertNotEqual(scene, other)
+
+    def test_names_and_texts_of_any_letters(self):
+        scene = mixbeam.Scene('<&"> \n\té')
+        scene.units = " m\n,\"<é>'&"
+        scene.points["a <b> & \"c\""] = 1e-300, -0.0, 5e-324
+        again = mixbeam.Scene.from_xml(scene.to_xml())
+        self.assertEqual((scene.name, scene), (again.name, again))
+        self.assertEqual(np.signbit(again.points["a <b> & \"c\""][1]), True)
+
+    def test_every_declared_parameter_can_be_set_by_its_name(self):
+        samples = {"bool": True, "int": 3, "double": 0.5, "string": "text", "Array(int)": [1, 2], "Array(double)": [1.5, 2.0, 3.0],
+                   "Array(string)": ["a", "b"]}
+        count = 0
+
+        def visit(declaration, here):
+            nonlocal count
+            for name, xml in declaration.xml_names.items():
+                if xml in declaration.lists:
+                    visit(declaration.lists[xml], getattr(here, name))
+                else:
+                    value = samples[declaration.parameters[xml]["type"]]
+                    setattr(here, name, value)
+                    self.assertTrue(np.array_equal(getattr(here, name), value), (declaration.path, name))
+                    self.assertTrue(np.array_equal(here[xml], value))
+                    count += 1
+            if declaration.free_parameter:
+                here["own"] = samples[declaration.free_parameter["type"]]
+                count += 1
+            if declaration.free_list:
+                here["own"] = {}
+                visit(declaration.free_list, here["own"])
+
+        scene = mixbeam.Scene()
+        visit(root(), scene.scene._parent)
+        declared = program("parameters", "--json", folder=self.folder).stdout
+        self.assertEqual(count, len(re.findall(r'"type": ', declared)))
+        for name in re.findall(r'"program_name": "(\w+)"', declared):
+            self.assertIn(name, (Path(PACKAGES) / "mixbeam/__init__.pyi").read_text())
+        self.assertEqual(scene, mixbeam.Scene.from_xml(scene.to_xml()))
+
+    def test_types_are_checked_when_a_value_is_set(self):
+        scene = cantilever()
+        rod = scene.members["rod"]
+        for name, value in (("elements", 2.5), ("elements", "3"), ("elements", True), ("section", 3), ("second_axis", "x"),
+                            ("twist", None if False else "much"), ("curve", 3)):
+            with self.assertRaises(mixbeam.InputError, msg=name):
+                setattr(rod, name, value)
+        rod.elements = np.int64(7)
+        self.assertIs(type(rod.elements), int)
+        rod.elements = None
+        self.assertEqual(rod.elements, 1)
+
+    def test_unknown_names_tell_the_nearest(self):
+        scene = cantilever()
+        run = mixbeam.run(scene)
+        for wrong, near in ((lambda: setattr(scene.members["rod"], "elments", 3), "elements"),
+                            (lambda: scene.pionts, "points"), (lambda: scene.analysis.stabilty, "stability"),
+                            (lambda: mixbeam.Circle(diametr=3), "diameter"), (lambda: mixbeam.Membr, "Member"),
+                            (lambda: scene.members["rad"], "rod"), (lambda: run.displacment("tip"), "displacement"),
+                            (lambda: run.displacement("tp"), "tip"), (lambda: run.member("rad"), "rod"),
+                            (lambda: run.member("rod").moments(0), "moment"), (lambda: run.plot("shap"), "shape"),
+                            (lambda: mixbeam.batch(scene, {"point_loads/weigth/force[2]": [1.0]}), "weight")):
+            with self.assertRaisesRegex(mixbeam.InputError, f"did you mean .{near}"):
+                wrong()
+
+    def test_messages_are_those_of_the_program(self):
+        scene = cantilever()
+        scene.members["rod"].section = "stel"
+        scene.write("bad.xml")
+        said = program("run", "bad.xml", folder=self.folder)
+        self.assertEqual(said.returncode, 2)
+        with self.assertRaises(mixbeam.InputError) as raised:
+            mixbeam.run("bad.xml")
+        self.assertEqual(said.stderr.strip(), f"mixbeam: bad input: {raised.exception}")
+
+
+class Bits(InFolder):
+    def test_runs_have_the_bits_of_the_program(self):
+        for file in SOURCES.glob("apps/gallery/*.xml"):
+            if file.stem not in ("elastica", "lees_frame", "follower_cantilever", "portal_frame", "twisted_blade"):
+                continue
+            scene = mixbeam.read(file)
+            case = (scene.load_cases or [None])[0]
+            words = [] if case is None else ["--case", case]
+            self.assertEqual(program("run", str(file), "--output", "out", "--quiet", *words, folder=self.folder).returncode, 0)
+            stored = mixbeam.open(f"out/{file.stem}{'' if case is None else '-' + case}.h5")
+            run = mixbeam.run(scene, case)
+            self.assertTrue(run.passed, file)
+            self.assertTrue(np.array_equal(run.load_factors, stored.load_factors), file)
+            for step in range(len(run)):
+                self.assertTrue(same_state(run.state(step), stored.state(step)), (file, step))
+            self.assertFalse(same_state(run.state(-1), run.state(0)))
+
+    def test_a_scene_made_here_has_the_bits_of_its_file(self):
+        cantilever().write("cantilever.xml")
+        self.assertEqual(program("run", "cantilever.xml", "--output", ".", "--quiet", folder=self.folder).returncode, 0)
+        run, stored = mixbeam.run(cantilever()), mixbeam.open("cantilever.h5")
+        self.assertTrue(same_state(run.state(), stored.state()))
+        self.assertFalse(same_state(run.state(), mixbeam.run(cantilever(-10.000000001)).state()))
+        for ask in (lambda r: r.displacement("tip"), lambda r: r.member("rod").moment([0.0, 333.3, 1000.0]),
+                    lambda r: r.reaction_moment("wall"), lambda r: r.strain_energy(), lambda r: r.spatial_force("rod@250")):
+            self.assertTrue(np.array_equal(ask(run), ask(stored)))
+
+    def test_a_file_written_afterwards_holds_what_the_program_writes(self):
+        import h5py
+        scene = loaded_frame()
+        scene.quantities["at corner"] = dict(quantity="displacement", point="corner")
+        scene.write("frame.xml")
+        self.assertEqual(program("run", "frame.xml", "--output", ".", "--quiet", folder=self.folder).returncode, 0)
+        run = mixbeam.run(mixbeam.read("frame.xml"))
+        run.write("afterwards.h5")
+        with h5py.File("frame.h5") as one, h5py.File("afterwards.h5") as other:
+            names, others = [], []
+            one.visit(names.append)
+            other.visit(others.append)
+            self.assertEqual(names, others)
+            for name in names:
+                if isinstance(one[name], h5py.Dataset) and name != "scene":
+                    self.assertEqual(one[name][()].tobytes(), other[name][()].tobytes(), name)
+        self.assertEqual(len(run.critical_points), len(mixbeam.open("afterwards.h5").critical_points))
+        self.assertTrue(np.array_equal(run.critical_points[0].mode, mixbeam.open("frame.h5").critical_points[0].mode))
+
+    def test_a_run_that_was_stopped_goes_on_with_the_same_bits(self):
+        scene = loaded_frame()
+        whole = mixbeam.run(scene)
+        part = mixbeam.run(scene, output="part.h5", on_step=lambda run: len(run) == 3)
+        self.assertTrue(part.interrupted)
+        self.assertLess(len(part), len(whole))
+        resumed = mixbeam.resume("part.h5")
+        self.assertFalse(resumed.interrupted)
+        self.assertTrue(np.array_equal(resumed.load_factors, whole.load_factors))
+        self.assertTrue(same_state(resumed.state(), whole.state()))
+
+    def test_a_batch_has_the_bits_of_the_program(self):
+        import h5py
+        scene = mixbeam.read(SOURCES / "apps/batch/elastica_sweep.xml")
+        done = program("batch", str(SOURCES / "apps/batch/elastica_sweep.xml"), "--output", ".", "--quiet", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with h5py.File("elastica_sweep-batch.h5") as file:
+            theirs = {name: column[()] for name, column in file["columns" if "columns" in file else "/"].items()
+                      if column.shape and column.dtype == float}
+        inputs = {name: theirs[name] for name in theirs if "/" in name or name.startswith("Expected")}
+        parameters = {name: values for name, values in inputs.items()}
+        ours = mixbeam.batch(scene, parameters, output=scene.batch.output)
+        compared = [name for name in theirs if name in ours.dtype.names and name not in ("stable", "converged", "iterations")]
+        self.assertGreater(len(compared), 3)
+        for name in compared:
+            self.assertTrue(np.array_equal(theirs[name], ours[name]), name)
+
+    def test_a_scene_with_an_accuracy_is_opened_on_the_mesh_that_was_chosen(self):
+        scene = cantilever()
+        scene.members["rod"].elements = None
+        scene.accuracy = 1e-8
+        run = mixbeam.run(scene, output="accurate.h5")
+        self.assertGreater(run.member("rod").elements * run.member("rod").order, 2)
+        self.assertTrue(same_state(mixbeam.run(scene).state(), run.state()))
+
+
+class Runs(InFolder):
+    def test_no_convergence_is_an_exception_with_the_path_so_far(self):
+        scene = cantilever(-1e9)
+        scene.solver.load_path.maximum_steps = 1
+        with self.assertRaises(mixbeam.ConvergenceError) as raised:
+            mixbeam.run(scene)
+        self.assertGreaterEqual(len(raised.exception.run), 1)
+        self.assertEqual(os.listdir(), [])
+
+    def test_an_exception_of_the_callback_ends_the_run(self):
+        def fail(run):
+            raise KeyError("mine")
+
+        with self.assertRaisesRegex(KeyError, "mine"):
+            mixbeam.run(cantilever(), on_step=fail)
+
+    def test_a_callback_may_solve_another_scene(self):
+        inner = []
+        run = mixbeam.run(cantilever(), on_step=lambda run: inner.append(deflection(-1.0)))
+        self.assertEqual(len(inner), len(run))
+        self.assertTrue(same_state(run.state(), mixbeam.run(cantilever()).state()))
+
+    def test_control_c_stops_a_run(self):
+        said = in_python("""
+            import os, signal, sys, threading, time
+            sys.argv = ["python_test.py", sys.argv[1], sys.argv[2]]
+            sys.path.insert(0, sys.argv[3] if len(sys.argv) > 3 else %r)
+            import python_test
+            threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+            start = time.monotonic()
+            try:
+                python_test.large_run()
+                print("not stopped")
+            except KeyboardInterrupt:
+                print("stopped" if time.monotonic() - start < 20.0 else "late")
+            print(python_test.deflection(-10.0) < 0.0)
+            """ % str(Path(__file__).parent), PROGRAM, PACKAGES)
+        self.assertEqual(said.split(), ["stopped", "True"])
+
+    def test_other_threads_go_on_and_may_drop_runs(self):
+        want, found, steps = deflection(-10.0), [], 0
+
+        def work():
+            for _ in range(10):
+                found.append(deflection(-10.0))
+                gc.collect()
+
+        threads = [threading.Thread(target=work) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        while any(thread.is_alive() for thread in threads):
+            steps += 1
+            time.sleep(0.001)
+        self.assertEqual(found, [want] * 30)
+        self.assertGreater(steps, 10)
+
+    def test_quantities_of_a_scene_by_name(self):
+        scene = cantilever()
+        scene.quantities["drop"] = dict(quantity="displacement", point="tip", component="z")
+        scene.quantities["most"] = dict(quantity="material moment", member="rod", component="norm", take="largest")
+        run = mixbeam.run(scene)
+        values = run.quantities()
+        self.assertEqual(values["drop"], run.displacement("tip")[2])
+        self.assertEqual(values["most"].arc_length, 0.0)
+        self.assertEqual(run.quantities(step=None)["drop"].shape, (len(run),))
+
+
+class Guest(InFolder):
+    def test_the_host_stays_as_it_was(self):
+        said = in_python("""
+            import os, sys, ctypes
+            import mixbeam.scene
+            def handled():
+                return [line for line in open("/proc/self/status") if line.startswith(("SigCgt", "SigIgn", "SigBlk"))]
+            def environment():
+                return open("/proc/self/environ").read(), subprocess.run(["env"], env=None, capture_output=True).stdout
+            import subprocess
+            libc = ctypes.CDLL(None)
+            env = ctypes.POINTER(ctypes.c_char_p).in_dll(libc, "environ")
+            def variables():
+                found, i = [], 0
+                while env[i]:
+                    found.append(env[i]); i += 1
+                return sorted(found)
+            before = handled(), variables(), os.listdir("/dev/shm"), os.listdir()
+            exec(open(sys.argv[1]).read().split("def cantilever")[1].join(["def cantilever", ""]).split("def deflection")[0])
+            run = mixbeam.run(cantilever())
+            assert run.passed
+            print(before == (handled(), variables(), os.listdir("/dev/shm"), os.listdir()))
+            """, __file__)
+        self.assertEqual(said, "True")  # and nothing else was printed
+
+    def test_h5py_before_and_after(self):
+        for order in ("h5py, mixbeam", "mixbeam, h5py"):
+            said = in_python(f"""
+                import {order}
+                import sys
+                sys.argv[0] = "python_test.py"
+                sys.path.insert(0, {str(Path(__file__).parent)!r})
+                import python_test
+                with h5py.File("before.h5", "w") as file: file["x"] = [1.0, 2.0]
+                run = mixbeam.run(python_test.cantilever(), output="run.h5")
+                with h5py.File("before.h5") as file: assert file["x"][1] == 2.0
+                with h5py.File("run.h5") as file: assert len(file["steps"]) == len(run)
+                print(h5py.version.hdf5_version != "", len(mixbeam.open("run.h5")) == len(run))
+                """, PROGRAM, PACKAGES)
+            self.assertEqual(said, "True True")
+
+    def test_processes_after_a_run_work(self):
+        want = [deflection(-force) for force in (1.0, 2.0, 3.0)]
+        for method in ("fork", "spawn", "forkserver"):
+            with multiprocessing.get_context(method).Pool(2) as pool:
+                found = pool.map_async(deflection, (-1.0, -2.0, -3.0)).get(SECONDS)
+            self.assertEqual(found, want, method)
+
+    def test_a_child_works_on_one_thread_where_the_parent_had_several(self):
+        scene = cantilever(elements=3000)
+        scene.solver.threads = 2
+        want = mixbeam.run(scene).displacement("tip")
+        with multiprocessing.get_context("fork").Pool(1) as pool:
+            found = pool.map_async(_solved, [scene]).get(SECONDS)[0]
+        self.assertTrue(np.array_equal(found, want))
+
+    def test_a_fork_while_a_thread_is_in_a_run_raises_in_the_child(self):
+        inside, leave = threading.Event(), threading.Event()
+
+        def hold(run):
+            inside.set()
+            leave.wait(SECONDS)
+
+        thread = threading.Thread(target=lambda: mixbeam.run(cantilever(), on_step=hold))
+        thread.start()
+        inside.wait(SECONDS)
+        child = os.fork()
+        if child == 0:
+            signal.alarm(SECONDS)
+            try:
+                deflection(-1.0)
+                os._exit(1)
+            except RuntimeError:
+                os._exit(7)
+        leave.set()
+        thread.join()
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 7)
+        self.assertLess(deflection(-1.0), 0.0)
+
+    def test_an_environment_without_network(self):
+        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", "own"], check=True)
+        python = "own/bin/python"
+        subprocess.run([python, "-m", "mixbeam.install"], check=True, capture_output=True)
+        clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+        said = subprocess.run([python, "-c", "import mixbeam; print(mixbeam.__file__, mixbeam.Scene().analysis.stresses)"],
+                              env=clean, capture_output=True, text=True)
+        self.assertIn(str(self.folder / "own"), said.stdout, said.stderr)
+        self.assertIn("auto", said.stdout)
+
+
+class Pictures(InFolder):
+    def test_pictures_leave_matplotlib_as_it_was(self):
+        import matplotlib
+        before, modules = dict(matplotlib.rcParams), set(sys.modules)
+        run = mixbeam.run(loaded_frame())
+        for kind in ("shape", "section_forces", "load_path", "critical_modes", "iterations"):
+            picture = run.plot(kind)
+            picture.save(f"{kind}.png")
+            self.assertGreater(Path(f"{kind}.png").stat().st_size, 5000)
+        self.assertTrue(picture._repr_png_().startswith(b"\x89PNG"))
+        changed = {key for key, value in matplotlib.rcParams.items() if value != before[key]} - {"backend"}
+        self.assertEqual(changed, set())
+        self.assertEqual({"style", "view", "results", "fields"} & (set(sys.modules) - modules), set())
+
+    def test_options_are_those_of_the_program(self):
+        run = mixbeam.run(cantilever())
+        figure = run.plot("shape", view="xz", field="axial").figure
+        self.assertTrue(figure.axes)
+        with self.assertRaises(mixbeam.InputError):
+            run.plot("shape", field="axal")
+        with self.assertRaises(mixbeam.InputError):
+            run.plot("curve", curve=("load_factor", "tp.z"))
+
+
+class Page(InFolder):
+    def test_the_examples_of_the_page(self):
+        os.symlink(SOURCES / "apps", "apps")
+        page = (SOURCES / "apps/docs/python.md").read_text()
+        blocks = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+        self.assertEqual(len(blocks), 10)
+        names = {}
+        for number, block in enumerate(blocks, 1):
+            self.assertEqual(failures(block, names), 0, f"example {number}")
+        self.assertEqual(failures(">>> run.passed\nFalse\n", names), 1)
+
+
+def failures(text, names):
+    """Of the examples of a text, which share their names with those before."""
+    test = doctest.DocTestParser().get_doctest(text, {}, "python.md", "python.md", 0)
+    test.globs = names
+    return doctest.DocTestRunner(optionflags=doctest.IGNORE_EXCEPTION_DETAIL).run(test, clear_globs=False).failed
+
+
+def _solved(scene):
+    return mixbeam.run(scene).displacement("tip")
+
+
+if __name__ == "__main__":
+    unittest.main()
