@@ -18,7 +18,8 @@ Function* found(const char* name) {
 /// What OpenBLAS takes for processors that it does not know, and what serves them better.
 const char* better_kernels(const std::string& chosen) {
   if (chosen != "Prescott" && chosen != "Unknown") return nullptr;
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+      __builtin_cpu_supports("avx512vl"))
     return "SkylakeX";
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? "Haswell" : nullptr;
 }

@@ -6,9 +6,11 @@
 #include "tests/support/solve.hpp"
 #include "tests/support/worst_error.hpp"
 
+#include <dlfcn.h>
 #include <Teuchos_LAPACK.hpp>
 
 #include <atomic>
+#include <cstdlib>
 #include <limits>
 #include <thread>
 
@@ -181,6 +183,15 @@ TEST(LinearSolver, MatrixThatIsNotANumberIsReported) {
         },
         LinearSolverError);
   }
+}
+
+// Also where the processor is newer than OpenBLAS.
+TEST(Blas, UsesTheVectorsOfTheProcessor) {
+  const auto name = reinterpret_cast<const char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
+  if (name == nullptr || std::getenv("OPENBLAS_CORETYPE") != nullptr) GTEST_SKIP() << "another BLAS, or chosen by hand";
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "a processor without them";
+  set_up_blas();
+  EXPECT_STRNE(name(), "Prescott");
 }
 
 /// Large enough for LAPACK to work in rooms that BLAS hands out: without turns a few calls in a hundred are wrong.
