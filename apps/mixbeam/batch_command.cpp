@@ -87,6 +87,8 @@ class BatchRun {
   }
   /// Compares cases with the expected values that the table has for them.
   void check_expected();
+  /// Holds quantities of each case against their limits.
+  void check_limits();
   std::size_t failed() const;
   std::size_t cases() const { return batch_.size(); }
   bool interrupted() const { return interrupted_; }
@@ -166,9 +168,20 @@ void BatchRun::check_expected() {
       if (std::isnan(wanted.value) || !result.converged) continue;
       const std::string name = wanted.name + ", " + batch_.name_of_case(i);
       if (wanted.kind == ToleranceKind::absolute)
-        app_.summary.check_absolute(name, result.values[place], wanted.value, wanted.tolerance, wanted.source);
+        app_.summary.check_absolute(name, result.values.written[place], wanted.value, wanted.tolerance, wanted.source);
       else
-        app_.summary.check_relative(name, result.values[place], wanted.value, wanted.tolerance, wanted.source);
+        app_.summary.check_relative(name, result.values.written[place], wanted.value, wanted.tolerance, wanted.source);
+    }
+  }
+}
+
+void BatchRun::check_limits() {
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    const std::vector<double>& values = solver_.results()[i].values.limited;
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      const CaseQuantities::Limit& limit = quantities_.limits()[j];
+      app_.summary.check_upper_bound(batch_.name_of_case(i) + ": size of " + limit.name, std::abs(values[j]),
+                                     limit.largest_size, "limit of the scene");
     }
   }
 }
@@ -262,6 +275,7 @@ int batch_command(const Arguments& arguments) {
     finish_in_order();  // the table is written as a whole
     run.write(app.output / name);
     run.check_expected();
+    run.check_limits();
     return conclude(app, line, run);
   });
 }

@@ -14,7 +14,16 @@ std::filesystem::path with_ending(std::filesystem::path stem, const std::string&
 
 /// Of a quantity in a case; none (nan) where there is no state.
 double value_of(const CaseResult& result, std::size_t quantity) {
-  return result.values.empty() ? std::numeric_limits<double>::quiet_NaN() : result.values[quantity];
+  return result.values.written.empty() ? std::numeric_limits<double>::quiet_NaN() : result.values.written[quantity];
+}
+
+/// "sag; drift": the quantities that are beyond their limits.
+std::string beyond_limits(const CaseResult& result, const CaseQuantities& quantities) {
+  std::string names;
+  for (std::size_t i = 0; i < result.values.limited.size(); ++i)
+    if (!quantities.limits()[i].is_kept(result.values.limited[i]))
+      names += (names.empty() ? "" : "; ") + quantities.limits()[i].name;
+  return names;
 }
 
 /// A column holds numbers: 1 for true, 0 for false, 0.5 for neutral, nan for unknown.
@@ -30,6 +39,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
   for (const BatchColumn& column : batch.columns) names.push_back(column.parameter);
   names.insert(names.end(), quantities.names().begin(), quantities.names().end());
   for (const char* name : {"iterations", "residual", "converged", "stable", "cause"}) names.emplace_back(name);
+  if (!quantities.limits().empty()) names.emplace_back("beyond limits");
   CsvTable table(file, names, Appears::when_closed);
   std::vector<CsvCell> cells;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -43,6 +53,7 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
     cells.emplace_back(result.converged ? "yes" : "no");
     cells.emplace_back(result.stable);
     cells.emplace_back(result.cause);
+    if (!quantities.limits().empty()) cells.emplace_back(beyond_limits(result, quantities));
     table.add_row(cells);
   }
   table.close();
@@ -66,6 +77,8 @@ void write_columns(const std::filesystem::path& file, const Batch& batch, const 
   add("residual", [&](std::size_t i) { return results[i].residual; });
   add("converged", [&](std::size_t i) { return results[i].converged ? 1.0 : 0.0; });
   add("stable", [&](std::size_t i) { return number_of(results[i].stable); });
+  if (!quantities.limits().empty())
+    add("within limits", [&](std::size_t i) { return beyond_limits(results[i], quantities).empty() ? 1.0 : 0.0; });
   std::string causes;
   for (std::size_t i = 0; i < results.size(); ++i)
     if (!results[i].cause.empty()) causes += batch.name_of_case(i) + ": " + results[i].cause + "\n";

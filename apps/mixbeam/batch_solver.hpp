@@ -24,7 +24,7 @@ struct CaseResult {
   bool solved = false;  ///< tried at all; false after an interruption
   bool converged = false;
   bool alone = false;              ///< solved on its own
-  std::vector<double> values{};    ///< in the order of CaseQuantities::names(); empty where Newton's method failed
+  CaseValues values{};             ///< empty where Newton's method failed
   int iterations = 0;              ///< of the Newton iteration that it was part of
   double residual = 0.0;           ///< over its own scales
   std::string cause{};             ///< why it did not converge

@@ -8,13 +8,28 @@
 
 namespace mixbeam {
 
+namespace {
+
+constexpr std::size_t kNotAsked = ~std::size_t{0};
+
+}  // namespace
+
 CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const std::string& load_case) {
+  const std::vector<QuantitySet::Column>& asked = app.quantities.columns();
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    if (!asked[i].limit) continue;
+    limits_.push_back({asked[i].name, *asked[i].limit});
+    limit_columns_.push_back(i);
+  }
+  if (!limits_.empty()) asked_ = app.quantities;
   if (output == BatchOutput::expected) take_expected(app, load_case);
   if (output == BatchOutput::followed) take_followed(app);
-  if (output == BatchOutput::quantities) quantities_ = app.quantities;
-  if (output == BatchOutput::quantities && quantities_.empty())
+  if (output != BatchOutput::quantities) return;
+  if (asked.empty())
     throw app.xml.source.error({"Batch", "Output"}, "value \"quantities\", but the list \"Quantities\" holds nothing");
-  names_ = quantities_.names();
+  asked_ = app.quantities;
+  names_ = asked_.names();
+  for (std::size_t i = 0; i < names_.size(); ++i) asked_columns_.push_back(i);
 }
 
 /// Motion and reactions of the points that the monitor of a run follows.
@@ -32,6 +47,8 @@ void CaseQuantities::take_followed(const Application& app) {
       std::replace(one.name.begin() + static_cast<std::ptrdiff_t>(point.size()), one.name.end(), ' ', '_');
     }
   quantities_ = QuantitySet(followed, app.scene, {app.xml.source, {}});
+  names_ = quantities_.names();
+  asked_columns_.assign(names_.size(), kNotAsked);
 }
 
 void CaseQuantities::take_expected(const Application& app, const std::string& load_case) {
@@ -43,23 +60,24 @@ void CaseQuantities::take_expected(const Application& app, const std::string& lo
       throw app.xml.source.error({"Expected", value.name, own_place},
                                  "a batch evaluates the ends of paths; allowed with \"Output\" = \"expected\" in "
                                  "\"Batch\": no value, or that of the end");
-    if (value.is_asked)
-      throw app.xml.source.error(
-          {"Expected", value.name, "Quantity"},
-          "value \"" + value.quantity +
-              "\" of the list \"Quantities\"; allowed in a batch with \"Output\" = \"expected\": "
-              "quantities of points, sections and energies (\"Output\" = \"quantities\" writes "
-              "those of the list)");
     expected_.push_back(value);
-    common.push_back(quantity_of(value));
+    names_.push_back(value.name);
+    asked_columns_.push_back(kNotAsked);
+    if (!value.is_asked) {
+      common.push_back(quantity_of(value));
+      continue;
+    }
+    asked_ = app.quantities;
+    const std::vector<std::string> asked = asked_.names();
+    asked_columns_.back() =
+        static_cast<std::size_t>(std::find(asked.begin(), asked.end(), value.quantity) - asked.begin());
   }
-  if (common.empty())
+  if (expected_.empty())
     throw app.xml.source.error({"Batch", "Output"}, "value \"expected\", but the list \"Expected\" holds nothing");
   quantities_ = QuantitySet(common, app.scene, {app.xml.source, {"Expected"}});
-  names_ = quantities_.names();
 }
 
-std::vector<double> CaseQuantities::of(const SolvedCases& solved, int part) const {
+CaseValues CaseQuantities::of(const SolvedCases& solved, int part) const {
   const Simulation& simulation = solved.simulation;
   const auto i = static_cast<std::size_t>(part);
   QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(),
@@ -67,7 +85,13 @@ std::vector<double> CaseQuantities::of(const SolvedCases& solved, int part) cons
   at.first_member = solved.first_member[i];
   at.first_support = solved.first_support[i];
   if (solved.merged) at.prefix_of_points = MergedScene::name_in_part(part, "");
-  return quantities_.values(at);
+  const std::vector<double> own = quantities_.values(at), asked = asked_.values(at);
+  CaseValues values;
+  auto next = own.begin();
+  for (const std::size_t column : asked_columns_)
+    values.written.push_back(column == kNotAsked ? *next++ : asked[column]);
+  for (const std::size_t column : limit_columns_) values.limited.push_back(asked[column]);
+  return values;
 }
 
 }  // namespace mixbeam

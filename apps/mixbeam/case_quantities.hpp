@@ -4,6 +4,8 @@
 #include "apps/common/run/application.hpp"
 #include "apps/mixbeam/batch_parameters.hpp"
 
+#include <cmath>
+
 namespace mixbeam {
 
 /// A simulation of cases side by side (merged_scene.hpp), or of one alone, where its solution stands.
@@ -16,6 +18,12 @@ struct SolvedCases {
   std::vector<int> first_member{};           ///< of each case
 };
 
+/// Numbers of one case at the end of its path.
+struct CaseValues {
+  std::vector<double> written{};  ///< in the order of CaseQuantities::names()
+  std::vector<double> limited{};  ///< in the order of CaseQuantities::limits()
+};
+
 class CaseQuantities {
  public:
   /// Throws InputError for expected values that do not belong to the end of the path.
@@ -23,7 +31,14 @@ class CaseQuantities {
 
   /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
-  std::vector<double> of(const SolvedCases& solved, int part) const;
+  CaseValues of(const SolvedCases& solved, int part) const;
+  /// Numbers of the list "Quantities" that have a limit, whatever is written.
+  struct Limit {
+    std::string name;
+    double largest_size;
+    bool is_kept(double value) const { return std::abs(value) <= largest_size; }  // false for NaN
+  };
+  const std::vector<Limit>& limits() const { return limits_; }
   /// The expected values behind the names; empty when other quantities are written.
   const std::vector<ExpectedValue>& expected() const { return expected_; }
 
@@ -33,6 +48,10 @@ class CaseQuantities {
 
   std::vector<std::string> names_;
   QuantitySet quantities_;
+  QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
+  std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_
+  std::vector<std::size_t> limit_columns_;  ///< of each limit, in asked_
+  std::vector<Limit> limits_;
   std::vector<ExpectedValue> expected_;
 };
 

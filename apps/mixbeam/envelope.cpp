@@ -2,6 +2,7 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/text_of.hpp"
 
+#include <map>
 #include <ostream>
 #include <set>
 
@@ -9,36 +10,43 @@ namespace mixbeam {
 
 namespace {
 
-struct Extremes {
-  const FollowedQuantity *largest = nullptr, *smallest = nullptr;
-};
+/// In the order of the scene; empty where fewer than two runs have quantities.
+std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& quantities) {
+  std::vector<QuantityEnvelope> envelope;
+  std::map<std::string, std::size_t> index;
+  std::set<std::string> runs;
+  for (const FollowedQuantity& quantity : quantities) {
+    runs.insert(quantity.run);
+    const auto [found, is_new] = index.emplace(quantity.name, envelope.size());
+    if (is_new) envelope.push_back({quantity.name, quantity.value, quantity.run, quantity.value, quantity.run});
+    QuantityEnvelope& one = envelope[found->second];
+    if (quantity.value > one.largest) {
+      one.largest = quantity.value;
+      one.largest_in = quantity.run;
+    }
+    if (quantity.value < one.smallest) {
+      one.smallest = quantity.value;
+      one.smallest_in = quantity.run;
+    }
+  }
+  if (runs.size() < 2) envelope.clear();
+  return envelope;
+}
 
 }  // namespace
 
-void write_envelope(const Application& app, const std::filesystem::path& file) {
-  std::vector<std::string> names;  // in the order of the scene
-  std::map<std::string, Extremes> envelope;
-  std::set<std::string> runs;
-  for (const FollowedQuantity& quantity : app.summary.quantities) {
-    runs.insert(quantity.run);
-    Extremes& extremes = envelope[quantity.name];
-    if (extremes.largest == nullptr) {
-      names.push_back(quantity.name);
-      extremes = {&quantity, &quantity};
-    }
-    if (quantity.value > extremes.largest->value) extremes.largest = &quantity;
-    if (quantity.value < extremes.smallest->value) extremes.smallest = &quantity;
-  }
-  if (runs.size() < 2 || !app.writes_files()) return;
+void write_envelope(Application& app, const std::filesystem::path& file) {
+  app.summary.envelope = envelope_of(app.summary.quantities);
+  if (app.summary.envelope.empty() || !app.writes_files()) return;
   CsvTable table(file, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
   app.out() << text_of("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
   constexpr std::size_t kMostPrinted = 100;  // the file has them all
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const FollowedQuantity &high = *envelope[names[i]].largest, &low = *envelope[names[i]].smallest;
-    table.add_row({names[i], high.value, high.run, low.value, low.run});
-    if (i < kMostPrinted)
-      app.out() << text_of("%-30.60s %18.10g %-20.40s %18.10g %.40s\n", names[i].c_str(), high.value, high.run.c_str(),
-                           low.value, low.run.c_str());
+  std::size_t printed = 0;
+  for (const QuantityEnvelope& one : app.summary.envelope) {
+    table.add_row({one.name, one.largest, one.largest_in, one.smallest, one.smallest_in});
+    if (++printed <= kMostPrinted)
+      app.out() << text_of("%-30.60s %18.10g %-20.40s %18.10g %.40s\n", one.name.c_str(), one.largest,
+                           one.largest_in.c_str(), one.smallest, one.smallest_in.c_str());
   }
   table.close();
   app.out() << "envelope: " << file.string() << "\n";

@@ -29,8 +29,9 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
                                      const std::string& load_case);
 
 /// Largest and smallest values of the quantities in the summary at the ends of several runs: one row for each quantity
-/// in a CSV file, and a table on the terminal. Nothing where fewer than two runs have any. Throws as CsvTable.
-void write_envelope(const Application& app, const std::filesystem::path& file);
+/// in a CSV file, a table on the terminal, and in the summary. Nothing where fewer than two runs have any. Throws as
+/// CsvTable.
+void write_envelope(Application& app, const std::filesystem::path& file);
 
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
 int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases);

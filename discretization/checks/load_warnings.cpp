@@ -125,6 +125,20 @@ void warn_of_small(const ForceSurvey& found, const StiffnessRange& stiffness, Wa
                            ", so that nothing moves visibly; usually units of the load, of E or of the section");
 }
 
+/// Gravity passes over members of which no mass is known.
+void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
+  std::vector<std::string> names;
+  for (const Member& member : survey.scene.members) {
+    const bool has_taper = !member.end_section.empty();
+    if (survey.section_of(member).mass == 0.0 || (has_taper && survey.sections.at(member.end_section)->mass == 0.0))
+      names.push_back(member.name);
+  }
+  if (names.empty()) return;
+  list.add("scenes", "Gravity: no weight of " + std::to_string(names.size()) + " of " +
+                         std::to_string(survey.scene.members.size()) + " members: " + quoted_list(names) +
+                         "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
+}
+
 }  // namespace
 
 void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
@@ -137,6 +151,7 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   if (found.forces.empty() && !is_moved)
     list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
   if (!is_moved) warn_of_small(found, stiffness, list);
+  if (scene.has_gravity) warn_of_weightless(survey, list);
 }
 
 }  // namespace mixbeam

@@ -10,15 +10,6 @@ namespace {
 
 constexpr char kSeparator = '\x1f';  // cannot occur in XML 1.0, so joined names stay distinct
 
-std::string key(const ParameterPath& path) {
-  std::size_t size = path.size();
-  for (const std::string& name : path) size += name.size();
-  std::string joined;
-  joined.reserve(size);
-  for (const std::string& name : path) (joined += name) += kSeparator;
-  return joined;
-}
-
 }  // namespace
 
 std::string to_string(const ParameterPath& path) {
@@ -45,6 +36,8 @@ void ParameterSource::record(const ParameterPath& path, int line, int column) {
                    " and again in line " + std::to_string(line));
 }
 
+void ParameterSource::record(const ParameterPath& path, const std::string& where) { elsewhere_[key(path)] = where; }
+
 ParameterSource::Position ParameterSource::position(const ParameterPath& path) const {
   const auto found = positions_.find(key(path));
   return found == positions_.end() ? Position{} : found->second;
@@ -60,6 +53,7 @@ std::string ParameterSource::text_of(const Position& position) const {
 std::string ParameterSource::where(const ParameterPath& path) const {
   if (file_.empty()) return "(parameters set by the program)";
   for (ParameterPath enclosing = path;; enclosing.pop_back()) {
+    if (const auto other = elsewhere_.find(key(enclosing)); other != elsewhere_.end()) return other->second;
     if (const Position found = position(enclosing); found.line > 0) return text_of(found);
     if (enclosing.empty()) return file_;
   }

@@ -38,6 +38,8 @@ class ParameterSource {
   /// Remembers the place of an entry. Throws InputError if there was one of this path before: names in a list differ.
   /// `column`: 0 where it says nothing.
   void record(const ParameterPath& path, int line, int column = 0);
+  /// Of what comes from another file: `where` as messages say it, "loads.csv:12".
+  void record(const ParameterPath& path, const std::string& where);
 
   /// Texts of the files that the input names, by that name: readers take them instead of what is on the disk now.
   const std::map<std::string, std::string>& files() const { return files_; }
@@ -62,6 +64,7 @@ class ParameterSource {
     int line = 0, column = 0;
   };
   std::unordered_map<std::string, Position> positions_;
+  std::unordered_map<std::string, std::string> elsewhere_;
 
   Position position(const ParameterPath& path) const;
   std::string text_of(const Position& position) const;

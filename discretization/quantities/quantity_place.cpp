@@ -11,8 +11,6 @@ namespace mixbeam {
 
 namespace {
 
-constexpr double kRoundingOfLength = 1e-9;  ///< share of a member by which a written arc length may exceed it
-
 int index_of(const Scene& scene, const Member* member) { return static_cast<int>(member - scene.members.data()); }
 
 }  // namespace
@@ -98,6 +96,7 @@ std::vector<QuantityPlace> QuantityPlaces::along_members(const std::string& text
       throw place.error("value \"" + excerpt(text) + "\" is beyond the end of \"" + member.name +
                         "\"; allowed: up to " + shortest(length) + (is_share ? "%" : ""));
     found.push_back({member.name + text.substr(sign), "", index, std::min(1.0, number / length)});
+    if (!is_share) found.back().arc_length = number;
   }
   return found;
 }

@@ -4,17 +4,21 @@
 #include "discretization/parameters/input_place.hpp"
 #include "discretization/scene/names.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
+inline constexpr double kRoundingOfLength = 1e-9;  ///< share of a member by which a written arc length may exceed it
+
 /// A point, or a place along a member.
 struct QuantityPlace {
-  std::string label{};    ///< as the user would write it: "tip", "rod@50%"
-  std::string point{};    ///< name; empty: a place along a member
-  int member = -1;        ///< in the scene
-  double position = 0.0;  ///< arc length over length of the member
+  std::string label{};                 ///< as the user would write it: "tip", "rod@50%"
+  std::string point{};                 ///< name; empty: a place along a member
+  int member = -1;                     ///< in the scene
+  double position = 0.0;               ///< arc length over length of the member
+  std::optional<double> arc_length{};  ///< what was asked for in place of that share [length]
 };
 
 class QuantityPlaces {

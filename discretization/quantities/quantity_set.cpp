@@ -19,6 +19,12 @@ namespace {
 
 using vector_algebra::to_array;
 
+Numbers not_there() {
+  Numbers numbers;
+  numbers.fill(std::numeric_limits<double>::quiet_NaN());
+  return numbers;
+}
+
 bool is_better(Take take, double value, double than) {
   if (take == Take::largest) return value > than;
   if (take == Take::smallest) return value < than;
@@ -98,8 +104,9 @@ void QuantitySet::require_stresses(const Scene& scene, const InputPlace& place, 
   if (one.members.empty() && one.places.empty())
     throw place.error("no member there has a section of known shape" +
                       std::string(one.asked.kind == "utilisation" ? " and strength" : "") + ", so no " +
-                      one.asked.kind + "; allowed: sections given by \"Shape\" and \"Material\"" +
-                      (one.asked.kind == "utilisation" ? " with \"Strength\"" : ""));
+                      one.asked.kind +
+                      "; allowed: sections given by \"Shape\" and \"Material\", or with \"Stress Points\"" +
+                      (one.asked.kind == "utilisation" ? ", and \"Strength\"" : ""));
 }
 
 /// Finds the places and members that a quantity names.
@@ -170,7 +177,13 @@ void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const
 Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const QuantityState& at) const {
   if (place.point.empty()) {
     const int member = at.first_member + place.member;
-    const PointSample sample = sample_member(at.model, at.state, member, place.position, asked.before_vertex);
+    double position = place.position;
+    if (place.arc_length) {  // cases of a batch may have other lengths
+      position = *place.arc_length / at.model.mesh().members[member].curve.length;
+      if (position > 1.0 + kRoundingOfLength) return not_there();
+      position = std::min(1.0, position);
+    }
+    const PointSample sample = sample_member(at.model, at.state, member, position, asked.before_vertex);
     if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};
     if (field != nullptr) return numbers_from(field(sample, at.model.mesh().members[member]));
     return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
@@ -270,6 +283,7 @@ MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
 }
 
 std::vector<double> QuantitySet::values(const QuantityState& state) const {
+  if (empty()) return {};
   QuantityState at = state;
   at.stresses = std::make_shared<StressLookup>(at.model.scene(), at.model.mesh());
   std::vector<ExtremeRequest> requests;

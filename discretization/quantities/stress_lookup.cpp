@@ -24,16 +24,17 @@ bool has_stress(const Scene& scene, const Member& member, const std::string& kin
   for (const std::string& name : {member.section, member.end_section}) {
     if (name.empty()) continue;
     const Section& section = section_named(scene, name);
-    if (!section.shape || (kind == "utilisation" && !section.shape->strength)) return false;
+    const bool is_known = member.end_section.empty() ? has_stresses(section) : section.shape.has_value();
+    if (!is_known || (kind == "utilisation" && !strength_of(section))) return false;
   }
   return true;
 }
 
 StressLookup::Known StressLookup::known_of(const Section& section) {
   Known known;
-  if (!section.shape) return known;
-  known.stresses.emplace(*section.shape);
-  known.strength = section.shape->strength.value_or(0.0);
+  if (!has_stresses(section)) return known;
+  known.stresses.emplace(section);
+  known.strength = strength_of(section).value_or(0.0);
   return known;
 }
 

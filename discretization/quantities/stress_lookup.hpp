@@ -17,7 +17,8 @@ namespace mixbeam {
 /// (von Mises stress over Strength).
 bool is_stress(const std::string& kind);
 
-/// Whether a member has such a quantity: its section has a shape, and a strength where that counts.
+/// Whether a member has such a quantity: stresses of its section are known (of a taper: by shapes), and a strength
+/// where that counts.
 bool has_stress(const Scene& scene, const Member& member, const std::string& kind);
 
 /// Makes what sections need when they are first asked for. Scene and mesh must outlive it; not for concurrent threads.

@@ -1,8 +1,10 @@
 /// The list "Imperfection": a stress-free geometry that differs from the one that was drawn.
 
+#include "discretization/geometry/point_grid.hpp"
 #include "discretization/geometry/reference_curve.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/parameters/access.hpp"
+#include "discretization/reading/import.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/scene/names.hpp"
@@ -10,6 +12,7 @@
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 
@@ -21,6 +24,9 @@ using namespace vector_algebra;
 
 /// A direction nearer to the member than this has no part across it. [1]
 constexpr double kAcross = 1e-6;
+
+/// Of the size of the structure: tables of what was measured give coordinates with six digits.
+constexpr double kSamePoint = 1e-6;
 
 struct Bow {
   std::string member{};
@@ -64,13 +70,14 @@ std::string in_formula(double number) { return "(" + shortest(number) + ")"; }
 class Imperfection {
  public:
   Imperfection(const Teuchos::ParameterList& list, const InputPlace& place, Scene& scene)
-      : list_(list), place_(place), scene_(scene) {
+      : list_(list), place_(place), scene_(scene), names_(scene) {
     for (std::size_t i = 0; i < scene.points.size(); ++i) point_index_[scene.points[i].name] = i;
   }
 
   void apply() {
     if (list_.isSublist("Sway")) lean(sway_parameters().read(list_.sublist("Sway")));
     if (list_.isSublist("Points")) shift(list_.sublist("Points"));
+    if (list_.isParameter("Points File")) shift_by_table();
     for (const std::string& name : names_in("Bows"))
       bend(bow_parameters().read(list_.sublist("Bows").sublist(name)), place_["Bows"][name]);
     for (const std::string& name : names_in("Modes"))
@@ -99,23 +106,60 @@ class Imperfection {
       point.position = sum(point.position, scaled(sway.ratio * (dot(point.position, up) - lowest), along));
   }
 
+  using Refused = std::function<InputError(const std::string& problem)>;
+
   void shift(const Teuchos::ParameterList& points) {
     for (const std::string& name : names_of(points)) {
       const InputPlace place = place_["Points"][name];
-      if (point_index_.count(name) == 0) {
-        std::vector<std::string> known;
-        for (const Point& point : scene_.points) known.push_back(point.name);
-        throw unknown_name(place_["Points"][name], "point", name, known);
-      }
-      for (const Member& member : scene_.members) {
-        if (member.start_point == name || member.end_point == name) require_line(member, place, "a point that moves");
-        for (const InnerPoint& inner : member.inner_points)
-          if (inner.point == name || member.start_point == name || member.end_point == name)
-            throw place.error("member \"" + excerpt(member.name) +
-                              "\" has inner points, which would leave it; allowed: ends of members without");
-      }
-      position(name) = sum(position(name), get_vector(points, name));
+      if (point_index_.count(name) == 0) throw unknown_name(place, "point", name, names_.point_names());
+      shift(name, get_vector(points, name), [&](const std::string& problem) { return place.error(problem); });
     }
+  }
+
+  void shift(const std::string& name, const Vector3& offset, const Refused& refused) {
+    if (const auto* members = names_.members_at(name))
+      for (const Member* member : *members) {
+        if (member->curve.shape != CurveShape::line)
+          throw refused("member \"" + excerpt(member->name) +
+                        "\" is curved; allowed for a point that moves: straight " +
+                        "members (\"Modes\" bend curved ones too)");
+        if (!member->inner_points.empty())
+          throw refused("member \"" + excerpt(member->name) +
+                        "\" has inner points, which would leave it; allowed: ends of members without");
+      }
+    position(name) = sum(position(name), offset);
+  }
+
+  void shift_by_table() {
+    const ImportTable table = offsets_table(list_, place_);
+    Box box;
+    for (const Point& point : scene_.points) box.enclose(point.position);
+    const double tolerance = std::max(kSamePoint * box.diagonal(), kShortestLength);
+    const std::vector<Point> drawn = scene_.points;
+    const PointGrid grid(drawn, 4.0 * tolerance);
+    table.for_each([&](const CsvRecord& record) {
+      std::string name = table.cell(record, "name");
+      const std::string column = name.empty() ? "x" : "name";
+      if (!name.empty() && point_index_.count(name) == 0)
+        throw table.error(
+            record, column,
+            "value \"" + excerpt(name) + "\" is not a point of the scene" + did_you_mean(name, names_.point_names()));
+      if (name.empty()) {
+        const Vector3 there = imported_vector(table, record, {"x", "y", "z"});
+        double nearest = tolerance;
+        grid.around(there, tolerance, [&](std::size_t i) {
+          const double distance = norm(difference(drawn[i].position, there));
+          if (distance <= nearest) name = drawn[i].name;
+          nearest = std::min(nearest, distance);
+        });
+        if (name.empty())
+          throw table.error(record, column,
+                            "no point of the scene lies at " + to_text(there) + "; allowed: within " +
+                                shortest(tolerance) + " of one, or its \"name\"");
+      }
+      shift(name, imported_vector(table, record, {"dx", "dy", "dz"}),
+            [&](const std::string& problem) { return table.error(record, column, problem); });
+    });
   }
 
   void bend(const Bow& bow, const InputPlace& place) {
@@ -161,6 +205,7 @@ class Imperfection {
   const Teuchos::ParameterList& list_;
   const InputPlace& place_;
   Scene& scene_;
+  const SceneNames names_;
   std::map<std::string, std::size_t> point_index_;
 };
 
@@ -177,6 +222,9 @@ ListSpec imperfection_spec() {
                 ListSpec("Points that are not where they were drawn; straight members go with them.")
                     .with_named_parameters("point", bounded_vector("").required().means("Offset [length].")),
                 Presence::optional);
+  spec.add(text("Points File"),
+           "Table (CSV) of such points, relative to the folder of the scene; its first line names the columns: dx, dy, "
+           "dz of the offset, and name, or x, y, z of the point as it was drawn.");
   spec.add_list("Modes",
                 ListSpec("Modes of linear buckling, added to each other; they bend members of every shape.")
                     .with_named_lists("mode", mode_parameters().spec),

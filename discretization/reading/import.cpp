@@ -1,6 +1,7 @@
 #include "discretization/reading/import.hpp"
 
 #include "discretization/parameters/validate.hpp"
+#include "discretization/reading/read_scene.hpp"
 #include "discretization/reading/scene_parts.hpp"
 #include "discretization/scene/limits.hpp"
 #include "discretization/text/message_text.hpp"
@@ -17,6 +18,18 @@ namespace {
 
 const std::string kNameColumn = "name";
 const std::string kPointsFile = "Points File", kMembersFile = "Members File";
+
+/// Lists of the scene whose entries a table may give: the name of the list is that of the parameter without " File".
+const std::vector<std::string> kImportedLists = {"Sections",    "Supports",          "Joints",
+                                                 "Point Loads", "Distributed Loads", "Eigenstrains"};
+
+/// All files that a scene names: list, parameter.
+std::vector<std::pair<std::string, std::string>> file_parameters() {
+  std::vector<std::pair<std::string, std::string>> all = {
+      {"Import", kPointsFile}, {"Import", kMembersFile}, {"Imperfection", kPointsFile}};
+  for (const std::string& list : kImportedLists) all.emplace_back("Import", list + " File");
+  return all;
+}
 
 std::filesystem::path beside_scene(const std::string& name, const ParameterSource& source) {
   return std::filesystem::path(source.file()).parent_path() / name;
@@ -84,6 +97,11 @@ ListSpec import_spec() {
       "then stand in any order.");
   spec.add(text(kPointsFile), "Table of points: name, x, y, z; relative to the folder of the scene.");
   spec.add(text(kMembersFile), meaning_of_members_file());
+  for (const std::string& list : kImportedLists)
+    spec.add(text(list + " File"), "Table of entries of the list " + list +
+                                       ": name, and any of the parameters of an entry, which the first line names" +
+                                       (list == "Sections" ? ", those of Material among them." : ".") +
+                                       " Cells say what XML says there, {0, 0, -1} with commas in double quotes.");
   for (const BoundParameter<Member>& parameter : member_parameters().parameters) {
     if (parameter.column_default.empty()) continue;
     spec.add(parameter.spec.means(parameter.column_default));
@@ -96,8 +114,12 @@ ImportTable::ImportTable(CsvFile file, std::vector<std::string> columns, std::si
   for (std::size_t i = 0; i < columns_.size(); ++i) place_[columns_[i]] = i;
   bool first = true;
   file_.for_each([&](const CsvRecord& record) {
-    const bool names = first && std::any_of(record.cells.begin(), record.cells.end(),
-                                            [](const std::string& cell) { return lower_case(cell) == kNameColumn; });
+    const auto is_column = [this](const std::string& cell) {
+      return std::find(columns_.begin(), columns_.end(), lower_case(cell)) != columns_.end();
+    };
+    const auto is_name = [](const std::string& cell) { return lower_case(cell) == kNameColumn; };
+    const bool names = first && (std::any_of(record.cells.begin(), record.cells.end(), is_name) ||
+                                 std::all_of(record.cells.begin(), record.cells.end(), is_column));
     first = false;
     if (names) read_names(record);
   });
@@ -155,6 +177,11 @@ InputError ImportTable::error(const CsvRecord& record, const std::string& column
   return file_.error(record, place(column), problem);
 }
 
+std::string ImportTable::where(const CsvRecord& record, const std::string& column) const {
+  const std::string text = file_.error(record, place(column), "").what();
+  return text.substr(0, text.rfind(": "));
+}
+
 InputError ImportTable::error(int line, const std::string& column, const std::string& problem) const {
   return error(file_.record_at(line), column, problem);
 }
@@ -162,15 +189,76 @@ InputError ImportTable::error(int line, const std::string& column, const std::st
 std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
                                                        const ParameterSource& source, const ParameterPath& path) {
   std::map<std::string, std::string> texts;
-  if (!scene_list.isSublist("Import")) return texts;
-  const Teuchos::ParameterList& list = scene_list.sublist("Import");
-  for (const std::string& parameter : {kPointsFile, kMembersFile}) {
-    if (!list.isParameter(parameter)) continue;
-    const auto& name = list.get<std::string>(parameter);
+  for (const auto& [list, parameter] : file_parameters()) {
+    if (!scene_list.isSublist(list) || !scene_list.sublist(list).isType<std::string>(parameter)) continue;
+    const auto& name = scene_list.sublist(list).get<std::string>(parameter);
     if (texts.count(name) == 0)
-      texts[name] = text_of_file(resolved(list, parameter, InputPlace(source, path)["Import"]), "a table");
+      texts[name] =
+          text_of_file(resolved(scene_list.sublist(list), parameter, InputPlace(source, path)[list]), "a table");
   }
   return texts;
+}
+
+namespace {
+
+/// Parameters of an entry and of the lists inside it, by column.
+struct EntryColumn {
+  std::string list{};  ///< inside the entry; empty: the entry itself
+  ParameterSpec spec;
+};
+
+std::map<std::string, EntryColumn> entry_columns(const ListSpec& entry) {
+  std::map<std::string, EntryColumn> columns;
+  for (const ParameterSpec& parameter : entry.parameters)
+    columns.emplace(lower_case(parameter.name), EntryColumn{"", parameter});
+  for (const SublistSpec& inside : entry.sublists)
+    for (const ParameterSpec& parameter : inside.list->parameters)
+      columns.emplace(lower_case(parameter.name), EntryColumn{inside.name, parameter});
+  return columns;
+}
+
+/// Adds an entry to `list` for each record.
+void add_entries(const ImportTable& table, const std::map<std::string, EntryColumn>& columns, const ParameterPath& path,
+                 Teuchos::ParameterList& list, ParameterSource& source) {
+  table.for_each([&](const CsvRecord& record) {
+    const std::string name = imported_name(table, record);
+    if (list.isParameter(name))
+      throw table.error(
+          record, kNameColumn,
+          "value \"" + excerpt(name) + "\" is in the list \"" + path.back() + "\" already; allowed: names that differ");
+    Teuchos::ParameterList& entry = list.sublist(name);
+    const ParameterPath place = child(path, name);
+    source.record(place, table.where(record, kNameColumn));
+    for (const auto& [column, target] : columns) {
+      if (table.cell(record, column).empty()) continue;
+      ParameterPath inside = place;
+      if (!target.list.empty()) inside.push_back(target.list);
+      Teuchos::ParameterList& holder = target.list.empty() ? entry : entry.sublist(target.list);
+      set_value(holder, target.spec.name, cell_value(table, record, target.spec));
+      source.record(child(inside, target.spec.name), table.where(record, column));
+    }
+  });
+}
+
+}  // namespace
+
+void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path) {
+  if (!scene_list.isSublist("Import")) return;
+  const Teuchos::ParameterList& import = scene_list.sublist("Import");
+  const ListSpec scene = scene_spec();
+  for (const std::string& name : kImportedLists) {
+    const bool is_taken = scene_list.isParameter(name) && !scene_list.isSublist(name);  // validate() says so
+    if (!import.isType<std::string>(name + " File") || is_taken) continue;
+    const std::map<std::string, EntryColumn> columns = entry_columns(*scene.find_list(name)->list->named_list);
+    std::vector<std::string> names = {kNameColumn};
+    for (const auto& [column, target] : columns) names.push_back(column);
+    const ImportTable table(table_of(import, name + " File", InputPlace(source, path)["Import"]), names, 1);
+    add_entries(table, columns, child(path, name), scene_list.sublist(name), source);
+  }
+}
+
+ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place) {
+  return {table_of(list, kPointsFile, place), {"dx", "dy", "dz", "name", "x", "y", "z"}, 3};
 }
 
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place) {
@@ -185,15 +273,19 @@ ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& 
   return {table_of(list, kMembersFile, place), columns, required};
 }
 
+Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns) {
+  Vector3 vector{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const ParameterSpec component = real(columns[i]).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
+    if (table.cell(record, columns[i]).empty())
+      throw table.error(record, columns[i], "missing \"" + columns[i] + "\"; allowed: a number");
+    vector[i] = std::get<double>(cell_value(table, record, component));
+  }
+  return vector;
+}
+
 Point imported_point(const ImportTable& table, const CsvRecord& record) {
-  const auto coordinate = [](const char* name) {
-    return real(name).at_least(-kLargestCoordinate).at_most(kLargestCoordinate);
-  };
-  static const std::array<ParameterSpec, 3> coordinates = {coordinate("x"), coordinate("y"), coordinate("z")};
-  Point point;
-  point.name = imported_name(table, record);
-  for (std::size_t i = 0; i < 3; ++i) point.position[i] = std::get<double>(cell_value(table, record, coordinates[i]));
-  return point;
+  return {imported_name(table, record), imported_vector(table, record, {"x", "y", "z"})};
 }
 
 Member imported_member(const ImportTable& table, const CsvRecord& record, const Teuchos::ParameterList& list) {

@@ -1,4 +1,4 @@
-/// Points and members of a scene from two tables.
+/// Points, members and entries of other lists of a scene from tables.
 #pragma once
 
 #include "discretization/parameters/input_place.hpp"
@@ -30,6 +30,8 @@ class ImportTable {
 
   /// Text of a column of the record, empty if the record has no such cell.
   const std::string& cell(const CsvRecord& record, const std::string& column) const;
+  /// `loads.csv:12:7`: the cell of this column.
+  std::string where(const CsvRecord& record, const std::string& column) const;
   /// Throws InputError at the cell of this column.
   InputError error(const CsvRecord& record, const std::string& column, const std::string& problem) const;
   /// The same for the record in that line.
@@ -46,17 +48,25 @@ class ImportTable {
   bool has_names_ = false;
 };
 
-/// Texts of the tables that the list "Import" of the validated list of a scene names, by these names: what a result
-/// file keeps, so that resuming needs no other file. `path`: where the scene stands below the root of `source`. Throws
-/// InputError when a file cannot be read.
+/// Texts of the tables that the list of a scene names, by these names: what a result file keeps, so that resuming needs
+/// no other file. `path`: where the scene stands below the root of `source`. Throws InputError when a file cannot be
+/// read.
 std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterList& scene_list,
                                                        const ParameterSource& source,
                                                        const ParameterPath& path = {"Scene"});
 
-/// The table that a parameter of the list "Import" names: a text that the source has under this name, otherwise a file
-/// relative to the folder of the scene file.
+/// Adds entries to the lists "Sections", "Supports", "Joints", "Point Loads", ... of a scene that is not validated yet:
+/// one for each line of the tables that its list "Import" names. `source` then tells their places. Throws InputError.
+void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path = {"Scene"});
+
+/// The table that a parameter of the list "Import" (of offsets: "Imperfection") names: a text that the source has under
+/// this name, otherwise a file relative to the folder of the scene file.
 ImportTable points_table(const Teuchos::ParameterList& list, const InputPlace& place);
 ImportTable members_table(const Teuchos::ParameterList& list, const InputPlace& place);
+ImportTable offsets_table(const Teuchos::ParameterList& list, const InputPlace& place);
+
+/// Three cells of a record as a vector.
+Vector3 imported_vector(const ImportTable& table, const CsvRecord& record, const std::array<std::string, 3>& columns);
 
 /// One record as a point, or as a member with the defaults of the list "Import".
 Point imported_point(const ImportTable& table, const CsvRecord& record);

@@ -18,6 +18,7 @@ struct Pattern {
   int count = 2;  // mirror: the original and its image
   Vector3 vector{}, center{}, axis{}, point{}, normal{};
   std::optional<double> angle{};
+  bool copies_all = false;  ///< supports, joints, loads and eigenstrains go with the members
 };
 
 /// Parameters of one pattern.

@@ -46,7 +46,7 @@ class PatternScene {
     }
   }
 
-  void apply(const Pattern& pattern, const InputPlace& place) {
+  CopiedPattern apply(const Pattern& pattern, const InputPlace& place) {
     Work work{place};
     select_members(pattern.members, work);
     check_size(work, pattern.count - 1);
@@ -57,10 +57,14 @@ class PatternScene {
     number_originals(work);
     if (!copies.front().is_shift()) find_second_axes(work);
     work.image.assign(scene_.points.size(), kNoPoint);
+    CopiedPattern made;
     for (std::size_t i = 0; i < copies.size(); ++i) {
+      const std::size_t before = scene_.members.size();
       copy_points(copies[i], static_cast<int>(i) + 1, grid, work);
       copy_members(copies[i], static_cast<int>(i) + 1, work);
+      if (pattern.copies_all) made.push_back(names_of_copy(copies[i], before, work));
     }
+    return made;
   }
 
  private:
@@ -72,6 +76,7 @@ class PatternScene {
     std::vector<std::size_t> members{}, points{};  ///< what is copied
     std::vector<Vector3> second_axes{};            ///< of the members, as far as copies must keep them
     std::vector<std::size_t> image{};              ///< point of the scene -> its copy
+    std::vector<std::size_t> made_of{};            ///< the original of each member that the last copy made
     double tolerance = 0.0;                        ///< [length]
   };
 
@@ -197,8 +202,18 @@ class PatternScene {
     }
   }
 
-  void copy_members(const Isometry& motion, int number, const Work& work) {
+  PatternCopy names_of_copy(const Isometry& motion, std::size_t members_before, const Work& work) const {
+    PatternCopy made{motion};
+    for (const std::size_t point : work.points)
+      made.points.emplace(scene_.points[point].name, scene_.points[work.image[point]].name);
+    for (std::size_t i = 0; i < work.made_of.size(); ++i)
+      made.members.emplace(scene_.members[work.made_of[i]].name, scene_.members[members_before + i].name);
+    return made;
+  }
+
+  void copy_members(const Isometry& motion, int number, Work& work) {
     const std::size_t before = scene_.members.size();
+    work.made_of.clear();
     for (std::size_t i = 0; i < work.members.size(); ++i) {
       const std::size_t m = work.members[i];
       Member copy = copy_of(motion, m, work.second_axes.empty() ? Vector3{} : work.second_axes[i], work);
@@ -220,6 +235,7 @@ class PatternScene {
       ends_.push_back(ends);
       member_label_.push_back(std::move(label));
       scene_.members.push_back(std::move(copy));
+      work.made_of.push_back(m);
     }
   }
 
@@ -286,17 +302,20 @@ class PatternScene {
 
 }  // namespace
 
-void apply_patterns(const ParameterList& patterns, const InputPlace& place, Scene& scene) {
+std::vector<CopiedPattern> apply_patterns(const ParameterList& patterns, const InputPlace& place, Scene& scene) {
   const std::vector<std::string> names = names_of(patterns);
-  if (names.empty()) return;
+  std::vector<CopiedPattern> copies;
+  if (names.empty()) return copies;
   PatternScene work(scene);
   for (const std::string& name : names) {
     try {
-      work.apply(pattern_parameters().read(patterns.sublist(name)), place[name]);
+      CopiedPattern made = work.apply(pattern_parameters().read(patterns.sublist(name)), place[name]);
+      if (!made.empty()) copies.push_back(std::move(made));
     } catch (const std::invalid_argument& problem) {
       throw place[name].error(std::string("a copy cannot be made: ") + problem.what());
     }
   }
+  return copies;
 }
 
 }  // namespace mixbeam

@@ -2,6 +2,7 @@
 /// `place`. All of these throw InputError.
 #pragma once
 
+#include "discretization/geometry/isometry.hpp"
 #include "discretization/geometry/placement.hpp"
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/input_place.hpp"
@@ -11,6 +12,7 @@
 
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace mixbeam {
@@ -37,6 +39,14 @@ CurveDraft read_curve(const Teuchos::ParameterList& list, const InputPlace& plac
 /// Parameters of one member. A further property of members is a field of Member, a line there, and its use.
 const BoundList<Member>& member_parameters();
 
+/// A copy that a pattern makes: names of points and members and of their images. Members are those that were made; a
+/// point may be there already.
+struct PatternCopy {
+  Isometry motion;
+  std::unordered_map<std::string, std::string> points{}, members{};
+};
+using CopiedPattern = std::vector<PatternCopy>;
+
 /// Declaration of the list "Patterns": copies of members and their points, so that lattices are short to write.
 ListSpec patterns_spec();
 /// Applies patterns in their order to a scene whose members are complete and checked; a later pattern acts on the
@@ -46,7 +56,9 @@ ListSpec patterns_spec();
 /// coincides (to 1e-9 of the size of the structure) with a point that was there before this copy is that point, and a
 /// member of a copy that coincides with a member that was there is not added again. Two such members must agree in
 /// section, order and elements, and in the direction of axis 2 up to sign where the section has one.
-void apply_patterns(const Teuchos::ParameterList& patterns, const InputPlace& place, Scene& scene);
+/// Returns the copies of those patterns that take along what acts.
+std::vector<CopiedPattern> apply_patterns(const Teuchos::ParameterList& patterns, const InputPlace& place,
+                                          Scene& scene);
 
 /// Declaration of the list "Imperfection".
 ListSpec imperfection_spec();
@@ -55,7 +67,9 @@ void apply_imperfection(const Teuchos::ParameterList& list, const InputPlace& pl
 
 /// Declares the lists "Supports", "Joints", "Point Loads", ... inside the list "Scene": what acts on the structure.
 void add_condition_lists(ListSpec& scene_spec);
-/// Reads those lists into a scene that has all its points and members. `place`: of the list "Scene".
-void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene);
+/// Reads those lists into a scene that has all its points and members, and lets them go with `copies`. `place`: of the
+/// list "Scene".
+void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
+                     const std::vector<CopiedPattern>& copies);
 
 }  // namespace mixbeam

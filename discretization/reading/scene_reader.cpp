@@ -67,10 +67,11 @@ Scene SceneReader::read() {
   place_members();
   share_out_elements();
   check_members();
-  if (list_.isSublist("Patterns")) apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
+  std::vector<CopiedPattern> copies;
+  if (list_.isSublist("Patterns")) copies = apply_patterns(list_.sublist("Patterns"), place_["Patterns"], scene_);
   if (list_.isSublist("Imperfection"))
     apply_imperfection(list_.sublist("Imperfection"), place_["Imperfection"], scene_);
-  read_conditions(list_, place_, scene_);
+  read_conditions(list_, place_, scene_, copies);
   check_points_are_used();
   return std::move(scene_);
 }

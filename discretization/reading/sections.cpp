@@ -2,11 +2,13 @@
 
 #include "discretization/parameters/access.hpp"
 #include "discretization/parameters/binding.hpp"
+#include "discretization/scene/limits.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -29,6 +31,7 @@ struct SectionDraft {
   std::optional<double> youngs_modulus{}, poisson_ratio{};
   std::vector<double> matrix{};
   std::optional<double> mass{};
+  std::optional<StressPoints> stress_points{};
   bool inextensible = false, shear_rigid = false;
   double largest_strain = Section{}.largest_strain;
 
@@ -52,6 +55,26 @@ BoundList<SectionDraft> material_parameters() {
       [](auto& d) -> auto& { return d.shape.density; }, real("Density").at_least(0.0),
       "Mass per volume, for the list Gravity.");
   return material;
+}
+
+BoundList<StressPoints> stress_points_parameters() {
+  BoundList<StressPoints> stress(
+      "Of a section given by stiffnesses: where its stresses are asked for. Normal stress N / A + M2 x3 / I2 - M3 x2 / "
+      "I3 with I = EI / E; shear stress of the torque alone.");
+  stress.bind(&StressPoints::youngs_modulus, real("E").above(0.0).required(), "Young's modulus [force / length^2].");
+  stress.bind(&StressPoints::area, real("Area").above(0.0), "Area A [length^2]; EA / E if absent.");
+  stress.bind(&StressPoints::torsion_modulus, real("Torsion Modulus").above(0.0),
+              "The torque over it is the shear stress at every point [length^3]; absent: the torque makes none.");
+  stress.bind(&StressPoints::strength, real("Strength").above(0.0),
+              "Von Mises stress that the material bears [force / length^2]; the report then states the utilisation.");
+  stress.bind_named(&StressPoints::points, "Points", "The points; at least one.", "point",
+                    array("", ParameterType::real_array, 2)
+                        .at_least(-kLargestCoordinate)
+                        .at_most(kLargestCoordinate)
+                        .required()
+                        .means("Place along axes 2 and 3, from the centroid [length]."),
+                    &StressPoints::Place::name, &StressPoints::Place::at);
+  return stress;
 }
 
 void bind_stiffnesses(BoundList<SectionDraft>& section) {
@@ -115,6 +138,7 @@ BoundList<SectionDraft> section_parameters() {
   section.bind(&SectionDraft::mass, real("Mass").at_least(0.0),
                "Mass per length of a section given by stiffnesses or Matrix, for the list Gravity (Density of Material "
                "of one given by Shape).");
+  section.bind_list(&SectionDraft::stress_points, "Stress Points", stress_points_parameters(), Presence::optional);
   section.bind(&SectionDraft::inextensible, boolean("Inextensible").by_default(),
                "True: no axial strain; EA must then not be given, and its row of Matrix does not count.");
   section.bind(&SectionDraft::shear_rigid, boolean("Shear Rigid").by_default(),
@@ -142,6 +166,7 @@ class SectionReader {
                                                     : section_from_stiffnesses();
     section.largest_strain = draft_.largest_strain;
     if (draft_.mass) section.mass = *draft_.mass;
+    if (draft_.stress_points) section.stress_points = checked_stress_points();
     return section;
   }
 
@@ -163,6 +188,17 @@ class SectionReader {
          {"Diameter", "Wall", "Width", "Height", "Flange", "Web", "Shear Correction", "Material"})
       if (!shape && is_given(list_, name))
         throw error(name, "given beside " + owner + "; allowed: with \"Shape\" only");
+  }
+
+  StressPoints checked_stress_points() const {
+    const InputPlace place = place_["Stress Points"];
+    if (list_.isParameter("Shape") || list_.isParameter("Matrix"))
+      throw place.error("given beside \"" + std::string(list_.isParameter("Shape") ? "Shape" : "Matrix") +
+                        "\"; allowed: beside stiffness values");
+    if (draft_.stress_points->points.empty()) throw place["Points"].error("no point; allowed: at least one");
+    if (!draft_.stress_points->area && !std::isfinite(stiffness(0)))
+      throw place["Area"].error("missing; needed where \"Inextensible\" is true, or EA is inf");
+    return *draft_.stress_points;
   }
 
   double stiffness(std::size_t component) const {

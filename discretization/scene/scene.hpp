@@ -32,6 +32,19 @@ struct SectionShape {
   std::optional<double> strength{};                         ///< von Mises stress that the material bears
 };
 
+/// Points of a section given by stiffnesses at which its stresses are asked for, and what they need beside these.
+struct StressPoints {
+  double youngs_modulus = 0.0;
+  std::optional<double> area{};             ///< absent: EA / E
+  std::optional<double> torsion_modulus{};  ///< the torque over it is the shear stress; absent: the torque makes none
+  std::optional<double> strength{};         ///< von Mises stress that the material bears
+  struct Place {
+    std::string name{};
+    std::array<double, 2> at{};  ///< along axes 2 and 3, from the centroid
+  };
+  std::vector<Place> points{};
+};
+
 /// Linear elastic section; every stiffness is positive, and infinity means rigid in that component (compliance zero).
 struct Section {
   std::string name{};
@@ -46,6 +59,7 @@ struct Section {
   double mass = 0.0;  ///< per length, which Gravity acts on; 0: none is known
   /// The shape that the numbers above come from, if any; a taper between two sections of one kind interpolates it.
   std::optional<SectionShape> shape{};
+  std::optional<StressPoints> stress_points{};  ///< never beside a shape or a matrix
   /// Larger strains (force strains, and at the edge of the shape) are warned of: 5 % is where metals have long yielded
   /// and the law of rubber differs from a line by about a tenth.
   double largest_strain = 0.05;
@@ -226,6 +240,7 @@ struct Scene {
   std::vector<ModeImperfection> imperfection_modes{};  ///< see with_mode_shapes(): solving takes a scene without them
   std::string imperfection_case{};                     ///< whose loads make the structure buckle
   std::vector<Combination> combinations{};  ///< solved one by one too, each by itself; names differ from those of cases
+  bool has_gravity = false;                 ///< the weight of members with a mass is among the distributed loads
   /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
   /// chosen (accurate_run.hpp), and those here mean nothing.
   std::optional<double> accuracy{};

@@ -19,7 +19,7 @@ constexpr std::size_t kSamplesForThreads = 64;
 
 constexpr double kNoStress = std::numeric_limits<double>::quiet_NaN();
 
-/// Stresses of one section, none where it has no shape.
+/// Stresses of one section, as far as they are known.
 struct KnownSection {
   std::optional<SectionStresses> stresses{};
   std::optional<double> strength{};
@@ -27,10 +27,10 @@ struct KnownSection {
 
   KnownSection() = default;
   explicit KnownSection(const Section& section) {
-    if (!section.shape) return;
-    stresses.emplace(*section.shape);
-    strength = section.shape->strength;
-    open_walls = section.shape->kind == SectionShapeKind::i_section;
+    if (!has_stresses(section)) return;
+    stresses.emplace(section);
+    strength = strength_of(section);
+    open_walls = section.shape && section.shape->kind == SectionShapeKind::i_section;
   }
 };
 

@@ -2,7 +2,9 @@
 
 #include "discretization/stresses/stress_field.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
@@ -24,10 +26,55 @@ std::shared_ptr<const StressField> field_of(const SectionShape& shape) {
 /// Of largest magnitude: at the point farthest along the slope, or against it.
 LargestStress largest_normal(const StressField& field, const NormalStress& normal) {
   const SectionPoint p = field.farthest(normal.slope2, normal.slope3);
-  const SectionPoint opposite = {-p[0], -p[1]};  // shapes are symmetric
+  const SectionPoint opposite = field.farthest_against(normal.slope2, normal.slope3);
   const double tension = normal.at(p[0], p[1]), compression = normal.at(opposite[0], opposite[1]);
   if (-compression > tension * (1.0 + kEqualStresses)) return {compression, opposite};
   return {tension, p};
+}
+
+/// A section of which only some points are known.
+class PointStressField final : public StressField {
+ public:
+  explicit PointStressField(const Section& section)
+      : StressField(geometry_of(section)), points_(section.stress_points->points) {
+    if (section.stress_points->torsion_modulus) shear_of_torque_ = 1.0 / *section.stress_points->torsion_modulus;
+  }
+
+  std::array<double, 2> shear(const ShearLoad& load, double /*x2*/, double /*x3*/) const override {
+    return {std::abs(load.torque) * shear_of_torque_, 0.0};
+  }
+  bool contains(double x2, double x3) const override {
+    return std::any_of(points_.begin(), points_.end(), [&](const auto& p) { return p.at == SectionPoint{x2, x3}; });
+  }
+  SectionPoint farthest(double direction2, double direction3) const override {
+    const auto distance = [&](const StressPoints::Place& p) { return direction2 * p.at[0] + direction3 * p.at[1]; };
+    const auto nearer = [&](const auto& a, const auto& b) { return distance(a) < distance(b); };
+    return std::max_element(points_.begin(), points_.end(), nearer)->at;
+  }
+  SectionPoint farthest_against(double direction2, double direction3) const override {
+    return farthest(-direction2, -direction3);
+  }
+  LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const override {
+    const LargestStress largest = largest_normal(*this, normal);
+    return {PointStress{largest.value, shear(load, 0.0, 0.0)}.von_mises(), largest.point};
+  }
+
+ private:
+  static SectionGeometry geometry_of(const Section& section) {
+    const double modulus = section.stress_points->youngs_modulus;
+    SectionGeometry geometry;
+    geometry.area = section.stress_points->area.value_or(section.axial_stiffness / modulus);
+    geometry.second_moment = {section.bending_stiffness[0] / modulus, section.bending_stiffness[1] / modulus};
+    return geometry;
+  }
+
+  std::vector<StressPoints::Place> points_;
+  double shear_of_torque_ = 0.0;
+};
+
+std::shared_ptr<const StressField> field_of(const Section& section) {
+  if (section.shape) return field_of(*section.shape);
+  return std::make_shared<PointStressField>(section);
 }
 
 }  // namespace
@@ -43,7 +90,18 @@ NormalStress StressField::normal(const SectionForces& f) const {
   return {f.force[0] / g.area, -f.moment[2] / g.second_moment[1], f.moment[1] / g.second_moment[0]};
 }
 
-SectionStresses::SectionStresses(const SectionShape& shape) : field_(field_of(shape)) {
+bool has_stresses(const Section& section) { return section.shape || section.stress_points; }
+
+std::optional<double> strength_of(const Section& section) {
+  if (section.shape) return section.shape->strength;
+  return section.stress_points ? section.stress_points->strength : std::nullopt;
+}
+
+SectionStresses::SectionStresses(const SectionShape& shape) : SectionStresses(field_of(shape)) {}
+
+SectionStresses::SectionStresses(const Section& section) : SectionStresses(field_of(section)) {}
+
+SectionStresses::SectionStresses(std::shared_ptr<const StressField> field) : field_(std::move(field)) {
   const std::array<ShearLoad, 3> units = {ShearLoad{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
   for (std::size_t i = 0; i < units.size(); ++i) unit_shear_[i] = field_->largest_von_mises({}, units[i]);
 }
@@ -85,8 +143,8 @@ LargestStresses SectionStresses::largest(const SectionForces& forces) const {
 }
 
 double SectionStresses::largest_edge_strain(double axial, double bending2, double bending3) const {
-  const SectionPoint p = field_->farthest(-bending3, bending2);
-  return std::abs(axial) + std::abs(bending2 * p[1] - bending3 * p[0]);
+  const auto strain = [&](const SectionPoint& p) { return std::abs(axial + (bending2 * p[1] - bending3 * p[0])); };
+  return std::max(strain(field_->farthest(-bending3, bending2)), strain(field_->farthest_against(-bending3, bending2)));
 }
 
 double SectionStresses::curvature_error(double kappa2, double kappa3) const {

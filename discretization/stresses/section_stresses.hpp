@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 namespace mixbeam {
 
@@ -41,6 +42,12 @@ struct LargestStresses {
 
 class StressField;
 
+/// Whether the stresses of a section are known: from its shape, or at its stress points.
+bool has_stresses(const Section& section);
+
+/// What its material bears, where that is known.
+std::optional<double> strength_of(const Section& section);
+
 /// Stresses of one section. The fields, with Poisson's ratio n of the material and shear modulus E / (2 (1 + n)):
 ///
 /// All shapes: sigma = N / A + M2 x3 / I2 - M3 x2 / I3; shear stresses of T, Q2 and Q3 add with their signs.
@@ -50,6 +57,8 @@ class StressField;
 /// restraint; torsion of the I: +-T t / J on the faces of each wall, linear between them; of the box: Bredt's flow, and
 /// likewise linear through the walls with what they carry as open ones. In the corners of a box the shear stress of the
 /// wall's end is kept.
+/// Stress points: sigma as above with A = EA / E and I = EI / E at these points alone; tau = T / W_T at each of them;
+/// shear forces make none.
 ///
 /// Neglected: curvature of the member (Winkler and Bach), the stresses that a taper adds.
 class SectionStresses {
@@ -57,6 +66,8 @@ class SectionStresses {
   /// Takes what make_section takes; throws std::invalid_argument for other shapes. Costs some 50 microseconds for a
   /// rectangle (its series), a few for other shapes.
   explicit SectionStresses(const SectionShape& shape);
+  /// Of a section that has_stresses().
+  explicit SectionStresses(const Section& section);
 
   /// At a point of the section; one that does not belong to it gives numbers without meaning, see `contains`. Where
   /// flange and web of an I meet, the flange counts.
@@ -78,6 +89,7 @@ class SectionStresses {
   double curvature_error(double kappa2, double kappa3) const;
 
  private:
+  explicit SectionStresses(std::shared_ptr<const StressField> field);
   LargestStress largest_shear(const SectionForces& forces) const;
 
   std::shared_ptr<const StressField> field_;   ///< immutable, so copies share it

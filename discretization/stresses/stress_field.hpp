@@ -37,6 +37,11 @@ class StressField {
   virtual bool contains(double x2, double x3) const = 0;
   /// Point of the section that is farthest in a direction, from the centroid.
   virtual SectionPoint farthest(double direction2, double direction3) const = 0;
+  /// The one that is farthest against it; shapes are symmetric.
+  virtual SectionPoint farthest_against(double direction2, double direction3) const {
+    const SectionPoint p = farthest(direction2, direction3);
+    return {-p[0], -p[1]};
+  }
   /// Largest sqrt(sigma^2 + 3 tau^2) over the section; with sigma = 0 sqrt(3) times the largest shear stress.
   virtual LargestStress largest_von_mises(const NormalStress& normal, const ShearLoad& load) const = 0;
 
@@ -45,6 +50,7 @@ class StressField {
 
  protected:
   explicit StressField(const SectionShape& shape) : geometry_(section_geometry(shape)) {}
+  explicit StressField(const SectionGeometry& geometry) : geometry_(geometry) {}
 
  private:
   SectionGeometry geometry_;

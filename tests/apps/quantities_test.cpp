@@ -127,6 +127,65 @@ TEST_F(Quantities, AreColumnsOfABatch) {
   EXPECT_EQ(std::stod(row["M.member"]), 0.0);
 }
 
+/// The elastica under 5 and 10: its tip goes down by 0.7137 and 0.8106 (elliptic integrals).
+class QuantitiesOfABatch : public Quantities {
+ protected:
+  Ended batch(const std::string& output, const std::string& lists, std::string text = "") {
+    const std::string forces = entry("force", "Parameter=Point Loads/weight/Force[1];First=-5;Last=-10");
+    const std::string count = "<Parameter name=\"Count\" type=\"int\" value=\"2\"/></ParameterList>";
+    const std::string asked = "<Parameter name=\"Output\" type=\"string\" value=\"" + output + "\"/>";
+    const std::string all = in_list("Batch", asked + in_list("Vary", changed(forces, "</ParameterList>", count)));
+    if (text.empty()) text = elastica_with(lists);
+    const std::string scene = "<ParameterList name=\"Scene\">";
+    write_text(folder_ / "scene.xml", changed(text, scene, all + scene));
+    return run_process(program("mixbeam"), {"batch", "scene.xml", "--output", "many", "--summary", "sum.json"},
+                       folder_.path());
+  }
+};
+
+TEST_F(QuantitiesOfABatch, LimitsAreChecksOfEachCase) {
+  const auto limited = [](const std::string& limit) {
+    return in_list("Quantities", entry("sag", "Quantity=displacement;Point=tip;Component=y;Limit=" + limit));
+  };
+  for (const std::string output : {"quantities", "followed", "expected"}) {
+    const Ended beyond = batch(output, limited("0.8"));
+    EXPECT_EQ(beyond.exit_code, kCheckFailed) << beyond.err;
+    expect_in(beyond.out, {"case 2: size of sag", "1 of 2 checks passed, 1 FAILED"});
+    EXPECT_EQ(last_row(folder_ / "many/scene-batch.csv")["beyond limits"], "sag") << output;
+    EXPECT_EQ(batch(output, limited("0.9")).exit_code, kOk);
+    EXPECT_EQ(last_row(folder_ / "many/scene-batch.csv")["beyond limits"], "");
+  }
+}
+
+TEST_F(QuantitiesOfABatch, ExpectedValuesMayNameThem) {
+  const std::string check = entry("sag of each", "Quantity=sag.y;Value=-0.8106090249;Absolute Tolerance=1e-6;Source=x");
+  const Ended ended = batch("expected", "",
+                            changed(elastica_with(in_list("Quantities", kTip)), "<ParameterList name=\"Expected\">",
+                                    "<ParameterList name=\"Expected\">" + check));
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  auto row = last_row(folder_ / "many/scene-batch.csv");
+  EXPECT_NEAR(std::stod(row["sag of each"]), -0.8106090249, 1e-9);
+  EXPECT_EQ(row["sag of each"], row["tip moves down"]);  // the scene's own, of common quantities
+}
+
+TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M c / I at c = 0.02, as M above
+  const auto parameter = [](const std::string& name, const std::string& type, const std::string& value) {
+    return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+  };
+  const std::string places =
+      parameter("outer", "Array(double)", "{0.02, 0}") + parameter("inner", "Array(double)", "{-0.01, 0}");
+  const std::string points = in_list(
+      "Stress Points", parameter("E", "double", "50") + parameter("Area", "double", "1") + in_list("Points", places));
+  const std::string stress = entry("stress", "Quantity=normal stress;Member=*;Take=largest size");
+  std::string text = elastica_with(in_list("Quantities", stress + kMoment));
+  const std::size_t bending = text.find("<Parameter name=\"EI3\"");
+  const Ended ended = run(text.substr(0, bending) + points + text.substr(bending));
+  ASSERT_EQ(ended.exit_code, kOk) << ended.err << ended.out;
+  auto row = last_row(folder_ / "out/scene-monitor.csv");
+  EXPECT_NEAR(std::abs(std::stod(row["stress"])), std::abs(std::stod(row["M"])) * 0.02 * 50.0, 1e-9);
+  expect_in(ended.out, {"largest stress in"});
+}
+
 TEST_F(Quantities, NamesOfOtherSeriesAreRefused) {
   const Ended ended = run(
       elastica_with(in_list("Quantities", entry("tip.displacement", "Quantity=displacement;Point=tip;Component=x"))));

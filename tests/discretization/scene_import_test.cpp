@@ -186,5 +186,62 @@ TEST(CsvFile, RecordsKeepTheirPlaces) {
   EXPECT_TRUE(file.record_at(2).cells.empty());
 }
 
+/// Entries of other lists, as read_scene_file() adds them.
+class EntryImport : public SceneImport {
+ protected:
+  Scene scene_with(const std::string& import, const std::string& more = "") const {
+    const std::string points = numbers("A", "{0, 0, 0}") + numbers("B", "{1, 0, 0}");
+    XmlParameters xml = parse_xml(scene_text(points, member("m", "A", "B"), list("Import", import) + more),
+                                  (folder_ / "scene.xml").string());
+    import_entries(xml.list->sublist("Scene"), xml.source);
+    return described_by(xml);
+  }
+};
+
+TEST_F(EntryImport, ColumnsAreTheParametersOfEntries) {
+  write("loads.csv", "name,point,force,case\np 1,B,\"{0, 0, -10}\",\np 2,*,\"{1, 2, 3}\",snow\n");
+  write("supports.csv", "name;point;Fixed Rotation;rotation stiffness\nroller;B;{x};{0, 0, 5}\n");
+  write("sections.csv", "name,shape,diameter,e,nu,strength\nrod,circle,0.1,2e11,0.3,1e8\n");
+  write("lines.csv", "name,member,force\nweight,m,\"{0, 0, -1}\"\n");
+  write("joints.csv", "name,point,members,kind\n");
+  const Scene scene = scene_with(word("Point Loads File", "loads.csv") + word("Supports File", "supports.csv") +
+                                     word("Sections File", "sections.csv") + word("Joints File", "joints.csv") +
+                                     word("Distributed Loads File", "lines.csv"),
+                                 words("Load Cases", "{snow}"));
+  ASSERT_EQ(scene.point_loads.size(), 3U);
+  EXPECT_EQ(scene.point_loads[0].force, (Vector3{0, 0, -10}));
+  EXPECT_EQ(scene.point_loads[2].load_case, "snow");
+  ASSERT_EQ(scene.supports.size(), 2U);
+  EXPECT_EQ(scene.supports[1].rotation_stiffness, (Vector3{0, 0, 5}));
+  ASSERT_EQ(scene.sections.size(), 2U);
+  EXPECT_EQ(scene.sections[1].shape->strength, 1e8);
+  EXPECT_EQ(scene.distributed_loads.size(), 1U);
+  EXPECT_TRUE(scene.joints.empty());
+}
+
+TEST_F(EntryImport, ErrorsNameTheCell) {
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& parts) {
+    write("loads.csv", text);
+    expect_in(message_of([&] { scene_with(word("Point Loads File", "loads.csv")); }), parts);
+  };
+  refused("name,point,forse\np,B,1\n", {"loads.csv:1:", "\"forse\"", "did you mean \"force\"?"});
+  refused("name,point,force\np,B,\"{0, 0}\"\n", {"loads.csv:2:5", "force"});
+  refused("name,point,force\np,Bb,\"{0, 0, 1}\"\n", {"loads.csv:2:3", "Scene / Point Loads / p / Point", "\"Bb\""});
+  refused("name,point,force\np,B,\"{0, 0, 1}\"\np,B,\"{0, 0, 1}\"\n", {"loads.csv:3:1", "already"});
+  expect_in(message_of([&] { scene_with(word("Joints File", "none.csv")); }), {"there is no file", "none.csv"});
+}
+
+TEST_F(EntryImport, OffsetsOfPointsComeByNameOrPlace) {
+  write("offsets.csv", "name,x,y,z,dx,dy,dz\nA,,,,0.1,0,0\n,1,1e-9,0,0,0.2,0\n");
+  const std::string file = list("Imperfection", word("Points File", "offsets.csv"));
+  const Scene scene = scene_with("", file);
+  expect_at(scene, "A", {0.1, 0, 0}, 0.0);
+  expect_at(scene, "B", {1, 0.2, 0}, 0.0);
+  write("offsets.csv", "x,y,z,dx,dy,dz\n1,0.1,0,0,0.2,0\n");
+  expect_in(message_of([&] { scene_with("", file); }), {"offsets.csv:2:1", "no point of the scene lies at"});
+  write("offsets.csv", "name,dx,dy,dz\nAB,0,0.2,0\n");
+  expect_in(message_of([&] { scene_with("", file); }), {"offsets.csv:2:1", "\"AB\" is not a point"});
+}
+
 }  // namespace
 }  // namespace mixbeam

@@ -250,6 +250,46 @@ TEST(ScenePatterns, CopiesOfInnerPoints) {
   expect_at(scene, "mid (1)", {0.5, 1, 0}, kRounding);
 }
 
+/// An entry acts once at each place, whether its name reaches a copy or the pattern brings it there.
+TEST(ScenePatterns, WhatActsGoesWithTheCopies) {
+  const std::string all = word("Copy", "all");
+  const auto acting = [&](const std::string& pattern, const std::string& loads) {
+    return scene_from(scene_text(kCell, kCellMembers, patterns({pattern}) + loads));
+  };
+  const auto load = [](const std::string& point) {
+    return list("Point Loads", list("p", word("Point", point) + numbers("Force", "{1, 0, 0}")));
+  };
+  EXPECT_EQ(acting(repeat("{1, 0, 0}", 3), load("C")).point_loads.size(), 1U);
+  const Scene repeated = acting(repeat("{1, 0, 0}", 3, all), load("C"));
+  ASSERT_EQ(repeated.point_loads.size(), 3U);
+  EXPECT_EQ(repeated.point_loads[2].point, "C (2)");
+  EXPECT_EQ(repeated.supports.size(), 3U);  // of A, at A, B, B (1)
+  EXPECT_EQ(acting(repeat("{1, 0, 0}", 3, all), load("C*")).point_loads.size(), 3U);
+  const Scene turned = acting(rotate(4, all), load("B"));
+  ASSERT_EQ(turned.point_loads.size(), 4U);
+  EXPECT_NEAR(turned.point_loads[1].force[1], 1.0, kRounding);
+  EXPECT_EQ(turned.supports.size(), 1U);  // of A, on the axis
+}
+
+TEST(ScenePatterns, JointsGoWithTheirMembers) {
+  const std::string joint = list("Joints", list("j", word("Point", "A") + words("Members", "{up}") +
+                                                         word("Kind", "hinge") + numbers("Axis", "{1, 0, 0}")));
+  const Scene scene = scene_from(scene_text(kCell, kCellMembers, patterns({rotate(3, word("Copy", "all"))}) + joint));
+  ASSERT_EQ(scene.joints.size(), 3U);
+  EXPECT_EQ(scene.joints[1].point, "A");
+  EXPECT_EQ(scene.joints[1].members, std::vector<std::string>{"up (1)"});
+  EXPECT_NEAR(scene.joints[1].axis[1], std::sqrt(0.75), kRounding);
+}
+
+TEST(ScenePatterns, TwoSupportsOfOnePointAreRefused) {
+  const std::string more = list("right", word("Point", "B"));
+  const std::string text = scene_text(kCell, kCellMembers, patterns({repeat("{1, 0, 0}", 2, word("Copy", "all"))}));
+  const std::string supports = "<ParameterList name=\"Supports\">\n";
+  expect_text_refused(
+      text.substr(0, text.find(supports)) + supports + more + text.substr(text.find(supports) + supports.size()),
+      {"Scene / Supports / clamp", "\"B\" is supported by \"right\""});
+}
+
 TEST(ScenePatterns, CoincidingMembersMustAgree) {
   const std::string other = member("over", "B", "D", integer_of("Elements", 2));
   expect_text_refused(

@@ -206,6 +206,23 @@ TEST(SceneWarnings, OfWhatActs) {
               {"Sections / spare", "no member has it"});
 }
 
+TEST(SceneWarnings, OfMembersThatGravityPassesOver) {
+  const std::string points = numbers("A", "{0, 0, 0}") + numbers("B", "{1, 0, 0}") + numbers("C", "{2, 0, 0}");
+  const std::string heavy = list("heavy", kFlatSection + number("Mass", "3"));
+  const auto told = [&](const std::string& section) {
+    const std::string members =
+        member("light", "A", "B") + list("beam", word("Start", "B") + word("End", "C") + word("Section", "heavy"));
+    return warnings(scene_from(scene_text(points, changed(members, "\"flat\"", "\"" + section + "\""),
+                                          list("Gravity", numbers("Acceleration", "{0, 0, -1}")), "A", heavy)));
+  };
+  const auto of_gravity = [](const std::vector<std::string>& all) {
+    return std::count_if(all.begin(), all.end(),
+                         [](const std::string& text) { return text.rfind("Gravity: no weight of 1 of 2", 0) == 0; });
+  };
+  EXPECT_EQ(of_gravity(told("flat")), 1);
+  EXPECT_EQ(of_gravity(told("heavy")), 0);
+}
+
 TEST(SceneWarnings, OfPointsThatNoMemberTouches) {
   expect_only(frame_with([](Scene& scene) {
                 scene.points.push_back({"far", {9, 9, 9}});

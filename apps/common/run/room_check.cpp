@@ -17,10 +17,15 @@ namespace {
 /// Runs of fewer elements and members fit into what the program itself takes.
 constexpr long long kSmall = 2000;
 
-bool is_small(const Scene& scene) {
+/// Of a number that is asked for: its place, names, and its value in tables and buffers, as measured.
+constexpr double kMemoryOfQuantity = 700.0;
+constexpr double kNameOfQuantity = 60.0;  // in the file, beside its value in each step
+
+bool is_small(const Application& app, const Scene& scene) {
   long long elements = 0;
   for (const Member& member : scene.members) elements += member.elements;
-  return elements <= kSmall && static_cast<long long>(scene.members.size()) <= kSmall;
+  return elements <= kSmall && static_cast<long long>(scene.members.size()) <= kSmall &&
+         static_cast<long long>(app.quantities.columns().size()) <= kSmall;
 }
 
 /// Of all ranks, those that share this machine.
@@ -46,6 +51,15 @@ std::string counts_of(const Needs& needs) {
 
 }  // namespace
 
+Needs needs_of_run(const Application& app, const Scene& scene, const SolverParameters& parameters) {
+  Needs needs = needs_of(scene, parameters);
+  const auto numbers = static_cast<double>(app.quantities.columns().size());
+  needs.memory += kMemoryOfQuantity * numbers;
+  needs.file += kNameOfQuantity * numbers;
+  needs.file_per_step += sizeof(double) * numbers;
+  return needs;
+}
+
 void require_memory(const Application& app, double bytes, const std::string& what) {
   if (app.force) return;
   const double wanted = bytes * share_of_this_machine(app.communicator);
@@ -61,16 +75,16 @@ void require_memory(const Application& app, double bytes, const std::string& wha
 }
 
 void require_memory(const Application& app, const Scene& scene, const SolverParameters& parameters) {
-  if (app.force || is_small(scene)) return;
-  const Needs needs = needs_of(scene, parameters);
+  if (app.force || is_small(app, scene)) return;
+  const Needs needs = needs_of_run(app, scene, parameters);
   require_memory(app, needs.memory, counts_of(needs));
 }
 
 void require_disk(const Application& app, const Scene& scene, const SolverParameters& parameters,
                   const std::filesystem::path& file) {
-  if (app.force || is_small(scene)) return;
+  if (app.force || is_small(app, scene)) return;
   constexpr double kCopies = 2.0;
-  const Needs needs = needs_of(scene, parameters);
+  const Needs needs = needs_of_run(app, scene, parameters);
   const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
   on_first_rank(app.communicator, [&] {
     std::error_code none;

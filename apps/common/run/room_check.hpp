@@ -6,6 +6,9 @@
 
 namespace mixbeam {
 
+/// What a run of the scene takes with the quantities that are asked of it.
+Needs needs_of_run(const Application& app, const Scene& scene, const SolverParameters& parameters);
+
 /// Throws InputError with what a run of the scene needs and what is there, unless Application::force. Costs nothing
 /// for small scenes. Collective.
 void require_memory(const Application& app, const Scene& scene, const SolverParameters& parameters);

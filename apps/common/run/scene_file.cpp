@@ -63,6 +63,14 @@ void check_critical_points_are_found(const Application& app) {
 
 namespace {
 
+/// Before anything is checked: entries of lists may stand in tables.
+void import_tables(XmlParameters& xml) {
+  if (!xml.list->isSublist("Scene")) return;
+  Teuchos::ParameterList& scene = xml.list->sublist("Scene");
+  if (xml.source.files().empty()) xml.source.set_files(read_imported_files(scene, xml.source));
+  import_entries(scene, xml.source);
+}
+
 void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
@@ -81,12 +89,11 @@ void read_quantities_of(Application& app) {
 
 void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
   app.xml = std::move(xml);
+  import_tables(app.xml);
   for (const std::string& text : validate(*app.xml.list, known_root_spec(definition), app.xml.source)) {
     app.summary.warnings.push_back(text);
     app.out() << "warning: " << text << "\n";
   }
-  if (app.xml.source.files().empty())
-    app.xml.source.set_files(read_imported_files(app.xml.list->sublist("Scene"), app.xml.source));
   app.scene = read_scene(app.xml.list->sublist("Scene"), app.xml.source);
   if (app.scene.accuracy && !definition.chooses_meshes)
     throw app.xml.source.error({"Scene", "Accuracy"},

@@ -107,6 +107,14 @@ nlohmann::ordered_json json_quantity(const FollowedQuantity& quantity) {
   return json;
 }
 
+nlohmann::ordered_json json_envelope(const QuantityEnvelope& one) {
+  return {{"name", one.name},
+          {"largest", json_number(one.largest)},
+          {"largest_in", one.largest_in},
+          {"smallest", json_number(one.smallest)},
+          {"smallest_in", one.smallest_in}};
+}
+
 std::string check_line(const CheckedQuantity& quantity) {
   const bool digits = quantity.comparison == Comparison::printed_digits;
   std::string line = quantity.pass ? "  pass  " : "  FAIL  ";
@@ -252,6 +260,7 @@ void Summary::write_json(const std::filesystem::path& path) const {
   if (!stable_cases.empty()) json["stable_cases"] = stable_cases;
   if (!warnings.empty()) json["warnings"] = warnings;
   for (const auto& quantity : quantities) json["quantities"].push_back(json_quantity(quantity));
+  for (const auto& one : envelope) json["envelope"].push_back(json_envelope(one));
   if (!estimated_errors.empty()) json["estimated_errors"] = nlohmann::ordered_json::array();
   for (const auto& errors : estimated_errors) json["estimated_errors"].push_back(json_errors(errors));
   if (!chosen_meshes.empty()) json["chosen_meshes"] = nlohmann::ordered_json::array();

@@ -84,6 +84,15 @@ struct FollowedQuantity {
   int side = 0;             ///< -1, 1: before, behind a vertex
 };
 
+/// Largest and smallest value of a quantity at the ends of several runs, and in which of them.
+struct QuantityEnvelope {
+  std::string name;
+  double largest = 0.0;
+  std::string largest_in{};
+  double smallest = 0.0;
+  std::string smallest_in{};
+};
+
 /// Whether the last state of a run is stable: "true", "false", "neutral" or "unknown".
 struct EndOfRun {
   std::string run;  ///< which of several runs
@@ -109,6 +118,7 @@ class Summary {
   std::string unchecked;              ///< why nothing is checked, where it is not for want of expected values
   std::vector<EndOfRun> ends;
   std::vector<FollowedQuantity> quantities;
+  std::vector<QuantityEnvelope> envelope;
   std::map<std::string, int> stable_cases;  ///< of a batch: how many cases end with each of the words
   std::vector<EstimatedErrors> estimated_errors;
   std::vector<ChosenMesh> chosen_meshes;

@@ -45,8 +45,10 @@ extern const BoundList<EigenstrainDraft> kEigenstrainParameters;
 /// One pass over what acts on a scene whose points and members are complete.
 class ConditionReader {
  public:
-  ConditionReader(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene)
-      : scene_list_(scene_list), place_(place), scene_(scene), names_(scene) {}
+  /// `copies`: those of patterns that take along what acts.
+  ConditionReader(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
+                  const std::vector<CopiedPattern>& copies)
+      : scene_list_(scene_list), place_(place), scene_(scene), copies_(copies), names_(scene) {}
 
   void read();
 
@@ -77,6 +79,16 @@ class ConditionReader {
   void divide_at(const std::string& member, const std::array<double, 2>& range, const InputPlace& place);
   void read_gravity();
   void read_eigenstrains();
+
+  using ImagesOf = std::unordered_map<std::string, std::string> PatternCopy::*;
+  template <class Acting, class Add>
+  void copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries, std::string Acting::*at,
+                          ImagesOf images_of, const Add& add);
+  void copy_supports();
+  void copy_joints();
+  void copy_point_loads();
+  void copy_distributed_loads();
+  void copy_eigenstrains();
 
   Support read_support(const List& list, const InputPlace& place);
   void claim_support(const std::string& point, const std::string& name, const InputPlace& place);
@@ -118,7 +130,10 @@ class ConditionReader {
   const List& scene_list_;
   const InputPlace& place_;
   Scene& scene_;
+  const std::vector<CopiedPattern>& copies_;
   const SceneNames names_;
+  /// Of everything that acts: the name under which it was written.
+  std::vector<std::string> support_entries_, point_load_entries_, line_load_entries_, eigenstrain_entries_;
   std::unordered_map<std::string, std::string> support_at_;           ///< point -> name of its support
   std::unordered_map<std::string, std::set<std::string>> joined_at_;  ///< point -> members in a joint there
   std::vector<UsedStage> stages_used_;

@@ -41,6 +41,7 @@ void ConditionReader::read_joints() {
     scene_.joints.push_back(read_joint(list, place));
     scene_.joints.back().name = name;
   });
+  copy_joints();
   // Only now: several joints at a point must not take its last member.
   for (const Joint& joint : scene_.joints) check_someone_is_left(joint);
 }

@@ -113,7 +113,7 @@ const BoundList<DistributedLoad> kDistributedLoadParameters = distributed_load_p
 const BoundList<DistributedLoad> kGravityParameters = gravity_parameters();
 const BoundList<EigenstrainDraft> kEigenstrainParameters = eigenstrain_parameters();
 void ConditionReader::read_point_loads() {
-  for_each("Point Loads", [this](const std::string&, const List& list, const InputPlace& place) {
+  for_each("Point Loads", [this](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<std::string> points = points_meant(list, place);
     check_any_given(list, {"Force", "Moment"}, "loads nothing", place);
     PointLoad load = kPointLoadParameters.read(list);
@@ -123,8 +123,10 @@ void ConditionReader::read_point_loads() {
       load.point = point;
       if (load.frame == LoadFrame::follower) load.member = follower_member(member, point, place);
       scene_.point_loads.push_back(load);
+      point_load_entries_.push_back(name);
     }
   });
+  copy_point_loads();
 }
 
 /// The one member with one end at the point that `text` means. The load acts on the point: members in a joint there
@@ -152,7 +154,7 @@ std::string ConditionReader::follower_member(const std::string& text, const std:
 }
 
 void ConditionReader::read_distributed_loads() {
-  for_each("Distributed Loads", [this](const std::string&, const List& list, const InputPlace& place) {
+  for_each("Distributed Loads", [this](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<const Member*> members = members_meant(list, place);
     check_any_given(list, {"Force", "Couple", "Force Formula", "Couple Formula"}, "loads nothing", place);
     DistributedLoad load = kDistributedLoadParameters.read(list);
@@ -164,8 +166,10 @@ void ConditionReader::read_distributed_loads() {
       load.member = member->name;
       if (list.isParameter("Range")) divide_at(load.member, load.range, place["Range"]);
       scene_.distributed_loads.push_back(load);
+      line_load_entries_.push_back(name);
     }
   });
+  copy_distributed_loads();
 }
 
 void ConditionReader::check_part(const DistributedLoad& load, const List& list, const InputPlace& place) const {
@@ -209,7 +213,8 @@ void ConditionReader::read_gravity() {
   for (const Section& section : scene_.sections) mass[section.name] = section.mass;
   bool is_any = false;
   for (const Member& member : scene_.members) {
-    if (mass[member.section] == 0.0) continue;
+    const bool ends_with_mass = !member.end_section.empty() && mass[member.end_section] > 0.0;
+    if (mass[member.section] == 0.0 && !ends_with_mass) continue;
     is_any = true;
     DistributedLoad weight = gravity;
     weight.member = member.name;
@@ -219,10 +224,11 @@ void ConditionReader::read_gravity() {
   }
   if (!is_any)
     throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");
+  scene_.has_gravity = true;
 }
 
 void ConditionReader::read_eigenstrains() {
-  for_each("Eigenstrains", [this](const std::string&, const List& list, const InputPlace& place) {
+  for_each("Eigenstrains", [this](const std::string& name, const List& list, const InputPlace& place) {
     const std::vector<const Member*> members = members_meant(list, place);
     check_any_given(list, {"Strain", "Curvature", "Strain Formula", "Curvature Formula", "Temperature"},
                     "strains nothing", place);
@@ -234,8 +240,10 @@ void ConditionReader::read_eigenstrains() {
     for (const Member* member : members) {
       strain.member = member->name;
       scene_.eigenstrains.push_back(strain);
+      eigenstrain_entries_.push_back(name);
     }
   });
+  copy_eigenstrains();
 }
 
 void ConditionReader::add_temperature(EigenstrainDraft& strain, const InputPlace& place) const {

@@ -46,8 +46,9 @@ void add_condition_lists(ListSpec& spec) {
                 ListSpec("Strains without stress.").with_named_lists("eigenstrain", kEigenstrainParameters.spec));
 }
 
-void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene) {
-  ConditionReader(scene_list, place, scene).read();
+void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace& place, Scene& scene,
+                     const std::vector<CopiedPattern>& copies) {
+  ConditionReader(scene_list, place, scene, copies).read();
 }
 
 void ConditionReader::read() {

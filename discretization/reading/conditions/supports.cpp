@@ -71,8 +71,10 @@ void ConditionReader::read_supports() {
       claim_support(point, name, place);
       support.point = point;
       scene_.supports.push_back(support);
+      support_entries_.push_back(name);
     }
   });
+  copy_supports();
 }
 
 Support ConditionReader::read_support(const List& list, const InputPlace& place) {

@@ -1,0 +1,179 @@
+/// The part of ConditionReader that lets what acts go with the copies of patterns.
+
+#include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/reading/conditions/condition_reader.hpp"
+#include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+namespace {
+
+using namespace vector_algebra;
+using Formulas = std::array<std::string, 3>;
+
+/// Components in the triad of a mirrored section, whose axis 3 is the opposite of the image of axis 3: of vectors, and
+/// of axial ones (moments, curvatures).
+constexpr Vector3 kMirroredVector{1, 1, -1}, kMirroredAxial{-1, -1, 1};
+
+bool is_given(const Formulas& formula) {
+  return std::any_of(formula.begin(), formula.end(), [](const std::string& text) { return !text.empty(); });
+}
+
+Vector3 product(const Vector3& a, const Vector3& b) { return {a[0] * b[0], a[1] * b[1], a[2] * b[2]}; }
+
+/// The image of a field under `turn`, which is linear.
+template <class Turn>
+void turn_field(const Turn& turn, Vector3& constant, Formulas& formula) {
+  constant = turn(constant);
+  if (!is_given(formula)) return;
+  const std::array<Vector3, 3> images = {turn(Vector3{1, 0, 0}), turn(Vector3{0, 1, 0}), turn(Vector3{0, 0, 1})};
+  Formulas turned;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j)
+      if (images[j][i] != 0.0 && !formula[j].empty())
+        turned[i] += (turned[i].empty() ? "(" : " + (") + shortest(images[j][i]) + ") * (" + formula[j] + ")";
+    if (turned[i].empty()) turned[i] = "0";
+  }
+  formula = turned;
+}
+
+/// Maps of vectors and of axial vectors: in space, or in the triads of members.
+struct Turns {
+  const Isometry& motion;
+  bool in_triad = false;
+
+  Vector3 vector(const Vector3& v) const {
+    if (!in_triad) return motion.direction(v);
+    return motion.mirrors() ? product(kMirroredVector, v) : v;
+  }
+  Vector3 axial(const Vector3& v) const {
+    if (!in_triad) return motion.turning_axis(v);
+    return motion.mirrors() ? product(kMirroredAxial, v) : v;
+  }
+  void vector(Vector3& constant, Formulas& formula) const {
+    turn_field([this](const Vector3& v) { return vector(v); }, constant, formula);
+  }
+  void axial(Vector3& constant, Formulas& formula) const {
+    turn_field([this](const Vector3& v) { return axial(v); }, constant, formula);
+  }
+};
+
+/// Its axes go with it, right-handed; a clamp or ball without springs and motion is the same along any axes.
+void turn(const Isometry& motion, Support& support) {
+  if (motion.is_shift()) return;
+  const auto all_alike = [](const std::array<bool, 3>& fixed) { return fixed[0] == fixed[1] && fixed[1] == fixed[2]; };
+  const bool is_isotropic = all_alike(support.displacement_fixed) && all_alike(support.rotation_fixed) &&
+                            is_zero(support.prescribed_displacement) && is_zero(support.prescribed_rotation) &&
+                            is_zero(support.displacement_stiffness) && is_zero(support.rotation_stiffness);
+  if (is_isotropic) return;
+  for (Vector3& axis : support.axes) axis = motion.direction(axis);
+  if (!motion.mirrors()) return;
+  support.axes[2] = scaled(-1.0, support.axes[2]);
+  support.prescribed_displacement = product(kMirroredVector, support.prescribed_displacement);
+  support.prescribed_rotation = product(kMirroredAxial, support.prescribed_rotation);
+}
+
+void turn(const Isometry& motion, PointLoad& load) {
+  const Turns turns{motion, load.frame == LoadFrame::follower};
+  load.force = turns.vector(load.force);
+  load.moment = turns.axial(load.moment);
+}
+
+void turn(const Isometry& motion, DistributedLoad& load) {
+  const Turns turns{motion, load.frame == LoadFrame::follower};
+  turns.vector(load.force, load.force_formula);
+  turns.axial(load.couple, load.couple_formula);
+}
+
+void turn(const Isometry& motion, Eigenstrain& strain) {
+  const Turns turns{motion, true};
+  turns.vector(strain.strain, strain.strain_formula);
+  turns.axial(strain.curvature, strain.curvature_formula);
+}
+
+}  // namespace
+
+/// Calls `add` with each copy and the motion that made it. An entry acts once at each place: where it is already, by
+/// its name or as another copy, nothing is added.
+template <class Acting, class Add>
+void ConditionReader::copy_with_patterns(std::vector<Acting>& all, std::vector<std::string>& entries,
+                                         std::string Acting::*at, ImagesOf images_of, const Add& add) {
+  if (copies_.empty()) return;
+  std::set<std::pair<std::string, std::string>> acts;
+  for (std::size_t i = 0; i < all.size(); ++i) acts.emplace(entries[i], all[i].*at);
+  for (const CopiedPattern& pattern : copies_) {
+    const std::size_t originals = all.size();
+    for (const PatternCopy& made : pattern)
+      for (std::size_t i = 0; i < originals; ++i) {
+        const auto image = (made.*images_of).find(all[i].*at);
+        if (image == (made.*images_of).end() || !acts.emplace(entries[i], image->second).second) continue;
+        Acting copy = all[i];
+        copy.*at = image->second;
+        turn(made.motion, copy);
+        add(copy, made, entries[i]);
+        count(1, place_);
+        all.push_back(std::move(copy));
+        entries.push_back(entries[i]);
+      }
+  }
+}
+
+void ConditionReader::copy_supports() {
+  copy_with_patterns(scene_.supports, support_entries_, &Support::point, &PatternCopy::points,
+                     [this](const Support& copy, const PatternCopy&, const std::string& entry) {
+                       claim_support(copy.point, entry, place_["Supports"][entry]);
+                     });
+}
+
+void ConditionReader::copy_point_loads() {
+  copy_with_patterns(scene_.point_loads, point_load_entries_, &PointLoad::point, &PatternCopy::points,
+                     [this](PointLoad& copy, const PatternCopy& made, const std::string& entry) {
+                       if (copy.frame == LoadFrame::dead) return;
+                       const auto image = made.members.find(copy.member);
+                       if (image == made.members.end())
+                         throw place_["Point Loads"][entry]["Member"].error(
+                             "a pattern copies the point of this load to \"" + excerpt(copy.point) +
+                             "\", but not the member \"" + excerpt(copy.member) +
+                             "\" that it turns with; allowed: patterns that copy both");
+                       copy.member = image->second;
+                     });
+}
+
+void ConditionReader::copy_distributed_loads() {
+  copy_with_patterns(scene_.distributed_loads, line_load_entries_, &DistributedLoad::member, &PatternCopy::members,
+                     [this](const DistributedLoad& copy, const PatternCopy&, const std::string& entry) {
+                       divide_at(copy.member, copy.range, place_["Distributed Loads"][entry]["Range"]);
+                     });
+}
+
+void ConditionReader::copy_eigenstrains() {
+  copy_with_patterns(scene_.eigenstrains, eigenstrain_entries_, &Eigenstrain::member, &PatternCopy::members,
+                     [](const Eigenstrain&, const PatternCopy&, const std::string&) {});
+}
+
+/// Each listed member takes its joint with it, also to a point that the pattern leaves where it is.
+void ConditionReader::copy_joints() {
+  for (const CopiedPattern& pattern : copies_) {
+    const std::size_t originals = scene_.joints.size();
+    for (const PatternCopy& made : pattern)
+      for (std::size_t i = 0; i < originals; ++i) {
+        const auto point = made.points.find(scene_.joints[i].point);
+        if (point == made.points.end()) continue;
+        Joint copy = scene_.joints[i];
+        copy.point = point->second;
+        copy.axis = made.motion.turning_axis(copy.axis);
+        for (const std::string& member : std::exchange(copy.members, {})) {
+          const auto image = made.members.find(member);
+          if (image != made.members.end() && joined_at_[copy.point].insert(image->second).second)
+            copy.members.push_back(image->second);
+        }
+        if (copy.members.empty()) continue;
+        count(copy.members.size(), place_);
+        scene_.joints.push_back(std::move(copy));
+      }
+  }
+}
+
+}  // namespace mixbeam

@@ -1,0 +1,302 @@
+/// Knock-down of imperfect structures over the amplitude, both signs, against shooting: a frame of two beams pressed at
+/// its corner (Roorda's, and a shallow one), a bowed column.
+#include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/read_scene.hpp"
+#include "nonlinear/run/imperfect_scene.hpp"
+#include "tests/support/solve.hpp"
+
+#include <functional>
+
+namespace mixbeam::test::knock_down {
+namespace {
+
+constexpr double kAgreement = 1e-8;  // of load factors: what the program promises for critical points
+constexpr int kShots = 1000;         // steps of Runge and Kutta along a member: 1e-12 of a quarter wave
+
+using Plane = std::array<double, 2>;
+template <std::size_t n>
+using Numbers = std::array<double, n>;
+
+/// Newton's method with differences; the residuals are smooth and the start is close.
+template <std::size_t n>
+Numbers<n> solved_by_newton(const std::function<Numbers<n>(const Numbers<n>&)>& residual, Numbers<n> x) {
+  constexpr double kStep = 1e-7;
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    const Numbers<n> r = residual(x);
+    std::array<std::array<double, n + 1>, n> a{};
+    for (std::size_t j = 0; j < n; ++j) {
+      Numbers<n> y = x;
+      y[j] += kStep;
+      const Numbers<n> moved = residual(y);
+      for (std::size_t i = 0; i < n; ++i) a[i][j] = (moved[i] - r[i]) / kStep;
+    }
+    for (std::size_t i = 0; i < n; ++i) a[i][n] = r[i];
+    for (std::size_t k = 0; k < n; ++k) {
+      std::size_t pivot = k;
+      for (std::size_t i = k; i < n; ++i)
+        if (std::abs(a[i][k]) > std::abs(a[pivot][k])) pivot = i;
+      std::swap(a[k], a[pivot]);
+      for (std::size_t i = 0; i < n; ++i)
+        if (i != k)
+          for (std::size_t j = n + 1; j-- > k;) a[i][j] -= a[i][k] / a[k][k] * a[k][j];
+    }
+    for (std::size_t i = 0; i < n; ++i) x[i] -= a[i][n] / a[i][i];
+  }
+  return x;
+}
+
+/// x, y, rotation, moment along a beam of the force `n` in its sections: EI phi' = M - M0, M' = - r' x n.
+struct Beam {
+  double axial = kRigid, bending = 1.0;
+  std::function<Plane(double)> angle;  ///< angle of the undeformed tangent, and ds / dt, at t from 0 to 1
+  void integrate(const Plane& n, Numbers<4>& state) const {
+    const auto rate = [&](double t, const Numbers<4>& y) {
+      const auto [alpha, speed] = angle(t);
+      const double c = std::cos(alpha + y[2]), s = std::sin(alpha + y[2]);
+      const double stretch = (1.0 + (n[0] * c + n[1] * s) / axial) * speed;
+      return Numbers<4>{stretch * c, stretch * s, speed * y[3] / bending, stretch * (s * n[0] - c * n[1])};
+    };
+    const double h = 1.0 / kShots;
+    const auto moved = [](const Numbers<4>& y, double by, const Numbers<4>& k) {
+      Numbers<4> z = y;
+      for (std::size_t i = 0; i < 4; ++i) z[i] += by * k[i];
+      return z;
+    };
+    for (int step = 0; step < kShots; ++step) {
+      const double t = step * h;
+      const auto k1 = rate(t, state), k2 = rate(t + 0.5 * h, moved(state, 0.5 * h, k1));
+      const auto k3 = rate(t + 0.5 * h, moved(state, 0.5 * h, k2)), k4 = rate(t + h, moved(state, h, k3));
+      for (std::size_t i = 0; i < 4; ++i) state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+    }
+  }
+};
+
+/// Two straight beams from a pin to a corner to a pin; the load presses the corner down. EI = 1.
+struct CornerFrame {
+  Plane foot, corner, end;
+  double axial = kRigid;
+
+  Beam beam(const Plane& from, const Plane& to) const {
+    const double angle = std::atan2(to[1] - from[1], to[0] - from[0]);
+    const double length = std::hypot(to[1] - from[1], to[0] - from[0]);
+    return {axial, 1.0, [=](double) { return Plane{angle, length}; }};
+  }
+  /// Unknowns: force in the first beam, rotation of its pin, load. `corner_angle`: how far the corner has turned.
+  Numbers<4> shot(const Numbers<4>& unknown, double corner_angle) const {
+    Numbers<4> state{foot[0], foot[1], unknown[2], 0.0};
+    beam(foot, corner).integrate({unknown[0], unknown[1]}, state);
+    const double turned = state[2];
+    beam(corner, end).integrate({unknown[0], unknown[1] + unknown[3]}, state);
+    return {state[0] - end[0], state[1] - end[1], state[3], turned - corner_angle};
+  }
+  Numbers<4> at(double corner_angle, const Numbers<4>& start) const {
+    return solved_by_newton<4>([&](const Numbers<4>& x) { return shot(x, corner_angle); }, start);
+  }
+  /// Largest load on the path that begins unloaded and turns the corner by steps.
+  Plane limit(double step) const {
+    Numbers<4> now{}, next = at(step, {0.0, -1.0, 0.0, 1.0});
+    double angle = step;
+    while (next[3] > now[3]) {
+      now = next;
+      next = at(angle += step, next);
+    }
+    double middle = angle - step;
+    for (double h = 0.5 * step; std::abs(h) > 1e-4 * std::abs(step); h *= 0.25) {  // the top of a parabola
+      const double low = at(middle - h, now)[3], high = at(middle + h, now)[3], mean = at(middle, now)[3];
+      middle += 0.5 * h * (low - high) / (low - 2.0 * mean + high);
+    }
+    return {middle, at(middle, now)[3]};
+  }
+};
+
+std::string parameter(const std::string& name, const std::string& type, const std::string& value) {
+  return "<Parameter name=\"" + name + "\" type=\"" + type + "\" value=\"" + value + "\"/>";
+}
+std::string list(const std::string& name, const std::string& inside) {
+  return "<ParameterList name=\"" + name + "\">" + inside + "</ParameterList>";
+}
+std::string vector(double x, double y, double z = 0.0) {
+  std::ostringstream text;
+  text << std::setprecision(17) << "{" << x << ", " << y << ", " << z << "}";
+  return text.str();
+}
+
+Scene read(const std::string& lists) {
+  XmlParameters xml = parse_xml(list("test", list("Scene", lists)), "scene.xml");
+  return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank());
+}
+
+std::string section(double axial) {
+  const std::string stretch =
+      std::isinf(axial) ? parameter("Inextensible", "bool", "true") : parameter("EA", "double", std::to_string(axial));
+  return list("Sections",
+              list("s", stretch + parameter("Shear Rigid", "bool", "true") + parameter("GIt", "double", "1") +
+                            parameter("EI2", "double", "1") + parameter("EI3", "double", "1")));
+}
+std::string member(const std::string& start, const std::string& end, const std::string& more = "") {
+  return parameter("Start", "string", start) + parameter("End", "string", end) + parameter("Section", "string", "s") +
+         parameter("Order", "int", "6") + parameter("Elements", "int", "8") + more;
+}
+std::string pin(const std::string& point, const std::string& fixed) {
+  return list(point, parameter("Point", "string", point) + parameter("Fixed Displacement", "Array(string)", fixed) +
+                         parameter("Fixed Rotation", "Array(string)", "{x, y}"));
+}
+
+/// The frame as drawn, with the corner moved by the list "Imperfection".
+Scene scene_of(const CornerFrame& drawn, double offset, double load) {
+  return read(section(drawn.axial) +
+              list("Points", parameter("foot", "Array(double)", vector(drawn.foot[0], drawn.foot[1])) +
+                                 parameter("corner", "Array(double)", vector(drawn.corner[0], drawn.corner[1])) +
+                                 parameter("end", "Array(double)", vector(drawn.end[0], drawn.end[1]))) +
+              list("Members", list("a", member("foot", "corner")) + list("b", member("corner", "end"))) +
+              list("Supports", pin("foot", "{x, y, z}") + pin("end", "{x, y, z}")) +
+              list("Point Loads", list("p", parameter("Point", "string", "corner") +
+                                                parameter("Force", "Array(double)", vector(0.0, -load)))) +
+              list("Imperfection", list("Points", parameter("corner", "Array(double)", vector(offset, 0.0)))));
+}
+
+struct Path {
+  std::vector<double> limits{};  ///< load factors of limit points
+  double corner_angle = 0.0, load_factor = 0.0;
+};
+
+/// Up to the full load, or a limit point ends it.
+Path path_of(const Scene& scene) {
+  Simulation simulation(scene, {}, this_rank());
+  Path path;
+  PathControl control;
+  control.stop = [&path] { return !path.limits.empty(); };
+  simulation.run(
+      [&](const StepReport& report, const State&) {
+        for (const CriticalPoint& point : report.critical_points)
+          if (point.kind == CriticalKind::limit_point) path.limits.push_back(point.load_factor);
+      },
+      control);
+  path.corner_angle = simulation.rotation("corner")[2];
+  path.load_factor = simulation.load_factor();
+  return path;
+}
+
+CornerFrame moved(CornerFrame frame, double offset) {
+  frame.corner[0] += offset;
+  return frame;
+}
+
+const CornerFrame kRoorda{{0, 0}, {0, 1}, {1, 1}};
+constexpr double kRoordaRoot = 3.7264;  // near it: 3 (1 - u cot u) + u^2 = 0, the column held by the beam's 3 EI / L
+
+double roorda_load() {
+  const auto residual = [](const Numbers<1>& u) {
+    return Numbers<1>{3.0 * (1.0 - u[0] / std::tan(u[0])) + u[0] * u[0]};
+  };
+  const double u = solved_by_newton<1>(residual, {kRoordaRoot})[0];
+  return u * u;
+}
+
+/// Which sign of the offset leads to a limit point; the other one has none.
+TEST(KnockDown, RoordaFrameOverTheAmplitude) {
+  const double load = 1.2 * roorda_load();
+  for (const double amplitude : {1e-4, 1e-3, 1e-2}) {
+    int limits = 0;
+    for (const double offset : {amplitude, -amplitude}) {
+      SCOPED_TRACE(offset);
+      const CornerFrame frame = moved(kRoorda, offset);
+      const Path path = path_of(scene_of(kRoorda, offset, load));
+      if (path.limits.empty()) {
+        ASSERT_EQ(path.load_factor, 1.0);
+        Numbers<4> shot{0.0, -1.0, 0.0, 1.0};
+        for (int i = 1; i <= 40; ++i) shot = frame.at(path.corner_angle * i / 40.0, shot);
+        EXPECT_NEAR(shot[3] / load, 1.0, kAgreement);
+      } else {
+        ++limits;
+        const double sign = path.corner_angle > 0.0 ? 1.0 : -1.0;
+        EXPECT_NEAR(path.limits[0], frame.limit(0.02 * sign)[1] / load, kAgreement);
+        EXPECT_LT(path.limits[0] * load / roorda_load(), 1.0 - 0.5 * std::sqrt(amplitude));  // Koiter's half power
+      }
+    }
+    EXPECT_EQ(limits, 1) << amplitude;
+  }
+}
+
+/// W. T. Koiter, Post-buckling analysis of a simple two-bar frame (1966): P / P_cr = 1 + 0.3805 times the rotation of
+/// the corner. The difference of both signs has no second-order part.
+TEST(KnockDown, RoordaFrameHasKoitersSlope) {
+  constexpr double kKoiter = 0.3805, kDigits = 1e-3, kTarget = 0.02, kAlmostPerfect = 1e-8;
+  Plane angle{}, load{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sign = i == 0 ? 1.0 : -1.0;
+    Scene scene = scene_of(kRoorda, sign * kAlmostPerfect, roorda_load());
+    scene.members[0].inner_points = {{"middle", 0.5}};
+    for (const double target : {kTarget, -kTarget}) {  // the column bows to one side of the two
+      SolverParameters parameters;
+      parameters.analysis.control = MonitoredComponent{"middle", 0, target};
+      Simulation simulation(scene, parameters, this_rank());
+      if (!simulation.run().finished) continue;
+      const std::size_t side = simulation.rotation("corner")[2] > 0.0 ? 0 : 1;
+      angle[side] = simulation.rotation("corner")[2];
+      load[side] = simulation.load_factor();
+    }
+  }
+  EXPECT_GT(angle[0], 0.0);
+  EXPECT_LT(angle[1], 0.0);
+  EXPECT_NEAR(std::abs((load[0] - load[1]) / (angle[0] - angle[1])), kKoiter, kDigits * kKoiter);
+}
+
+/// Two beams of rise 0.2 of half their span; an offset of the crown lowers the load at which they snap, whatever its
+/// sign.
+TEST(KnockDown, ShallowFrameOverTheAmplitude) {
+  const CornerFrame drawn{{-1, 0}, {0, 0.2}, {1, 0}, 1e4};
+  const double load = 12.0;
+  double before = 1.0;
+  for (const double amplitude : {1e-3, 1e-2, 0.05}) {
+    const double shot = moved(drawn, amplitude).limit(-0.02)[1] / load;
+    for (const double offset : {amplitude, -amplitude}) {
+      const Path path = path_of(scene_of(drawn, offset, load));
+      ASSERT_FALSE(path.limits.empty()) << offset;
+      EXPECT_NEAR(path.limits[0], shot, kAgreement) << offset;
+    }
+    EXPECT_LT(shot, before);
+    before = shot;
+  }
+}
+
+/// A pinned column in the shape of a half sine, up to twice Euler's load.
+TEST(KnockDown, BowedColumnOverTheAmplitude) {
+  for (const double amplitude : {1e-4, 1e-3, 1e-2, 0.1})
+    for (const double sign : {1.0, -1.0})
+      for (const double share : {0.5, 0.9, 1.0, 2.0}) {
+        const double bow = sign * amplitude, force = share * kPi * kPi;
+        const std::string direction = parameter("Direction", "Array(double)", "{0, 1, 0}");
+        std::ostringstream number;
+        number << std::setprecision(17) << bow;
+        const Scene scene =
+            read(section(kRigid) +
+                 list("Points", parameter("foot", "Array(double)", vector(0, 0)) +
+                                    parameter("head", "Array(double)", vector(1, 0))) +
+                 list("Members", list("strut", member("foot", "head"))) +
+                 list("Supports", pin("foot", "{x, y, z}") + pin("head", "{y, z}")) +
+                 list("Point Loads", list("p", parameter("Point", "string", "head") +
+                                                   parameter("Force", "Array(double)", vector(-force, 0)))) +
+                 list("Imperfection", list("Bows", list("b", parameter("Member", "string", "strut") + direction +
+                                                                 parameter("Amplitude", "double", number.str())))));
+        const Simulation loaded = solved(scene);
+        // shot from the foot to the middle, whose tangent keeps its direction; it turns at the foot by
+        const Beam half{kRigid, 1.0, [bow](double t) {
+                          const double slope = bow * kPi * std::cos(0.5 * kPi * t);
+                          return Plane{std::atan(slope), 0.5 * std::hypot(1.0, slope)};
+                        }};
+        const auto middle = [&](double turned) {
+          Numbers<4> state{0.0, 0.0, turned, 0.0};
+          half.integrate({-force, 0.0}, state);
+          return state;
+        };
+        const double foot = loaded.rotation("foot")[2];
+        const Numbers<1> turned =
+            solved_by_newton<1>([&](const Numbers<1>& x) { return Numbers<1>{middle(x[0])[2]}; }, {foot});
+        EXPECT_NEAR(foot, turned[0], kAgreement) << bow << " " << share;
+        EXPECT_NEAR(loaded.sample("strut", 0.5).position[1], middle(turned[0])[1], kAgreement) << bow << " " << share;
+      }
+}
+
+}  // namespace
+}  // namespace mixbeam::test::knock_down
