@@ -11,15 +11,20 @@ from structure import add_lines, line_width, tangents
 
 MOST_TRIADS = 24
 STRIP_STEPS = 6
-CAPTION_WIDTH = 150  # letters
+CAPTION_WIDTH = 12.0  # letters to an inch
+WIDTH, HEIGHT, FLAT_WIDTH = 12.4, 5.4, 4.7  # of a picture, and of its right panel for a structure wider than tall [inch]
+TALL = 2.0  # of a box in space, height over width: its labels need to be kept off its edge
 
 
 def shape_figure(view, step, field, triads=False):
     """Left in space, right in the best plane; grey: undeformed."""
+    projected = np.ptp(view.everything @ view.plane.T, axis=0)
+    flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.5, 1.0)
+    inch = 1.0 / (WIDTH - FLAT_WIDTH + flat_width)
     with style.plt.rc_context({"figure.constrained_layout.use": False}):
-        canvas = style.plt.figure(figsize=(12.4, 5.4))
-    space = canvas.add_axes((0.0, 0.02, 0.44, 0.82), projection="3d")
-    flat = canvas.add_axes((0.53, 0.13, 0.45, 0.74))
+        canvas = style.plt.figure(figsize=(1.0 / inch, HEIGHT))
+    space = canvas.add_axes((0.0, 0.02, 5.46 * inch, 0.82), projection="3d")
+    flat = canvas.add_axes((6.57 * inch, 0.13, (flat_width + 0.88) * inch, 0.74))
     position = view.position(step)
     values = field.values(step, view.size)
     exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
@@ -42,10 +47,11 @@ def shape_figure(view, step, field, triads=False):
     _finish_plane(flat, view)
     label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
     canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
-    canvas.suptitle(view.title(step), y=0.985, fontsize=13)
     caption = ["grey: undeformed, on the right only" if shrunk else "grey: undeformed", *marked, view.scale_words()]
-    canvas.text(0.5, 0.925, "\n".join(textwrap.wrap("; ".join(caption), CAPTION_WIDTH)), ha="center", va="top", fontsize=11,
-                color="#444444")
+    words = textwrap.wrap("; ".join(caption), int(CAPTION_WIDTH / inch))
+    raised = 0.045 * (len(words) - 1)  # a second line must not meet the box in space
+    canvas.suptitle(view.title(step), y=0.985 + raised, fontsize=13)
+    canvas.text(0.5, 0.925 + raised, "\n".join(words), ha="center", va="top", fontsize=11, color="#444444")
     return canvas
 
 
@@ -139,11 +145,16 @@ def _draw_triads(view, axes, step, position):
 
 
 def _name_axes_3d(axes, view):
+    width, depth, height = axes.get_xlim3d(), axes.get_ylim3d(), axes.get_zlim3d()
+    is_tall = np.ptp(height) > TALL * max(np.ptp(width), np.ptp(depth))
+    if is_tall:
+        axes.tick_params(axis="z", pad=8)
     for i, name in enumerate("xyz"):
         if i not in view.look.shown_axes:
             getattr(axes, f"set_{name}ticks")([])
+            getattr(axes, f"set_{name}label")("")
             continue
-        getattr(axes, f"set_{name}label")(f"${name}$" + fields.times(view.exponent, view.run.units[0]), labelpad=(9, 9, 2)[i])
+        getattr(axes, f"set_{name}label")(f"${name}$" + fields.times(view.exponent, view.run.units[0]), labelpad=(9, 9, 34 if is_tall else 4)[i])
 
 
 def _finish_plane(axes, view, points=None):
