@@ -46,6 +46,7 @@ Tangent::Tangent(const Model& model, const EvaluationPoint& point, const Cap& ca
       point_(point),
       cap_(cap),
       planar_(point.state.in_plane && !kind.in_space),
+      springs_(kind.springs),
       arrays_(take_arrays(model)) {
   if (kind.counts_interior && arrays_->interior_negative.extent(0) == 0)
     arrays_->interior_negative =
@@ -143,6 +144,7 @@ void Tangent::gather(const VertexMatrix& matrix, const LinkMatrices<kSpatialDofs
   matrix.gather(links);
   const MatrixRows rows = matrix.rows();
   add_load_tangents(rows);
+  add_springs(rows);
   model_->constraints().project(point_.state, *point_.carried, rows);
 }
 
@@ -155,6 +157,16 @@ void Tangent::add_load_tangents(const MatrixRows& rows) const {
     const bool follower = load.frame == LoadFrame::follower;
     rows.add(load.vertex, kMomentPart, load.vertex, kMomentPart, (follower ? 0.5 : -0.5) * hat(spatial.moment));
     if (follower) rows.add(load.vertex, kForcePart, load.vertex, kMomentPart, hat(spatial.force));
+  }
+}
+
+void Tangent::add_springs(const MatrixRows& rows) const {
+  for (size_t i = 0; i < springs_.extent(0); i += 3) {
+    const int vertex = static_cast<int>(i / kVertexDofs);
+    const VertexPart part = i % kVertexDofs == 0 ? kForcePart : kMomentPart;
+    Mat stiffness{};
+    for (int c = 0; c < 3; ++c) stiffness(c, c) = springs_(i + c);
+    rows.add(vertex, part, vertex, part, stiffness);
   }
 }
 

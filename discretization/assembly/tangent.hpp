@@ -12,6 +12,9 @@ struct TangentArrays;
 struct TangentKind {
   bool in_space = false;         ///< also for a state in the plane of the scene: to see motions that leave it
   bool counts_interior = false;  ///< for interior_count()
+  /// (6 * owned vertex + component): stiffness of springs from the present place of each vertex to the ground, in the
+  /// matrix over all vertices alone; empty: none.
+  KernelView<const double*> springs{};
 };
 
 /// Knows the state, the scales and the cap that it was taken with. Its arrays are used again when it is gone. The model
@@ -61,11 +64,13 @@ class Tangent {
   void evaluate_in_space() const;
   void gather_condensed_rows(const KernelView<double*>& rows) const;
   void add_load_tangents(const MatrixRows& rows) const;
+  void add_springs(const MatrixRows& rows) const;
 
   const Model* model_;
   EvaluationPoint point_;
   Cap cap_;
   bool planar_;
+  KernelView<const double*> springs_;
   bool holds_residual_ = false;
   std::shared_ptr<TangentArrays> arrays_;
 };

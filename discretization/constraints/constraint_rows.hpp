@@ -45,6 +45,9 @@ void project_matrix_rows(const VertexSupport& support, const State& state, const
 /// Force and moment of a support and its springs on the vertex, from its spatial rows without it.
 SpatialLoad support_reaction(const VertexSupport& support, const State& state, const Vec& force, const Vec& moment);
 
+/// In the springs of a support.
+double stored_energy(const VertexSupport& support, const State& state);
+
 // Joints as equations of two vertices, theory (43): the master, which the rest of the point shares, and the slave, the
 // end of one member with displacement and triad of its own.
 //
@@ -71,6 +74,9 @@ void set_joint_rows(const VertexJoint& joint, const State& state, const KernelVi
 /// spatial rows of the slave themselves.
 void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& force, const Vec& moment,
                       const MatrixRows& matrix);
+
+/// In the spring of a joint.
+double stored_energy(const VertexJoint& joint, const State& state);
 
 /// A vertex whose forces and moments are balanced by more than loads, by supports or joints.
 struct CarriedForce {

@@ -136,4 +136,11 @@ void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& f
   if (joint.kind == JointKind::slider) set_slider_rows(joint, at, force, matrix);
 }
 
+double stored_energy(const VertexJoint& joint, const State& state) {
+  if (joint.kind == JointKind::ball || joint.stiffness == 0.0) return 0.0;
+  const JointState at(joint, state);
+  const double moved = joint.kind == JointKind::hinge ? at.swing(joint).angle : dot(at.direction(2), at.offset);
+  return 0.5 * joint.stiffness * moved * moved;
+}
+
 }  // namespace mixbeam

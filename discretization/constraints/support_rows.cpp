@@ -181,4 +181,14 @@ SpatialLoad support_reaction(const VertexSupport& support, const State& state, c
   return result;
 }
 
+double stored_energy(const VertexSupport& support, const State& state) {
+  const Vec u = support.axes * displacement_of(support, state);
+  double energy = 0.0;
+  for (int i = 0; i < 3; ++i) energy += 0.5 * support.displacement_stiffness[i] * u[i] * u[i];
+  if (support.rotation_kind != SupportRotation::vector) return energy;
+  const Vec theta = support.axes * continued_log(triad_of(support, state));
+  for (int i = 0; i < 3; ++i) energy += 0.5 * support.rotation_stiffness[i] * theta[i] * theta[i];
+  return energy;
+}
+
 }  // namespace mixbeam

@@ -42,6 +42,7 @@ class WholeSolver : public TangentSolver {
     solver_->factorize();
   }
   double solve(const DofVector& b, DofVector& x) override { return solver_->solve(b, x); }
+  std::optional<long> negative_eigenvalues() const override { return solver_->negative_eigenvalues(); }
 
  private:
   VertexMatrix matrix_;

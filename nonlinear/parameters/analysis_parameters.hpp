@@ -16,6 +16,12 @@ struct Scene;
 /// Which of the paths that meet at the first bifurcation is followed.
 enum class Branch { primary, positive, negative };
 
+/// What happens where no stable state lies on the path at the next load.
+enum class Snap {
+  follow,  ///< the path, through unstable states
+  jump     ///< down the potential of the loads to a stable state at that load
+};
+
 /// A displacement that is driven to a target, while the load factor is whatever equilibrium needs.
 struct MonitoredComponent {
   std::string point;
@@ -37,6 +43,7 @@ struct AnalysisParameters {
   Branch branch = Branch::primary;  ///< positive, negative: along the mode of the first bifurcation, or against it
   /// Whose displacement is positive on the positive branch; `target` is not used. Not said: by rule (branch_direction).
   std::optional<MonitoredComponent> branch_point{};
+  Snap snap = Snap::follow;
   int buckling_modes = 0;  ///< of the linear buckling analysis of the unloaded structure
   std::optional<MonitoredComponent> control{};
   ErrorEstimation error_estimate = ErrorEstimation::automatic;  ///< automatic: see kElementsForEstimate

@@ -48,8 +48,10 @@ int finished_stages(const PathControl& control) {
 bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
                   const StageRange& range, PathRecorder& recorder) {
   if (range.attempts <= 0) return false;
+  const bool jumps = parameters.analysis.snap == Snap::jump;
   const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
-  const bool arrived = automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
+  const bool arrived = jumps       ? follow_stage_with_jumps(problem, parameters, start, range, recorder)
+                       : automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
                                  : follow_stage_with_loca(problem, parameters, start, range, recorder);
   recorder.leave_stage();
   return arrived;

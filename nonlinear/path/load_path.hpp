@@ -13,6 +13,16 @@
 
 namespace mixbeam {
 
+/// From the last stable state on the path to another one, down the potential of the loads.
+struct Jump {
+  double from = 0.0, to = 0.0;  ///< load factors between which the path ends or turns unstable
+  double released = 0.0;        ///< energy [force * length], theory (66)
+  double motion = 0.0;          ///< PathMeasure::motion between both states: displacements over the scene's length
+  double largest = 0.0;         ///< displacement of any vertex from one to the other [length]
+  std::string place{};          ///< of that vertex: `point "tip"`
+  int factorizations = 0;       ///< that the search took
+};
+
 /// One completed load step.
 struct StepReport {
   int step = 0;  ///< number of the step, 0: the state at the start of the path
@@ -25,7 +35,14 @@ struct StepReport {
   /// Under a controlled displacement: of the state with that displacement held in place of the load. None: not known.
   std::optional<StabilityResult> held_stability{};
   std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
+  std::optional<Jump> jump{};                    ///< with which the step was made; none: it follows the path
   std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
+};
+
+/// Where a search for a stable state is.
+struct DescentProgress {
+  double load_factor = 0.0, potential = 0.0;  ///< of the loads
+  int factorizations = 0;                     ///< so far
 };
 
 /// How a path is begun and stopped from outside.
@@ -33,6 +50,7 @@ struct PathControl {
   std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
   std::function<void(const StepFailure&)> step_failed{};  ///< told of each failed attempt, on every rank
+  std::function<void(const DescentProgress&)> descends{};  ///< told of each step of a jump, on every rank
 };
 
 struct LoadPathResult {

@@ -49,6 +49,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
     report.critical_points = step.critical_points;
     critical_points_ += static_cast<int>(step.critical_points.size());
   }
+  report.jump = step.jump;
   report.point = point(step, report.stability);
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;

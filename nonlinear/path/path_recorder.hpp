@@ -40,6 +40,7 @@ struct ConvergedStep {
   std::optional<StabilityResult> stability{};       ///< where it is known already
   std::optional<StabilityResult> held_stability{};  ///< see StepReport
   std::vector<CriticalPoint> critical_points{};     ///< passed since the last step
+  std::optional<Jump> jump{};                       ///< see StepReport
 };
 
 class PathRecorder {
@@ -53,6 +54,7 @@ class PathRecorder {
   /// affordable.
   Stability* counts() { return stability_.get(); }
   bool reports_stability() const { return reports_stability_; }
+  const std::function<void(const DescentProgress&)>& descent_observer() const { return control_.descends; }
 
   void enter_stage(int stage, int attempts);
   void leave_stage();
@@ -90,11 +92,13 @@ class PathRecorder {
   bool is_controlled_ = false;  ///< by a displacement: then no load factor is the end of the path
 };
 
-/// Both return whether the path arrived at the end of the range; `start` is the state at its beginning. By
-/// automatic_path.cpp, without tuning; by LOCA's stepper.
+/// All return whether the path arrived at the end of the range; `start` is the state at its beginning. By
+/// automatic_path.cpp, without tuning; by LOCA's stepper; from one stable state to the next, by jump_path.cpp.
 bool follow_stage_automatically(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 const State& start, const StageRange& range, PathRecorder& recorder);
 bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                             const State& start, const StageRange& range, PathRecorder& recorder);
+bool follow_stage_with_jumps(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                             const State& start, const StageRange& range, PathRecorder& recorder);
 
 }  // namespace mixbeam

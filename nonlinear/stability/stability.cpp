@@ -46,13 +46,12 @@ SparseMatrix shifted(SparseMatrix matrix, double shift) {
   return matrix;
 }
 
-/// N L^2/EI or M L/EI, the larger one, with the largest EI of the structure.
+}  // namespace
+
 double stress_of(const Model& model, const StateMagnitude& size) {
   const Structure& structure = model.structure();
   return structure.length / structure.bending_reference * std::max(size.force * structure.length, size.moment);
 }
-
-}  // namespace
 
 const char* text_of(Verdict verdict) {
   switch (verdict) {

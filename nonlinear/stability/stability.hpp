@@ -76,6 +76,9 @@ struct SpaceValues {
   int negative() const;  ///< of the space
 };
 
+/// N L^2/EI or M L/EI, the larger one, with the largest EI of the structure: eigenvalues are not far below minus that.
+double stress_of(const Model& model, const StateMagnitude& size);
+
 // Shared by stability.cpp and spectrum.cpp:
 /// Where an eigenvalue is zero the inverse is taken beside it; others of structures are far larger.
 inline constexpr double kShiftBesideZero = 1e-7;
