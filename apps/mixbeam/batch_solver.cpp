@@ -24,7 +24,7 @@ struct StepFailed {};
 
 /// What a path of one structure alone can follow.
 bool has_path_of_its_own(const AnalysisParameters& analysis) {
-  return analysis.control || analysis.trace || analysis.branch != Branch::primary;
+  return analysis.control || analysis.trace || analysis.branch != Branch::primary || analysis.snap == Snap::jump;
 }
 
 double elements_of(const Scene& scene) {

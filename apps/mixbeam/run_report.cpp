@@ -1,5 +1,6 @@
 #include "apps/mixbeam/run_report.hpp"
 
+#include "apps/common/session/progress.hpp"
 #include "apps/common/tables/printed_digits.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
@@ -125,14 +126,17 @@ void RunReport::add(const StepRecord& record) {
   for (const RecordedBucklingMode& mode : record.buckling)
     buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
+  if (record.jump) jumps_.push_back(*record.jump);
 }
 
 void RunReport::add(const StoredRun& run) {
   for (const MonitoredSeries& series : run.monitor())
     for (std::size_t i = 0; i < run.steps().size() && series.name == kQuantitySeries; ++i)
       follow(run.steps()[i].step, run.steps()[i].load_factor, series.values.data() + i * series.columns);
-  for (std::size_t i = 0; i < run.steps().size(); ++i)
+  for (std::size_t i = 0; i < run.steps().size(); ++i) {
     for (const RecordedCriticalPoint& point : run.critical_points(i)) critical_.push_back(without_rows(point));
+    if (const std::optional<RecordedJump> jump = run.jump(i)) jumps_.push_back(*jump);
+  }
 }
 
 void RunReport::check_balance(Application& app, const std::string& run) const {
@@ -161,9 +165,14 @@ void RunReport::print_critical_points(std::ostream& out) const {
   print_left_out(out, critical_.size());
 }
 
+void RunReport::print_jumps(std::ostream& out) const {
+  for (std::size_t i = 0; i < std::min(jumps_.size(), kMostLines); ++i) out << "  " << jump_text(jumps_[i]) << "\n";
+  print_left_out(out, jumps_.size());
+}
+
 void RunReport::add_end(Application& app, const std::string& run) const {
   const RecordedStability& known = last_.stability;
-  EndOfRun end{run, last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential};
+  EndOfRun end{run, last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential, jumps_};
   app.summary.ends.push_back(end);
   // who controls the displacement holds it: then only the state that is unstable all the same is left by itself
   if (end.stable == "false" && end.held != "true")
@@ -298,6 +307,7 @@ void RunReport::print_reactions(std::ostream& out) const {
 void RunReport::print(std::ostream& out) const {
   print_buckling(out);
   print_critical_points(out);
+  print_jumps(out);
   const std::string displacement = ".displacement";
   std::size_t points = 0;
   for (const MonitoredQuantity& quantity : last_.monitored) {

@@ -44,6 +44,7 @@ class RunReport {
  private:
   void print_buckling(std::ostream& out) const;
   void print_critical_points(std::ostream& out) const;
+  void print_jumps(std::ostream& out) const;
   void print_errors(std::ostream& out) const;
   void print_quantities(std::ostream& out) const;
   void print_reactions(std::ostream& out) const;
@@ -62,6 +63,7 @@ class RunReport {
   std::vector<Followed> followed_{};             ///< (column of the set)
   StepRecord last_;                              ///< without its members and rows
   std::vector<RecordedCriticalPoint> critical_;  ///< of all steps, without rows
+  std::vector<RecordedJump> jumps_;              ///< likewise
   std::vector<RecordedBucklingMode> buckling_;   ///< without rows
   double force_error_ = 0.0, moment_error_ = 0.0;
   double balance_tolerance_ = 0.0;

@@ -31,7 +31,8 @@ const std::map<std::string, QuantityKind> kKinds = {
     {"displacement", kOfPoint},      {"position", kOfPoint},        {"rotation", kOfPoint},
     {"reaction force", kOfPoint},    {"reaction moment", kOfPoint}, {"material force", kOfSection},
     {"material moment", kOfSection}, {"strain energy", {{}, {}}},   {"force energy", {{}, {}}},
-    {"moment energy", {{}, {}}},     {"load factor", {{}, {}}},     {kStableName, {{}, {}}}};
+    {"moment energy", {{}, {}}},     {"load factor", {{}, {}}},     {"jumps", {{}, {}}},
+    {kStableName, {{}, {}}}};
 const std::vector<std::string> kVerdicts = {"true", "false", "neutral", "unknown"};
 
 bool contains(const std::vector<std::string>& words, const std::string& word) {
@@ -171,8 +172,9 @@ void check_supported(const ExpectedValue& value, const Scene& scene, const Input
 
 const std::vector<std::string>& common_quantities() {
   static const std::vector<std::string> quantities = {
-      "displacement",    "position",      "rotation",     "reaction force", "reaction moment", "material force",
-      "material moment", "strain energy", "force energy", "moment energy",  "load factor",     kStableName};
+      "displacement",   "position",        "rotation",      "reaction force", "reaction moment",
+      "material force", "material moment", "strain energy", "force energy",   "moment energy",
+      "load factor",    "jumps",           kStableName};
   return quantities;
 }
 

@@ -36,7 +36,8 @@ std::map<std::string, std::vector<Form>> forms_of_kinds() {
       in_member{{"Member", "Position"}, {"Side", "Take", "Limit"}};
   for (const char* kind : {"normal stress", "shear stress", "von Mises stress", "utilisation"})
     forms[kind] = {at_point, in_member, {{"Member", "Take"}, {"Limit"}}};
-  for (const char* kind : {"strain energy", "force energy", "moment energy", "load factor", "negative eigenvalues"})
+  for (const char* kind :
+       {"strain energy", "force energy", "moment energy", "load factor", "negative eigenvalues", "jumps"})
     forms[kind] = {kPlain};
   return forms;
 }

@@ -217,6 +217,7 @@ Numbers QuantitySet::Resolved::whole(const QuantityState& at) const {
   if (asked.kind == "force energy") return {at.energy.force};
   if (asked.kind == "moment energy") return {at.energy.moment};
   if (asked.kind == "load factor") return {at.load_factor};
+  if (asked.kind == "jumps") return {static_cast<double>(at.jumps)};
   if (asked.kind == "negative eigenvalues")
     return {at.negative < 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(at.negative)};
   const auto position = [&](const QuantityPlace& place) {

@@ -20,6 +20,7 @@ struct QuantityState {
   const std::vector<RecordedReaction>& reactions;  ///< of the model's supports, in their order
   StrainEnergy energy{};
   int negative = -1;  ///< eigenvalues below zero; -1: not counted
+  int jumps = 0;      ///< of the path so far
   /// Samples of all members of this rank, which spare extremes a search; null: there are none.
   const std::vector<MemberSamples>* samples = nullptr;
   /// Where the scene of the set begins in a model of several scenes side by side (merged_scene.hpp).

@@ -7,6 +7,7 @@
 #include "discretization/state/member_samples.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,7 @@ void write_step(hid_t file, const StepRecord& record);
 std::vector<std::string> step_groups(hid_t file);
 PathPoint read_point(hid_t step);
 RecordedStability read_stability(hid_t step);
+std::optional<RecordedJump> read_jump(hid_t step);
 /// Of a step or a critical point.
 StateSnapshot read_state(hid_t group);
 /// Without fields at samples and monitored quantities.

@@ -26,13 +26,14 @@
 ///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
 ///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
 ///                               triad_3 (n,3), triad (n,4: w,x,y,z); largest_normal_stress, largest_shear_stress,
-///                               von_mises_stress (n; NaN: section without shape) where asked for; residual_history (iterations,3: attempt,
-///                               iteration, scaled maximum norm); reactions (supports,6: force, moment), balance
-///                               (2,6: applied force and moment, those of the reactions) and attributes
-///                               force_balance_error, moment_balance_error
-///                               attribute stable: "true", "false", "neutral" or "unknown"; stable_held: the same with
-///                               the controlled displacement held, where known; where stability is looked at:
-///                               negative_eigenvalues, and has_potential = 0 for loads without a potential
+///                               von_mises_stress (n; NaN: section without shape) where asked for; residual_history
+///                               (iterations,3: attempt, iteration, scaled maximum norm); reactions (supports,6: force,
+///                               moment), balance (2,6: applied force and moment, those of the reactions) and
+///                               attributes force_balance_error, moment_balance_error attribute stable: "true",
+///                               "false", "neutral" or "unknown"; stable_held: the same with the controlled
+///                               displacement held, where known; where stability is looked at: negative_eigenvalues,
+///                               and has_potential = 0 for loads without a potential
+///     /steps/000001/jump        where the step is a jump: attributes of RecordedJump
 ///     /steps/000001/critical_points/0, 1, ...
 ///                               limit points and bifurcations since the step before: attributes kind, load_factor,
 ///                               negative_before, negative_after, modes; position, displacement, mode (n,3); monitor:

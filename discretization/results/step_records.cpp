@@ -42,6 +42,13 @@ constexpr std::tuple kCriticalPointFields = {std::pair{"kind", &RecordedCritical
                                              std::pair{"negative_before", &RecordedCriticalPoint::negative_before},
                                              std::pair{"negative_after", &RecordedCriticalPoint::negative_after},
                                              std::pair{"modes", &RecordedCriticalPoint::modes}};
+constexpr std::tuple kJumpFields = {std::pair{"from", &RecordedJump::from},
+                                    std::pair{"to", &RecordedJump::to},
+                                    std::pair{"released", &RecordedJump::released},
+                                    std::pair{"motion", &RecordedJump::motion},
+                                    std::pair{"largest", &RecordedJump::largest},
+                                    std::pair{"place", &RecordedJump::place},
+                                    std::pair{"factorizations", &RecordedJump::factorizations}};
 constexpr std::tuple kStepFields = {std::pair{"step", &StepRecord::step},
                                     std::pair{"load_factor", &StepRecord::load_factor},
                                     std::pair{"newton_iterations", &StepRecord::newton_iterations},
@@ -49,6 +56,9 @@ constexpr std::tuple kStepFields = {std::pair{"step", &StepRecord::step},
                                     std::pair{"strain_energy", &StepRecord::strain_energy},
                                     std::pair{"force_energy", &StepRecord::force_energy},
                                     std::pair{"moment_energy", &StepRecord::moment_energy}};
+
+/// Group of the jump with which a step was made, and attribute of a state: jumps of the path so far.
+constexpr const char *kJump = "jump", *kJumps = "jumps";
 
 template <class Record, class Fields, class Visit>
 void visit_fields(Record& record, const Fields& fields, const Visit& visit) {
@@ -167,11 +177,13 @@ void write_step(hid_t file, const StepRecord& record) {
   write_reactions(group, record);
   write_history(group, record.history);
   write_stability(group, record);
+  if (record.jump) visit_fields(*record.jump, kJumpFields, Writing{hdf5::create_group(group, kJump)});
   if (record.error_estimate) write_error_estimate(group, *record.error_estimate);
   if (!record.state.empty()) {
     const auto state = write_state(group, record.state);
     visit_fields(record.point, kPointFields, Writing{state});
     visit_fields(record.point, kFieldsAlongPath, Writing{state});
+    if (record.point.jumps > 0) hdf5::write_attribute(state, kJumps, record.point.jumps);
   }
   write_monitor(file, record);
 }
@@ -192,7 +204,16 @@ PathPoint read_point(hid_t step) {
   // What files of versions that followed no path by its length do not tell keeps its default.
   point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
   if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
+  if (hdf5::has_attribute(state, kJumps)) hdf5::read_attribute(state, kJumps, point.jumps);
   return point;
+}
+
+std::optional<RecordedJump> read_jump(hid_t step) {
+  const auto names = hdf5::link_names(step);
+  if (std::find(names.begin(), names.end(), kJump) == names.end()) return std::nullopt;
+  RecordedJump jump;
+  visit_fields(jump, kJumpFields, Reading{hdf5::open_group(step, kJump)});
+  return jump;
 }
 
 RecordedStability read_stability(hid_t step) {

@@ -94,4 +94,10 @@ std::vector<RecordedCriticalPoint> StoredRun::critical_points(std::size_t positi
   });
 }
 
+std::optional<RecordedJump> StoredRun::jump(std::size_t position) const {
+  return reading(path_, [&](hid_t file) {
+    return read_jump(hdf5::open_group(hdf5::open_group(file, "steps"), groups_.at(position)));
+  });
+}
+
 }  // namespace mixbeam

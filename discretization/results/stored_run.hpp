@@ -56,6 +56,8 @@ class StoredRun {
   /// Critical points between the step before and the one at this position: what they are, and their states; without
   /// fields at samples and monitored quantities.
   std::vector<RecordedCriticalPoint> critical_points(std::size_t position) const;
+  /// With which a step was made, if it was.
+  std::optional<RecordedJump> jump(std::size_t position) const;
 
  private:
   std::filesystem::path path_;

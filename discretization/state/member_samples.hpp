@@ -108,6 +108,16 @@ struct RecordedStability {
   bool has_potential = true;  ///< the loads have one; without, stability is never certain
 };
 
+/// From the last stable state on a path to another one, down the potential of the loads.
+struct RecordedJump {
+  double from = 0.0, to = 0.0;  ///< load factors between which the stable path ends
+  double released = 0.0;        ///< energy [force * length], theory (66)
+  double motion = 0.0;          ///< between both states, theory (53): displacements over the scene's length, rotations
+  double largest = 0.0;         ///< displacement of any vertex from one to the other [length]
+  std::string place{};          ///< of that vertex
+  int factorizations = 0;       ///< that the search took
+};
+
 /// A limit point or bifurcation between two steps, see CriticalPoint, without its fields.
 struct CriticalPointSummary {
   std::string kind{};  ///< "limit point", "bifurcation"
@@ -187,6 +197,7 @@ struct StepSummary {
   std::vector<RecordedReaction> reactions{};                        ///< same supports in every record of a run
   RecordedBalance balance{};
   RecordedStability stability{};
+  std::optional<RecordedJump> jump{};       ///< with which the step was made; none: it follows the path
   std::optional<StressSummary> stresses{};  ///< where the members hold stresses
   std::vector<NewtonIteration> history{};   ///< of all attempts at this step
   PathPoint point{};                        ///< of the state

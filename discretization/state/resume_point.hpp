@@ -95,6 +95,7 @@ struct PathPoint {
   int attempts_left = 0;                        ///< in this stage
   int failed_steps = 0, newton_iterations = 0;  ///< on the whole path so far
   int critical_points = 0;                      ///< passed on the whole path so far, this step included
+  int jumps = 0;                                ///< likewise, see RecordedJump
   // Paths followed by their length only:
   double path_length = 0.0;  ///< of the step to come; 0: steps of the load factor
   int direction = 1;         ///< sign of the change of the load factor along the path here

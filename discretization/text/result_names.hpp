@@ -11,6 +11,9 @@ namespace mixbeam {
 /// Time series that every run has, in their order; what is monitored bears other names.
 inline const std::vector<std::string> kOwnTimeSeries = {
     "step", "load_factor", "newton_iterations", "residual", "strain_energy", "force_energy", "moment_energy"};
+/// Those of paths that may jump: how often so far; of the jump with which a step was made, zero where there was none.
+inline const std::vector<std::string> kJumpSeries = {"jumps", "jump.energy_released", "jump.motion",
+                                                     "jump.largest_displacement"};
 bool is_own_time_series(const std::string& name);
 
 /// The series of all numbers that the list "Quantities" of a scene asks for; the header of the file names them.

@@ -120,6 +120,7 @@ double Descent::potential(const State& state) const { return potential_energy(pr
 long Descent::factorize(const EvaluationPoint& point, double shift) {
   if (problem_->leave_if_asked) problem_->leave_if_asked();
   ++factorizations_;
+  ++problem_->work.factorizations;
   return tangent_->factorize(point, shift);
 }
 
@@ -152,6 +153,7 @@ Descent::Relaxed Descent::relax(const State& centre, double shift) {
     if (factorize(point, shift) > 0 && result.iterations == 0) return {Outcome::indefinite, centre};
     tangent_->tangent().condensed_rows().update(1.0, springs.vertex_dofs(), 1.0);
     tangent_->solve_and_recover(increment);
+    ++problem_->work.newton_iterations;
     const double spin = increment.largest_vertex_spin(), limit = parameters_.newton.maximum_rotation;
     if (!std::isfinite(spin)) return result;
     const double share = spin > limit ? limit / spin : 1.0;
@@ -275,9 +277,12 @@ DescentResult Descent::from(const State& start, double load_factor) {
     if (motion && amplitude > kLeastPush) amplitude *= 0.5;
     shift *= kStiffer;
   }
-  return {std::nullopt,
-          "no stable state in " + std::to_string(factorizations_) + " factorisations down the potential of the loads",
-          factorizations_};
+  const bool buckles_inside = tangent_->tangent().interior_count().negative > 0;
+  return {
+      std::nullopt,
+      "no stable state in " + std::to_string(factorizations_) + " factorisations down the potential of the loads" +
+          (buckles_inside ? ": elements buckle between their vertices (more \"Elements\", smaller load steps)" : ""),
+      factorizations_};
 }
 
 }  // namespace mixbeam

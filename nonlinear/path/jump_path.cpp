@@ -1,8 +1,8 @@
 // A load path from one stable state to the next: load steps that follow the path as long as it is stable, and where it
 // ends or turns unstable a jump down the potential of the loads.
 #include "discretization/assembly/equation_place.hpp"
-#include "discretization/state/difference.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/state/difference.hpp"
 #include "discretization/state/potential.hpp"
 #include "nonlinear/path/descent.hpp"
 #include "nonlinear/path/path_recorder.hpp"
@@ -77,7 +77,7 @@ class JumpPath {
     return true;
   }
 
-  void accept(Station next, double residual, const std::optional<Jump>& jump) {
+  void accept(Station next, double residual, const std::optional<RecordedJump>& jump) {
     here_ = std::move(next);
     ConvergedStep step{here_.state, here_.load_factor, residual};
     step.step_size = size_;
@@ -134,14 +134,14 @@ class JumpPath {
       return false;
     }
     const Correction& found = *result.found;
-    const Jump jump = description(found, result.factorizations);
+    const RecordedJump jump = description(found, result.factorizations);
     accept(judge_.station(found.state, target, nullptr), found.residual, jump);
     return true;
   }
 
-  Jump description(const Correction& found, int factorizations) const {
+  RecordedJump description(const Correction& found, int factorizations) const {
     const Model& model = problem_->model;
-    Jump jump{here_.load_factor, found.load_factor};
+    RecordedJump jump{here_.load_factor, found.load_factor};
     jump.released = released_energy(model, here_.state, jump.from, found.state, jump.to);
     jump.factorizations = factorizations;
     MixedVector none = model.create_vector();

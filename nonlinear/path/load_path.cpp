@@ -52,7 +52,7 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
   const bool arrived = jumps       ? follow_stage_with_jumps(problem, parameters, start, range, recorder)
                        : automatic ? follow_stage_automatically(problem, parameters, start, range, recorder)
-                                 : follow_stage_with_loca(problem, parameters, start, range, recorder);
+                                   : follow_stage_with_loca(problem, parameters, start, range, recorder);
   recorder.leave_stage();
   return arrived;
 }

@@ -1,7 +1,7 @@
 /// Load continuation: from the present state along the load factor, stage after stage.
 #pragma once
 
-#include "discretization/state/resume_point.hpp"
+#include "discretization/state/member_samples.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 #include "nonlinear/stability/critical_point.hpp"
@@ -12,16 +12,6 @@
 #include <vector>
 
 namespace mixbeam {
-
-/// From the last stable state on the path to another one, down the potential of the loads.
-struct Jump {
-  double from = 0.0, to = 0.0;  ///< load factors between which the path ends or turns unstable
-  double released = 0.0;        ///< energy [force * length], theory (66)
-  double motion = 0.0;          ///< PathMeasure::motion between both states: displacements over the scene's length
-  double largest = 0.0;         ///< displacement of any vertex from one to the other [length]
-  std::string place{};          ///< of that vertex: `point "tip"`
-  int factorizations = 0;       ///< that the search took
-};
 
 /// One completed load step.
 struct StepReport {
@@ -35,7 +25,7 @@ struct StepReport {
   /// Under a controlled displacement: of the state with that displacement held in place of the load. None: not known.
   std::optional<StabilityResult> held_stability{};
   std::vector<CriticalPoint> critical_points{};  ///< passed since the last step, in the order of the path
-  std::optional<Jump> jump{};                    ///< with which the step was made; none: it follows the path
+  std::optional<RecordedJump> jump{};            ///< with which the step was made; none: it follows the path
   std::vector<NewtonIteration> history{};        ///< of all attempts since the last converged step, in their order
 };
 
@@ -49,7 +39,7 @@ struct DescentProgress {
 struct PathControl {
   std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
-  std::function<void(const StepFailure&)> step_failed{};  ///< told of each failed attempt, on every rank
+  std::function<void(const StepFailure&)> step_failed{};   ///< told of each failed attempt, on every rank
   std::function<void(const DescentProgress&)> descends{};  ///< told of each step of a jump, on every rank
 };
 

@@ -18,6 +18,7 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
   result.failed_steps = control.resume->failed_steps;
   result.newton_iterations = control.resume->newton_iterations;
   critical_points_ = control.resume->critical_points;
+  jumps_ = control.resume->jumps;
 }
 
 void PathRecorder::enter_stage(int stage, int attempts) {
@@ -50,6 +51,7 @@ void PathRecorder::converged(const ConvergedStep& step) {
     critical_points_ += static_cast<int>(step.critical_points.size());
   }
   report.jump = step.jump;
+  jumps_ += step.jump ? 1 : 0;
   report.point = point(step, report.stability);
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;
@@ -84,6 +86,7 @@ PathPoint PathRecorder::point(const ConvergedStep& step, const std::optional<Sta
   point.negative = stability ? stability->negative : -1;
   point.branched = step.branched;
   point.critical_points = critical_points_;
+  point.jumps = jumps_;
   return point;
 }
 

@@ -40,7 +40,7 @@ struct ConvergedStep {
   std::optional<StabilityResult> stability{};       ///< where it is known already
   std::optional<StabilityResult> held_stability{};  ///< see StepReport
   std::vector<CriticalPoint> critical_points{};     ///< passed since the last step
-  std::optional<Jump> jump{};                       ///< see StepReport
+  std::optional<RecordedJump> jump{};               ///< see StepReport
 };
 
 class PathRecorder {
@@ -87,7 +87,7 @@ class PathRecorder {
   int stage_ = 1;
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;
-  int critical_points_ = 0;  ///< on the whole path so far
+  int critical_points_ = 0, jumps_ = 0;  ///< on the whole path so far
   bool started_ = false, branched_ = false;
   bool is_controlled_ = false;  ///< by a displacement: then no load factor is the end of the path
 };

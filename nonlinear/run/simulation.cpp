@@ -1,6 +1,7 @@
 #include "nonlinear/run/simulation.hpp"
 
 #include "discretization/state/member_stresses.hpp"
+#include "discretization/text/result_names.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
@@ -39,6 +40,13 @@ RecordedStability recorded(const StepReport& report) {
   return stability;
 }
 
+/// Of paths that may jump, in the time series of every step.
+void follow_jumps(StepRecord& record) {
+  const RecordedJump jump = record.jump.value_or(RecordedJump{});
+  const double values[] = {static_cast<double>(record.point.jumps), jump.released, jump.motion, jump.largest};
+  for (size_t i = 0; i < kJumpSeries.size(); ++i) record.monitored.push_back({kJumpSeries[i], {values[i]}});
+}
+
 }  // namespace
 
 Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
@@ -52,6 +60,7 @@ const LoadPathResult& Simulation::run(const PathObserver& observer, const PathCo
   const PathObserver remember = [&](const StepReport& report, const State& state) {
     load_factor_ = report.load_factor;
     stability_ = recorded(report);
+    jumps_ = report.point.jumps;
     if (observer) observer(report, state);
   };
   result_ = follow_load_path(problem_, parameters_, state_, remember, control);
@@ -79,7 +88,8 @@ bool Simulation::is_end_of_path(double load_factor) const {
   return PathGoal(model(), parameters_.analysis.control, scene().stages).is_reached(state_, load_factor);
 }
 
-void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known) {
+void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known, int jumps) {
+  jumps_ = jumps;
   state_ = mixbeam::restore(model(), snapshot);
   load_factor_ = load_factor;
   stability_ = known;
@@ -145,6 +155,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
                     sums.reaction_moment, sums.force_error,    sums.moment_error};
   record.monitored = motions(monitored_points);
   record.stability = stability_;
+  record.jump = report.jump;
+  if (parameters_.analysis.snap == Snap::jump) follow_jumps(record);
   if (report.step == 0) record.acting = std::make_shared<const Acting>(acting_on(scene(), model().mesh()));
   for (const CriticalPoint& point : report.critical_points)
     record.critical_points.push_back(

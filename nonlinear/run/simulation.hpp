@@ -28,9 +28,9 @@ class Simulation {
   bool is_end_of_path(double load_factor) const;
 
   /// Takes the state of a snapshot and the load factor it belongs to; run() can resume a path there. `known`: the
-  /// stability of that state as it was recorded. Throws std::invalid_argument when the snapshot is not one of this
-  /// mesh. Collective.
-  void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {});
+  /// stability of that state as it was recorded; `jumps`: of the path so far. Throws std::invalid_argument when the
+  /// snapshot is not one of this mesh. Collective.
+  void restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known = {}, int jumps = 0);
 
   /// The same structure in another state, with the same result(). `known`: its stability.
   Simulation at(const State& state, double load_factor, const RecordedStability& known = {}) const;
@@ -41,6 +41,8 @@ class Simulation {
   double load_factor() const { return load_factor_; }
   /// Whether state() is stable, as far as the path or a stored run has told; the words of files.
   const RecordedStability& stability() const { return stability_; }
+  /// Of the path so far, see RecordedJump.
+  int jumps() const { return jumps_; }
   /// Share of the path that is behind state(): of its load factor, or of the way of the controlled displacement.
   double share_done() const;
   const Scene& scene() const { return problem_->model.scene(); }
@@ -106,6 +108,7 @@ class Simulation {
   State state_;
   double load_factor_ = 0.0;
   RecordedStability stability_{};
+  int jumps_ = 0;
   LoadPathResult result_;
 };
 

@@ -87,6 +87,7 @@ Simulation Application::walk(const Scene& solved, const SolverParameters& parame
                     control.resume ? simulation.share_done() : 0.0);
   PathControl watched = control;
   watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
+  watched.descends = [&progress](const DescentProgress& descent) { progress.report(descent); };
   simulation.run(
       [&](const StepReport& report, const State&) {
         progress.report(report, simulation.share_done());
@@ -141,7 +142,8 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
     report.load_factor = point.load_factor;
     report.point = point;
     if (is_expected && is_critical) report.critical_points = stored_critical_points(simulation, run, i);
-    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i]);
+    simulation.restore(writes_files() ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i],
+                       point.jumps);
     if (is_expected && observer) observer(simulation, report);
   }
 }

@@ -8,14 +8,14 @@ std::vector<double> values_of(const QuantitySet& quantities, const Simulation& s
   if (quantities.empty()) return {};
   const std::vector<Reaction> reactions = simulation.reactions();
   return quantities.values({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
-                            simulation.strain_energy(), simulation.stability().negative});
+                            simulation.strain_energy(), simulation.stability().negative, simulation.jumps()});
 }
 
 std::vector<double> values_of(const QuantitySet& quantities, const Simulation& simulation, const StepRecord& record) {
   if (quantities.empty()) return {};
   return quantities.values({simulation.model(), simulation.state(), record.load_factor, record.reactions,
                             StrainEnergy{record.force_energy, record.moment_energy}, record.stability.negative,
-                            &record.members});
+                            record.point.jumps, &record.members});
 }
 
 std::vector<std::optional<double>> present_values(const Simulation& simulation,

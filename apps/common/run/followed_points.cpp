@@ -60,7 +60,7 @@ StoredRun with_all_series(const StoredRun& run, const Scene& scene, const Quanti
   std::vector<MonitoredSeries> all;
   for (std::size_t i = 0; i < run.steps().size(); ++i) {
     const PathPoint& point = run.steps()[i];
-    simulation.restore(has_states ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i]);
+    simulation.restore(has_states ? run.state(i) : StateSnapshot{}, point.load_factor, run.stability()[i], point.jumps);
     StepRecord record = simulation.record({}, kPointsByOrder, points);
     follow_reactions(points, record);
     record.load_factor = point.load_factor;

@@ -71,6 +71,44 @@ void import_tables(XmlParameters& xml) {
   import_entries(scene, xml.source);
 }
 
+/// What keeps a load from having a potential, empty if it has one: moments turn with nothing, followers with the
+/// structure.
+std::string without_potential(const Teuchos::ParameterList& load) {
+  if (load.isParameter("Frame") && load.get<std::string>("Frame") == "follower") return "Frame";
+  for (const char* moment : {"Moment", "Couple"}) {
+    if (!load.isParameter(moment)) continue;
+    const auto& value = load.get<Teuchos::Array<double>>(moment);
+    if (std::any_of(value.begin(), value.end(), [](double v) { return v != 0.0; })) return moment;
+  }
+  return load.isParameter("Couple Formula") ? "Couple Formula" : "";
+}
+
+/// Jumps go down the potential of the loads, from one stable state to the next, by steps of the load factor.
+void check_jumps(const Application& app) {
+  const AnalysisParameters& analysis = app.solver.analysis;
+  if (analysis.snap != Snap::jump) return;
+  const auto refuse = [&app](const ParameterPath& path, const std::string& why) {
+    throw app.xml.source.error(path, why + R"( with "Snap" = "jump" in "Analysis")");
+  };
+  if (!analysis.stability.value_or(true)) refuse({"Analysis", "Stability"}, "value false; allowed: true, or nothing,");
+  if (analysis.trace) refuse({"Analysis", "Trace"}, "value true; allowed: false, or nothing,");
+  if (analysis.control) refuse({"Analysis", "Control"}, "given; allowed: prescribed displacements in its place");
+  if (!app.solver.loca.is_null()) refuse({"Solver", "LOCA"}, "given; allowed: nothing");
+  if (app.scene.accuracy) refuse({"Scene", "Accuracy"}, "given; allowed: \"Order\" and \"Elements\" of members");
+  const Teuchos::ParameterList& scene = app.xml.list->sublist("Scene");
+  for (const char* kind : {"Point Loads", "Distributed Loads"}) {
+    if (!scene.isSublist(kind)) continue;
+    const Teuchos::ParameterList& loads = scene.sublist(kind);
+    for (auto load = loads.begin(); load != loads.end(); ++load) {
+      const std::string& name = loads.name(load);
+      const std::string parameter = without_potential(loads.sublist(name));
+      if (!parameter.empty())
+        refuse({"Scene", kind, name, parameter},
+               "this load has no potential; allowed: dead forces, prescribed motions");
+    }
+  }
+}
+
 void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
@@ -78,6 +116,7 @@ void read_quantities_of(Application& app) {
   std::set<std::string> taken(kOwnTimeSeries.begin(), kOwnTimeSeries.end());
   for (const char* kind : {".displacement", ".rotation", ".reaction_force", ".reaction_moment"})
     for (const std::string& point : followed_points(app.scene)) taken.insert(point + kind);
+  if (app.solver.analysis.snap == Snap::jump) taken.insert(kJumpSeries.begin(), kJumpSeries.end());
   for (const QuantitySet::Column& column : app.quantities.columns())
     if (!taken.insert(column.name).second)
       throw app.xml.source.error(child(path, quantities[column.quantity].name),
@@ -107,6 +146,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
                                       {"Expected"}, app.quantities.names());
   check_expected_values(app.expected, app.scene, app.xml.source);
   check_critical_points_are_found(app);
+  check_jumps(app);
 }
 
 void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition) {

@@ -90,6 +90,14 @@ nlohmann::ordered_json json_end(const EndOfRun& end) {
       {"run", end.run}, {"load_factor", json_number(end.load_factor)}, {"stable", end.stable}};
   if (!end.held.empty()) json["stable_held"] = end.held;
   if (end.negative >= 0) json["negative_eigenvalues"] = end.negative;
+  for (const RecordedJump& jump : end.jumps)
+    json["jumps"].push_back({{"from_load_factor", json_number(jump.from)},
+                             {"to_load_factor", json_number(jump.to)},
+                             {"energy_released", json_number(jump.released)},
+                             {"motion", json_number(jump.motion)},
+                             {"largest_displacement", json_number(jump.largest)},
+                             {"place", jump.place},
+                             {"factorizations", jump.factorizations}});
   return json;
 }
 

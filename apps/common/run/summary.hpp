@@ -2,6 +2,8 @@
 /// people, written as JSON for scripts.
 #pragma once
 
+#include "discretization/state/member_samples.hpp"
+
 #include <filesystem>
 #include <iosfwd>
 #include <map>
@@ -101,6 +103,7 @@ struct EndOfRun {
   std::string held{};  ///< with the controlled displacement held in place of the load; empty: not known
   int negative = -1;   ///< eigenvalues below zero; -1: not counted
   bool has_potential = true;
+  std::vector<RecordedJump> jumps{};  ///< of its path
 };
 
 /// Collects checks and costs during a run.

@@ -11,6 +11,7 @@ namespace mixbeam {
 namespace {
 
 constexpr double kSecondsOfADay = 86400.0;
+constexpr std::chrono::seconds kBetweenLines{1};
 
 /// Load factors that "%8.5f" shows with three digits at least and without widening the line.
 constexpr double kSmallestWritten = 1e-3, kLargestWritten = 1e5;
@@ -25,7 +26,12 @@ std::string load_factor_text(double load_factor) {
 }
 
 Progress::Progress(std::ostream& out, std::string label, int stages, double from)
-    : out_(out), label_(std::move(label)), stages_(stages), from_(from), start_(std::chrono::steady_clock::now()) {}
+    : out_(out),
+      label_(std::move(label)),
+      stages_(stages),
+      from_(from),
+      start_(std::chrono::steady_clock::now()),
+      last_descent_(start_) {}
 
 std::string Progress::time_to_go(double elapsed, double share_done) const {
   const double covered = share_done - from_, seconds = elapsed * (1.0 - share_done) / covered;
@@ -37,6 +43,7 @@ void Progress::report(const StepReport& report, double share_done) {
   if (report.step == 0) return;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   for (const CriticalPoint& point : report.critical_points) report_critical(point);
+  if (report.jump) out_ << label_ << ": " << jump_text(*report.jump) << "\n";
   out_ << label_ << formatted(": step %3d  load factor ", report.step) << load_factor_text(report.load_factor)
        << formatted(" of %d  iterations %3d  residual %8.1e  elapsed %7.3f s", stages_, report.newton_iterations,
                     report.residual, elapsed)
@@ -49,6 +56,22 @@ void Progress::report_critical(const CriticalPoint& point) {
        << formatted(": %s at load factor %s: negative eigenvalues %d before, %d after\n", name_of(point.kind),
                     in_known_digits(point.load_factor, point.error).c_str(), point.negative_before,
                     point.negative_after);
+}
+
+std::string jump_text(const RecordedJump& jump) {
+  return formatted(
+      "jump between load factors %.6g and %.6g: energy released %.6g, mean motion %.3g, largest "
+      "displacement %.6g (%s)",
+      jump.from, jump.to, jump.released, jump.motion, jump.largest, jump.place.c_str());
+}
+
+void Progress::report(const DescentProgress& descent) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - last_descent_ < kBetweenLines) return;
+  last_descent_ = now;
+  out_ << label_ << ": search for a stable state at load factor " << load_factor_text(descent.load_factor)
+       << formatted(": potential %.6g, %d factorisations", descent.potential, descent.factorizations) << "\n"
+       << std::flush;
 }
 
 void Progress::report(const StepFailure& failure) {

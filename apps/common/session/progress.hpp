@@ -19,6 +19,8 @@ class Progress {
   void report(const StepReport& report, double share_done);
   /// A failed attempt and its cause, in one line.
   void report(const StepFailure& failure);
+  /// A search for a stable state, at most one line each second.
+  void report(const DescentProgress& descent);
 
  private:
   void report_critical(const CriticalPoint& point);
@@ -28,8 +30,11 @@ class Progress {
   std::string label_;
   int stages_;
   double from_;
-  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point start_, last_descent_;
 };
+
+/// "jump between load factors 0.05 and 0.0625: energy released 0.0123, vertices move by 0.11 of the length, ...".
+std::string jump_text(const RecordedJump& jump);
 
 /// " 0.50000", and with an exponent where five decimals would hide it or its digits would fill the line: "4.5e-06";
 /// "unknown" for what is no number.
