@@ -158,8 +158,9 @@ py::dict batch(const std::string& xml, const std::string& file, const std::optio
   std::vector<int> iterations, converged, solved;
   std::vector<std::string> stable, cause;
   for (CaseResult& result : results) {
-    result.values.resize(names.size(), std::numeric_limits<double>::quiet_NaN());
-    rows.insert(rows.end(), result.values.begin(), result.values.end());
+    std::vector<double>& written = result.values.written;
+    written.resize(names.size(), std::numeric_limits<double>::quiet_NaN());
+    rows.insert(rows.end(), written.begin(), written.end());
     residual.push_back(result.residual);
     iterations.push_back(result.iterations);
     converged.push_back(result.converged ? 1 : 0);

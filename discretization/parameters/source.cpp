@@ -10,6 +10,15 @@ namespace {
 
 constexpr char kSeparator = '\x1f';  // cannot occur in XML 1.0, so joined names stay distinct
 
+std::string key(const ParameterPath& path) {
+  std::size_t size = path.size();
+  for (const std::string& name : path) size += name.size();
+  std::string joined;
+  joined.reserve(size);
+  for (const std::string& name : path) (joined += name) += kSeparator;
+  return joined;
+}
+
 }  // namespace
 
 std::string to_string(const ParameterPath& path) {

@@ -44,14 +44,13 @@ TEST(Schema, ParametersAsJson) {
   ASSERT_NE(loads, nullptr);
   EXPECT_EQ(loads->at("path"), Json({"Scene", "Point Loads"}));
   EXPECT_EQ(loads->at("program_name"), "point_loads");
-  const Json force = Json::parse(R"({"name": "Force", "type": "Array(double)", "presence": "default", "length": 3,
-      "program_name": "force", "default": [0.0, 0.0, 0.0], "unit": "force", "meaning": "Force [force]."
-})");
+  const Json force = Json::parse(R"json({"name": "Force", "type": "Array(double)", "presence": "default", "length": 3,
+      "program_name": "force", "default": [0.0, 0.0, 0.0], "unit": "force", "meaning": "Force [force]."})json");
   const Json* listed = named(loads->at("free_names").at("list").at("parameters"), "Force");
-ASSERT_NE(listed, nullptr);
-EXPECT_EQ(*listed, force);
-const TemporaryFolder folder;
-EXPECT_EQ(run_process(program("mixbeam"), {"parameters", "--json", "--markdown"}, folder).exit_code, 2);
+  ASSERT_NE(listed, nullptr);
+  EXPECT_EQ(*listed, force);
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_process(program("mixbeam"), {"parameters", "--json", "--markdown"}, folder).exit_code, 2);
 }
 
 /// All of the text has it, so a parameter that one of the schemas leaves out is noticed.
