@@ -59,7 +59,7 @@ TEST_F(Convert, EverySceneSurvivesTheWayToYamlAndBack) {
   EXPECT_NE(contents_of_file(file("changed.xml")), contents_of_file(scenes[0]));
 }
 
-const std::string kCommented = R"(<!-- top, of
+const std::string kCommented = R"xml(<!-- top, of
      two lines -->
 <ParameterList name="rod">
   <ParameterList name="Scene">
@@ -89,7 +89,7 @@ const std::string kCommented = R"(<!-- top, of
   </ParameterList>
 </ParameterList>
 <!-- bottom -->
-)";
+)xml";
 
 TEST_F(Convert, CommentsNamesAndDigitsSurvive) {
   write_text(file("rod.xml"), kCommented);

@@ -63,14 +63,15 @@ std::string test_name(const ::testing::TestParamInfo<fs::path>& info) {
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Gallery, ::testing::ValuesIn(files_in(apps() / "gallery", ".xml")), test_name);
 
-/// Blocks ```xml of a page that are whole scenes.
-std::vector<std::string> whole_scenes(const std::string& page) {
+/// Blocks ```xml or ```yaml of a page that are whole scenes.
+std::vector<std::string> whole_scenes(const std::string& page, const std::string& format = "xml") {
   std::vector<std::string> scenes;
-  const std::string begin = "```xml\n", end = "```";
+  const std::string begin = "```" + format + "\n", end = "```";
+  const std::string scene = format == "xml" ? "<ParameterList name=\"Scene\">" : "\nScene:\n";
   for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
     at += begin.size();
     const std::string block = page.substr(at, page.find(end, at) - at);
-    if (block.find("<ParameterList name=\"Scene\">") != std::string::npos) scenes.push_back(block);
+    if (block.find(scene) != std::string::npos) scenes.push_back(block);
     at += block.size();
   }
   return scenes;
@@ -83,14 +84,35 @@ TEST(Documentation, ItsScenesAreAccepted) {
     for (const std::string& scene : whole_scenes(text_of(page))) {
       const fs::path file = folder / "scene.xml";
       write_text(file, scene);
-      const Ended ended =
-          run_process(program("mixbeam"), {"run", file.string(), "--quiet", "--output", folder.path().string()}, folder);
+      const Ended ended = run_process(program("mixbeam"),
+                                      {"run", file.string(), "--quiet", "--output", folder.path().string()}, folder);
       EXPECT_EQ(ended.exit_code, 0) << page << "\n" << ended.out << ended.err << scene;
       EXPECT_NE(ended.out.find("stable: true"), std::string::npos) << page << "\n" << ended.out << scene;
       ++checked;
     }
   }
   EXPECT_GE(checked, 4U);  // of scenes.md
+}
+
+/// In at most 20 lines, and the same structure as the first one in XML.
+TEST(Documentation, ItsSceneInYamlIsTheFirstOneInXml) {
+  constexpr int kMostLines = 20;
+  const std::string page = text_of(apps() / "docs" / "scenes.md");
+  const std::vector<std::string> xml = whole_scenes(page), yaml = whole_scenes(page, "yaml");
+  ASSERT_EQ(yaml.size(), 1U);
+  EXPECT_LE(std::count(yaml[0].begin(), yaml[0].end(), '\n'), kMostLines);
+  const TemporaryFolder folder;
+  const auto tip_of = [&](const std::string& file, const std::string& text) {
+    write_text(folder / file, text);
+    const Ended ended = run_process(program("mixbeam"), {"run", (folder / file).string(), "--quiet"}, folder);
+    EXPECT_EQ(ended.exit_code, 0) << ended.err;
+    const std::size_t tip = ended.out.find("  tip ");
+    return tip == std::string::npos ? "" : ended.out.substr(tip, ended.out.find('\n', tip) - tip);
+  };
+  const std::string expected = tip_of("first.xml", xml.at(0));
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(tip_of("first.yaml", yaml[0]), expected);
+  EXPECT_NE(tip_of("other.yaml", changed(yaml[0], "-10", "-11")), expected);
 }
 
 /// What keeps the test above from passing whatever the program says.

@@ -24,7 +24,7 @@ int exit_code_of(double seconds_to_its_end, const std::function<void()>& save) {
     watch_for_interrupts();
     {
       const LastResort rows(save);
-      raise(SIGINT);
+      ::raise(SIGINT);
       std::this_thread::sleep_for(std::chrono::duration<double>(seconds_to_its_end));
     }
     _exit(kOrderlyEnd);

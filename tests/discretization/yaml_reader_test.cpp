@@ -25,7 +25,7 @@ std::string refusal_of(const std::string& text) {
   });
 }
 
-const std::string kScene = R"(Scene:
+const std::string kScene = R"yaml(Scene:
   Sections:
     rod: {EA: 1e3, GA2: inf, GA3: .inf, GIt: 1, EI2: +2., EI3: .5}
   Points:
@@ -43,9 +43,8 @@ const std::string kScene = R"(Scene:
   Point Loads:
     pull: {Point: null, Force: [1, 0, 0], Amplitude: 3}
   Distributed Loads:
-    wind: {Member: "*", Force Formula: [0, -3*(1 - x), "max(s, 1)"]
-}
-)";
+    wind: {Member: "*", Force Formula: [0, -3*(1 - x), "max(s, 1)"]}
+)yaml";
 
 TEST(YamlReader, DeclarationsSayWhatAScalarIs) {
   const XmlParameters yaml = parsed(kScene);

@@ -3,18 +3,17 @@
 #include "apps/mixbeam/batch_parameters.hpp"
 #include "discretization/checks/expected_values.hpp"
 #include "discretization/parameters/validate.hpp"
-#include "discretization/parameters/xml_reader.hpp"
 #include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/expression.hpp"
 
+#include <unistd.h>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 
 namespace {
 

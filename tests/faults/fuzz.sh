@@ -35,7 +35,9 @@ for target; do
   corpus=$folder/corpus_$target; mkdir -p "$corpus"
   case $target in
     scene) for xml in "$root"/apps/*/*.xml; do cp "$xml" "$corpus/$(basename "$(dirname "$xml")")-$(basename "$xml")"; done ;;
-    yaml) for xml in "$root"/apps/gallery/*.xml; do "$root/build/release/bin/mixbeam" convert "$xml" "$corpus/$(basename "$xml" .xml).yaml" >/dev/null; done ;;
+    yaml) for xml in "$root"/apps/*/*.xml; do
+            "$root/build/release/bin/mixbeam" convert --force "$xml" "$corpus/$(basename "$(dirname "$xml")")-$(basename "$xml" .xml).yaml"
+          done ;;
     table) { cat "$root/tests/faults/points.csv"; echo =====; cat "$root/tests/faults/members.csv"; } >"$corpus/column" ;;
     formula) grep -oh 'value="[^"{}]*[*/^(][^"{}]*"' "$root"/apps/*/*.xml | sort -u | cut -d'"' -f2 | split -l 1 - "$corpus/" ;;
     batch) for xml in "$root"/apps/batch/*.xml "$root"/tests/faults/column.xml; do
