@@ -63,7 +63,7 @@ class JumpPath {
     size_ = range_.before ? range_.before->step_size : rule_.initial;
     if (range_.before) {
       here_ = judge_.station(here_.state, here_.load_factor, nullptr);
-      return true;
+      return started_ = true;
     }
     const Correction start =
         corrector_.at_load({here_.state, here_.load_factor}, parameters_.newton.maximum_iterations);
@@ -72,13 +72,17 @@ class JumpPath {
       return false;
     }
     Station at = judge_.station(start.state, start.load_factor, nullptr);
-    if (!is_stable(at)) return jump(here_.load_factor);
+    if (!is_stable(at)) {
+      here_ = std::move(at);
+      return jump(here_.load_factor);
+    }
     accept(std::move(at), start.residual, {});
     return true;
   }
 
   void accept(Station next, double residual, const std::optional<RecordedJump>& jump) {
     here_ = std::move(next);
+    started_ = true;
     ConvergedStep step{here_.state, here_.load_factor, residual};
     step.step_size = size_;
     step.stability = here_.stability;
@@ -134,19 +138,25 @@ class JumpPath {
       return false;
     }
     const Correction& found = *result.found;
-    const RecordedJump jump = description(found, result.factorizations);
-    accept(judge_.station(found.state, target, nullptr), found.residual, jump);
+    MixedVector none = problem_->model.create_vector();
+    none.fill(0.0);
+    const PathDirection moved{increment_between(problem_->model, here_.state, found.state, none),
+                              target - here_.load_factor};
+    Station next = judge_.station(found.state, target, nullptr);
+    // Newton's method may have missed a state on the path.
+    const bool is_step = started_ && judge_.examine({here_, moved, next}, kLoadStep).objection.empty();
+    std::optional<RecordedJump> jump;
+    if (!is_step) jump = description(found, moved, result.factorizations);
+    accept(std::move(next), found.residual, jump);
     return true;
   }
 
-  RecordedJump description(const Correction& found, int factorizations) const {
+  RecordedJump description(const Correction& found, const PathDirection& way, int factorizations) const {
     const Model& model = problem_->model;
     RecordedJump jump{here_.load_factor, found.load_factor};
     jump.released = released_energy(model, here_.state, jump.from, found.state, jump.to);
+    jump.motion = judge_.measure().motion(way.x);
     jump.factorizations = factorizations;
-    MixedVector none = model.create_vector();
-    none.fill(0.0);
-    jump.motion = judge_.measure().motion(increment_between(model, here_.state, found.state, none));
     const std::vector<Vector3> moved = difference(model, here_.state, found.state).vertex_displacement;
     int farthest = 0;
     for (size_t v = 0; v < moved.size(); ++v)
@@ -167,7 +177,8 @@ class JumpPath {
   StepJudge judge_;
   std::unique_ptr<Descent> descent_{};
   Station here_;
-  double size_ = 0.0;  ///< of the next step
+  bool started_ = false;  ///< here_ is a stable state
+  double size_ = 0.0;     ///< of the next step
   int attempts_left_ = 0;
 };
 

@@ -146,8 +146,8 @@ void expect_where_the_path_leads(const Scene& scene) {
   ASSERT_TRUE(result.finished) << result.failure;
   EXPECT_GE(limit_points, 2);
   EXPECT_NEAR(followed.load_factor(), 1.0, kSame);
-  EXPECT_TRUE(
-      agrees(jumped.sample("left half", 0.5).displacement, followed.sample("left half", 0.5).displacement, kSame));
+  EXPECT_TRUE(agrees(to_array(jumped.sample("left half", 0.5).displacement),
+                     to_array(followed.sample("left half", 0.5).displacement), kSame));
   EXPECT_NEAR(jumped.strain_energy().moment, followed.strain_energy().moment, kSame);
 }
 

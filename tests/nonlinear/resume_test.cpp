@@ -70,6 +70,11 @@ void expect_same(const StepReport& a, const StepReport& b) {
   EXPECT_EQ(a.point.newton_iterations, b.point.newton_iterations);
   EXPECT_EQ(a.point.stage, b.point.stage);
   EXPECT_EQ(a.point.critical_points, b.point.critical_points);
+  EXPECT_EQ(a.point.jumps, b.point.jumps);
+  ASSERT_EQ(a.jump.has_value(), b.jump.has_value());
+  if (a.jump) {
+    EXPECT_EQ(a.jump->released, b.jump->released);
+  }
   EXPECT_EQ(a.point.path_length, b.point.path_length);
   EXPECT_EQ(a.point.direction, b.point.direction);
   EXPECT_EQ(a.point.negative, b.point.negative);
@@ -153,6 +158,16 @@ TEST(Resume, BranchBehindABifurcation) {
   SolverParameters parameters;
   parameters.analysis.branch = Branch::positive;
   expect_resumable_everywhere(column, parameters);
+}
+
+TEST(Resume, PathWithJumps) {
+  SolverParameters parameters;
+  parameters.analysis.snap = Snap::jump;
+  Simulation whole(snapping_frame(), parameters, this_rank());
+  int jumps = 0;
+  whole.run([&](const StepReport& report, const State&) { jumps = report.point.jumps; });
+  EXPECT_EQ(jumps, 1);
+  expect_resumable_everywhere(snapping_frame(), parameters);
 }
 
 /// A point of a path that has not branched yet is not one behind a branch: what is kept for resuming matters.
