@@ -108,16 +108,17 @@ class Parameters(MutableMapping):
         return [*super().__dir__(), *self._declaration.xml_names]
 
     def update_by_name(self, given):
-        """Sets what `given` {name: value} tells; a name of one of the lists below is found there: E is that of Material."""
+        """Sets what `given` {name: value} tells; a name of one of the lists below is found there, in the first that has it:
+        E is that of Material."""
         for name, value in given.items():
             places = self._declaration.places(name)
-            if len(places) != 1 and not self._takes(name):
+            if not places and not self._takes(name):
                 known = [*self._declaration.xml_names]
                 for inner in self._declaration.lists.values():
                     known += inner.xml_names
                 raise unknown(self._place(), name, known)
             target = self
-            for xml in places[0] if len(places) == 1 else ():
+            for xml in places[0] if places else ():
                 target = getattr(target, xml)
             if target._takes(name):
                 target[name] = value
