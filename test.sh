@@ -9,9 +9,9 @@ usage() {
   cat <<'END'
 usage: ./test.sh [--no-install] [--headers] [--] [option of ctest]...
 
-Installs missing Debian packages, configures and builds the preset "release", and runs the tests. ParaView's Python is
-installed for one test where that removes nothing, and a language server of npm for another; without them these tests
-are skipped.
+Installs missing Debian packages (for tests of pages also a browser without a screen), configures and builds the preset
+"release", and runs the tests. ParaView's Python is installed for one test where that removes nothing, and a language server
+of npm for another; without them these tests are skipped.
 
   --no-install   stop with the list of missing packages instead of installing them
   --headers      also compile each header alone (a few seconds for each one that includes Trilinos)
@@ -35,7 +35,7 @@ while [[ $# -gt 0 ]]; do
   shift
 done
 
-prepare "$install"
+prepare "$install" "$browser_package"
 ensure_vtk "$install"
 ensure_yaml_server "$install"
 if [[ $headers == yes ]]; then

@@ -40,6 +40,10 @@ readonly vtk_package=python3-paraview
 # Node.js 18. As above: only test.sh asks for it, and without it that test is skipped.
 readonly yaml_server=yaml-language-server@1.15.0
 
+# Opens the pages of mixbeam view without a screen and draws WebGL without a graphics processor. Only test.sh asks for it
+# (80 MB), and no test is skipped for want of it.
+readonly browser_package=chromium-headless-shell
+
 say() { printf '== %s\n' "$*"; }
 fail() { # fail <exit code> <message>...
   local code=$1
@@ -52,9 +56,9 @@ status_of() { # status_of <package>
   dpkg-query --show --showformat='${db:Status-Status}' "$1" 2>/dev/null
 }
 
-missing_packages() {
+missing_packages() { # missing_packages [further package]...
   local package
-  for package in "${required_packages[@]}"; do
+  for package in "${required_packages[@]}" "$@"; do
     [[ $(status_of "$package") == installed ]] || printf '%s\n' "$package"
   done
 }
@@ -77,13 +81,13 @@ install_packages() { # install_packages [option of apt-get install]... <package>
   as_root "${apt[@]}" update && as_root "${install_command[@]}"
 }
 
-ensure_packages() { # ensure_packages <install: yes|no>
+ensure_packages() { # ensure_packages <install: yes|no> [further package]...
   if ! command -v dpkg-query >/dev/null; then
     say "Not a Debian system: packages are not checked, the configuration will say what is missing"
     return
   fi
   local missing
-  mapfile -t missing < <(missing_packages)
+  mapfile -t missing < <(missing_packages "${@:2}")
   [[ ${#missing[@]} -gt 0 ]] || return 0
   local by_hand="apt-get install --no-install-recommends ${missing[*]}"
   say "Missing Debian packages: ${missing[*]}"
@@ -122,8 +126,8 @@ ensure_yaml_server() { # ensure_yaml_server <install: yes|no>; never ends the sc
   printf '    npm install --prefix %s %s\n' "$folder" "$yaml_server"
 }
 
-prepare() { # prepare <install: yes|no>
-  ensure_packages "$1"
+prepare() { # prepare <install: yes|no> [further package]...
+  ensure_packages "$@"
   say "Configure ($preset)"
   cmake --preset "$preset" --log-level=NOTICE || fail 1 "Configuring failed."
   say "Build ($build_directory)"

@@ -24,6 +24,7 @@ int batch_command(const Arguments& arguments);
 int resume_command(const Arguments& arguments);
 int plot_command(const Arguments& arguments);
 int report_command(const Arguments& arguments);
+int view_command(const Arguments& arguments);
 int verify_command(const Arguments& arguments);
 
 /// Help on the whole program, or on one subcommand; empty when there is none of that name.

@@ -23,6 +23,7 @@ const char* const kProgram =
     "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
     "  plot RESULTS.h5     draws pictures of results\n"
     "  report RESULTS.h5   writes one HTML page about a run\n"
+    "  view RESULTS.h5     writes one HTML file that shows the structure in a browser, to turn and to ask\n"
     "  verify RESULTS.h5   checks that a result file is what was written\n\n"
     "mixbeam COMMAND --help tells more; mixbeam --version prints the version.\n\n";
 
@@ -111,6 +112,13 @@ const std::map<std::string, const char*>& texts() {
        "usage: mixbeam report RESULTS.h5 [--output FILE.html] [--summary SUMMARY.json]\n\n"
        "Writes one HTML page about a run, to attach to a project: result, stability, critical points, quantities,\n"
        "reactions, stresses, structure, pictures, versions, the scene. Needs Python with matplotlib and h5py.\n\n"},
+      {"view",
+       "usage: mixbeam view RESULTS.h5 [-o FILE.html] [--case NAME]\n\n"
+       "Writes one HTML file, by default beside the results, that any browser with WebGL 2 opens without network: the\n"
+       "deformed structure with its sections, coloured by any recorded field, step by step, with load path, critical\n"
+       "points, modes, supports and loads. Needs Python with matplotlib and h5py.\n\n"
+       "  -o, --output FILE    default: RESULTS-view.html\n"
+       "  --case NAME          load case: takes RESULTS-NAME.h5 beside RESULTS.h5\n\n"},
   };
   return all;
 }

@@ -21,7 +21,9 @@ const std::map<std::string, Command> kCommands = {{"run", run_command},       {"
                                                   {"check", check_command},   {"parameters", parameters_command},
                                                   {"resume", resume_command}, {"plot", plot_command},
                                                   {"verify", verify_command}, {"report", report_command},
-                                                  {"schema", schema_command}, {"convert", convert_command}};
+                                                  {"schema", schema_command}, {"convert", convert_command},
+
+                                                  {"view", view_command}};
 
 std::vector<std::string> command_names() {
   std::vector<std::string> names;
@@ -52,7 +54,8 @@ int dispatch(const std::vector<const char*>& words) {
   }
   const Arguments arguments{{words.begin() + 1, words.end()}};
   const auto asks_for_help = [](const char* argument) { return std::string(argument) == "--help"; };
-  const bool own_help = (word != "plot" && word != "report") || words.size() < 4;
+  const bool runs_a_script = word == "plot" || word == "report" || word == "view";
+  const bool own_help = !runs_a_script || words.size() < 4;
   if (own_help && std::any_of(words.begin(), words.end(), asks_for_help)) {
     std::cout << help_text(word);
     return 0;

@@ -79,4 +79,6 @@ int plot_command(const Arguments& arguments) { return run_script(arguments, "plo
 
 int report_command(const Arguments& arguments) { return run_script(arguments, "report.py"); }
 
+int view_command(const Arguments& arguments) { return run_script(arguments, "view_result.py"); }
+
 }  // namespace mixbeam

@@ -31,9 +31,10 @@ class Field:
         columns = step.field(self.source)[:, self.components]
         values = columns[:, 0] if self.signed else np.linalg.norm(columns, axis=1)
         values = np.where(np.isfinite(values), values, 0.0)
-        return values if np.abs(values).max(initial=0.0) > self._floor(step, size) else np.zeros_like(values)
+        return values if np.abs(values).max(initial=0.0) > self.floor(step, size) else np.zeros_like(values)
 
-    def _floor(self, step, size):
+    def floor(self, step, size):
+        """Numbers of its source up to this one are round-off."""
         force, moment = (_largest(step.field(name)) for name in ("material_force", "material_moment"))
         moment = max(moment, NO_LOAD / NOISE * _bending_stiffness(step) / size)
         if self.source == "material_force":
@@ -96,6 +97,18 @@ def times(exponent, unit=""):
     """Words behind an axis label for numbers in a unit that were divided by 10^exponent."""
     words = [rf"$10^{{{exponent}}}$"] * bool(exponent) + [unit] * bool(unit)
     return f"  [{' '.join(words)}]" if words else ""
+
+
+PLAIN = {r"\sqrt{M_2^2+M_3^2}": "\u221a(M\u2082\u00b2+M\u2083\u00b2)", r"\sqrt{Q_2^2+Q_3^2}": "\u221a(Q\u2082\u00b2+Q\u2083\u00b2)",
+         r"\sqrt{\kappa_2^2+\kappa_3^2}": "\u221a(\u03ba\u2082\u00b2+\u03ba\u2083\u00b2)", r"\sigma_{11}": "\u03c3\u2081\u2081",
+         r"\gamma": "\u03b3", r"\kappa": "\u03ba", r"\tau": "\u03c4", "_1": "\u2081", "_2": "\u2082", "_3": "\u2083", "$": ""}
+
+
+def plain(label):
+    """A label without mathematical markup, for pages and tables."""
+    for markup, letters in PLAIN.items():
+        label = label.replace(markup, letters)
+    return label
 
 
 def color_scale(field, values):

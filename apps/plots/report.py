@@ -1,65 +1,15 @@
 #!/usr/bin/python3
-"""One page about a run, to attach to a project: scene, loads, path, answers, pictures, versions. One HTML file without
-links to anything else."""
+"""One page about a run, to attach to a project: scene, loads, path, answers, pictures, versions. One HTML file that
+needs nothing else; where mixbeam view has written its file, a link leads there."""
 
 import argparse
-import base64
-import html
-import io
 import json
 import sys
 from pathlib import Path
 
-BAD_INPUT = 2       # exit code, as of all programs of mixbeam
-MOST_ROWS = 40      # of a table; the result file has all
-DOTS_PER_INCH = 90  # of pictures, so that a page stays below 2 MB
-STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}"
-         "table{border-collapse:collapse;margin:.6em 0}td,th{padding:.15em .8em .15em 0;text-align:right;border-bottom:1px "
-         "solid #ddd}td:first-child,th:first-child{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
-         "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}")
+from html_page import MOST_ROWS, Page, cell_text, view_beside
 
-
-class Page:
-    """HTML from plain text: what comes from a scene is data, never markup. The only writer of pages."""
-
-    def __init__(self, title):
-        self._parts = [f"<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>{html.escape(title)}</title>"
-                       f"<style>{STYLE}</style><h1>{html.escape(title)}</h1>"]
-
-    def heading(self, text):
-        self._parts.append(f"<h2>{html.escape(text)}</h2>")
-
-    def text(self, text, bad=False):
-        self._parts.append(f"<p{' class=bad' if bad else ''}>{html.escape(text)}</p>")
-
-    def table(self, head, rows):
-        """The first MOST_ROWS rows; numbers with six digits."""
-        cells = lambda tag, row: "".join(f"<{tag}>{html.escape(_cell(cell))}</{tag}>" for cell in row)
-        self._parts.append("<table><tr>" + cells("th", head) + "</tr>")
-        self._parts += ["<tr>" + cells("td", row) + "</tr>" for row in rows[:MOST_ROWS]]
-        self._parts.append("</table>")
-        if len(rows) > MOST_ROWS:
-            self.text(f"... and {len(rows) - MOST_ROWS} more in the result file.")
-
-    def picture(self, canvas, words, style):
-        data = io.BytesIO()
-        canvas.savefig(data, format="png", dpi=DOTS_PER_INCH)
-        style.plt.close(canvas)
-        code = base64.b64encode(data.getvalue()).decode()
-        self._parts.append(f"<p><img alt=\"{html.escape(words, quote=True)}\" src=\"data:image/png;base64,{code}\"></p>")
-
-    def folded(self, title, text):
-        self._parts.append(f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(text)}</pre></details>")
-
-    def write(self, path):
-        """Only whole pages appear under the name."""
-        unfinished = path.with_name(f".{path.name}.unfinished")
-        unfinished.write_text("\n".join(self._parts) + "\n</html>\n", encoding="utf-8")
-        unfinished.replace(path)
-
-
-def _cell(value):
-    return value if isinstance(value, str) else f"{value:.6g}" if isinstance(value, float) else str(value)
+BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
 def main():
@@ -74,7 +24,8 @@ def main():
         return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
     try:
         with Run(options.result) as run:
-            page = Page(f"{run.scene_name}" + (f", load case {run.case}" if run.case else ""))
+            page = Page(run.title)
+            page.title(run.title)
             _write_answers(page, run)
             _write_structure(page, run)
             if options.summary:
@@ -84,6 +35,9 @@ def main():
             page.table(("", ""), sorted(run.properties().items()))
             page.folded("The scene, word for word", run.scene_text())
             path = options.output or options.result.with_suffix(".html")
+            view = view_beside(path.parent / options.result.name)
+            if view.exists():
+                page.link("The structure in the browser, to turn and to ask", view.name)
             page.write(path)
             print(path)
     except (InputError, OSError, ValueError, KeyError) as error:
@@ -166,7 +120,7 @@ def _write_structure(page, run):
 def _write_checks(page, summary):
     page.heading("Checks")
     page.table(("check", "value", "reference", "passed"),
-               [(check["name"], _cell(check.get("value", "")), _cell(check.get("reference", "")), "yes" if check["pass"] else "NO")
+               [(check["name"], cell_text(check.get("value", "")), cell_text(check.get("reference", "")), "yes" if check["pass"] else "NO")
                 for check in summary.get("checks", [])])
     for warning in summary.get("warnings", []):
         page.text(f"warning: {warning}", bad=True)

@@ -242,8 +242,8 @@ class Run:
             self.members = _members(self._file["members"])
             if members is not None:
                 self.members = self.members_meant(members)
-            selection = Selection(members and self.members)
-            self.steps = [Step(self._file["steps"][name], selection) for name in sorted(self._file["steps"])]
+            self._selection = Selection(members and self.members)
+            self.steps = [Step(self._file["steps"][name], self._selection) for name in sorted(self._file["steps"])]
         except KeyError as error:
             raise InputError(f"{path}: a result file of mixbeam, but incomplete ({error.args[0]})") from None
         if not self.steps:
@@ -285,6 +285,10 @@ class Run:
         words = [word.strip() for word in self._units.split(",")]
         return tuple(words) if len(words) == 2 else ("", "")
 
+    @property
+    def title(self):
+        return self.scene_name + (f", load case {self.case}" if self.case else "")
+
     def step_at(self, load_factor):
         """The step whose load factor is nearest."""
         return min(self.steps, key=lambda step: abs(step.load_factor - load_factor))
@@ -292,6 +296,11 @@ class Run:
     def critical_points(self):
         """All on the path, in its order."""
         return [point for step in self.steps for point in step.critical_points()]
+
+    def buckling_modes(self):
+        """[(load factor, displacements (n, 3))] of the linear buckling analysis of the undeformed structure."""
+        group = self._file.get("buckling", {})
+        return [(float(group[name].attrs["load_factor"]), self._selection.of(group[name]["mode"])) for name in sorted(group, key=int)]
 
     def reference(self):
         """Undeformed positions of all samples, (n, 3)."""

@@ -62,30 +62,49 @@ class Marks:
             self._keep(self.supports, place, kind_of_support(fixed, stiffness))
             if np.any(stiffness > 0) and np.any(fixed):
                 self._keep(self.supports, place, "spring")
-        for place, axes, prescribed, begins in _rows(table, "place", "position", "axes", "prescribed", "begins"):
+        for sample, shift, turn, begins in self.placed_motions(table):
             if self._has_begun(begins):
-                for own, marks in ((prescribed[:3], self.shifts), (prescribed[3:], self.turns)):
-                    if np.any(own):
-                        self._keep(marks, place, own @ axes.reshape(3, 3) / np.linalg.norm(own))
+                for vector, marks in ((shift, self.shifts), (turn, self.turns)):
+                    if np.any(vector):
+                        marks.append((sample, vector / np.linalg.norm(vector)))
+
+    def placed_motions(self, table):
+        """(sample, prescribed displacement and rotation, load factor at which they begin) of the supports that are shown."""
+        for place, axes, prescribed, begins in _rows(table, "place", "position", "axes", "prescribed", "begins"):
+            sample = self._sample(*place) if np.any(prescribed) else None
+            if sample is not None:
+                yield sample, prescribed[:3] @ axes.reshape(3, 3), prescribed[3:] @ axes.reshape(3, 3), begins
 
     def _add_joints(self, table):
         for number, (place,) in enumerate(_rows(table, "place", "position")):
             self._keep(self.joints, place, table["kind"][number])
 
-    def _add_point_loads(self, table):
+    def placed_point_loads(self, table):
+        """(sample, force, moment, whether they follow the triad, load factor at which they begin) of those that are shown."""
         for place, force, moment, follows, begins in _rows(table, "place", "position", "force", "moment", "follower", "begins"):
             sample = self._sample(*place)
-            if sample is None or not self._has_begun(begins):
+            if sample is not None:
+                yield sample, force, moment, bool(follows), begins
+
+    def _add_point_loads(self, table):
+        for sample, force, moment, follows, begins in self.placed_point_loads(table):
+            if not self._has_begun(begins):
                 continue
             for vector, marks in ((force, self.forces), (moment, self.moments)):
                 if np.any(vector):
                     marks.append((sample, self._turned(vector / np.linalg.norm(vector), follows, [sample])[0]))
 
-    def _add_line_loads(self, table):
+    def placed_line_loads(self, table):
+        """(samples, forces (places, 3), whether they follow the triad, load factor at which they begin) of those that are shown."""
         for member, force, follows, begins in _rows(table, "member", None, "force", "follower", "begins"):
             samples = self._samples_along(int(member), len(force) // 3)
-            if samples is not None and np.any(force) and self._has_begun(begins):
-                self.line_loads.append((samples, self._turned(force.reshape(-1, 3), follows, samples)))
+            if samples is not None and np.any(force):
+                yield samples, force.reshape(-1, 3), bool(follows), begins
+
+    def _add_line_loads(self, table):
+        for samples, forces, follows, begins in self.placed_line_loads(table):
+            if self._has_begun(begins):
+                self.line_loads.append((samples, self._turned(forces, follows, samples)))
 
     def _add_eigenstrains(self, table):
         for number, begins in zip(table.get("member", []), table.get("begins", [])):

@@ -1,0 +1,341 @@
+"""What the page of `mixbeam view` draws: samples, sections, fields, path and modes of a run, as arrays for a browser.
+
+Positions are relative to the middle of the structure and all arrays are float32: seven digits, for drawing and reading
+off. A structure of more than MOST_SAMPLES samples is thinned, and so are steps of a page above MOST_BYTES.
+"""
+
+import numpy as np
+
+import fields
+from fields import Field
+from scene_marks import Marks
+from structure import best_view
+from view import CAMERAS, PLANES
+
+MOST_SAMPLES = 100000
+MOST_BYTES = 48e6      # of numbers in a page; a browser opens it in a few seconds
+MOST_SERIES = 1200     # numbers followed along the path that can be chosen
+NO_VALUE = np.float32(1e30)  # in place of nan, which processors of graphics need not know
+FLAT = 1e-6            # a structure this thin over its size lies in a plane
+THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
+SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
+DIRECTIONS = 120       # in which the corners of the path's hull are looked for
+
+FORCES = ("material_force", "material_moment")
+COMPONENTS = ("displacement", *FORCES, "force_strain", "moment_strain")
+STRESSES = ("largest_normal_stress", "largest_shear_stress", "von_mises_stress")
+STEP_ARRAYS = ("triad", *COMPONENTS, *STRESSES, "utilisation")
+NUMBERS_OF_SAMPLE = 3 * len(COMPONENTS) + 4  # in a step without stresses
+FIELDS = {
+    **fields.FIELDS,
+    **{f"displacement_{axis}": Field(f"displacement {axis}", "displacement", [i]) for i, axis in enumerate("xyz")},
+    **{f"shear_strain_{i + 1}": Field(rf"shear strain $\gamma_{i + 1}$", "force_strain", [i]) for i in (1, 2)},
+    **{f"curvature_{i + 1}": Field(rf"bending strain $\kappa_{i + 1}$", "moment_strain", [i]) for i in (1, 2)},
+    "utilisation": fields.StressField("utilisation: von Mises stress over strength", "utilisation"),
+}
+
+
+class HeldStep:
+    """The fields of a step, each read once, round-off being zero; stresses divided by the strength are one of them."""
+
+    def __init__(self, step, strength, size):
+        self._step, self._strength, self._held = step, strength, {}
+        self.number = step.number
+        for name in COMPONENTS:
+            self._held[name] = step.field(name)
+        floors = {name: Field("", name, [0]).floor(self, size) for name in COMPONENTS}
+        self.force_floors = [floors[name] for name in FORCES]
+        self._is_loaded = any(np.abs(self._held[name]).max(initial=0.0) > floors[name] for name in FORCES)
+        for name, floor in floors.items():
+            self._held[name][np.abs(self._held[name]) <= floor] = 0.0
+
+    def has(self, name):
+        if name == "utilisation":
+            return self._step.has("von_mises_stress") and np.isfinite(self._strength).any()
+        return self._step.has(name)
+
+    def field(self, name):
+        if name == "utilisation":
+            return self.field("von_mises_stress") / self._strength
+        if name not in self._held:
+            self._held[name] = self._step.field(name)
+            if name in STRESSES and not self._is_loaded:
+                self._held[name] = np.where(np.isfinite(self._held[name]), 0.0, np.nan)
+        return self._held[name]
+
+
+class ViewData:
+    """`description`: what is said in words and single numbers; `arrays`: {name: float32 or uint32 array}."""
+
+    def __init__(self, run):
+        self._run = run
+        self._reference = run.reference()
+        self._kept, self._members, self._firsts = _thinned(run.members)
+        self._place = np.full(len(self._reference), -1)
+        self._place[self._kept] = np.arange(len(self._kept))
+        low, high = self._reference.min(axis=0), self._reference.max(axis=0)
+        self._center, self._size = (low + high) / 2, float(np.linalg.norm(high - low)) or 1.0
+        self.arrays = {}
+        self.description = {"title": run.title, "units": run.units, "version": run.properties()["version"],
+                            "center": self._center.tolist(), "notes": [], "samples": len(self._kept)}
+        self._describe_members()
+        self._add_sections()
+        self._add_steps()
+        self._add_modes()
+        self._add_series()
+        self._add_marks()
+
+    def _describe_members(self):
+        whole = len(self._reference)
+        if len(self._kept) < whole:
+            self.description["notes"].append(
+                f"Thinned: {len(self._kept)} of {whole} samples and {len(self._members)} of {len(self._run.members)} members are "
+                "drawn; the result file has all.")
+        self.description["members"] = [member.name for member in self._members]
+        self.description["all_members"] = len(self._run.members)
+        ends = np.append(self._firsts[1:], len(self._kept)) - 1
+        self.description["first_sample"] = self._firsts.tolist()
+        where = np.zeros((len(self._kept), 1))  # 1: first, 2: last sample of its member
+        where[self._firsts], where[ends] = 1, 2
+        self.arrays["reference"] = _single(np.hstack([self._reference[self._kept] - self._center, where]))
+        arc = np.concatenate([member.arc_length for member in self._members])
+        self.arrays["arc_length"] = _single(arc[_kept_of_members(self._members, self._kept)])
+        self._ends = ends
+
+    def _add_sections(self):
+        acting = self._run.acting()
+        shapes = acting.get("sections")
+        lengths = [float(member.arc_length[-1]) for member in self._members]
+        rod = min(THIN_ROD * self._size, SLENDER_ROD * float(np.median(lengths)))
+        dimensions = np.tile([rod, rod, 0.0, 0.0], (len(self._kept), 1))
+        strength = np.full(len(self._reference), np.nan)
+        kinds, names = ["none"] * len(self._members), [""] * len(self._members)
+        for at, member in enumerate(self._members if shapes else ()):
+            row = int(acting["members"]["section"][member.index])
+            names[at] = shapes["name"][row]
+            if shapes["shape"][row] == "none":
+                continue
+            kinds[at] = shapes["shape"][row]
+            own = slice(self._firsts[at], self._ends[at] + 1)
+            x = member.arc_length[self._kept[own] - member.samples.start] / member.arc_length[-1]
+            dimensions[own] = _along(shapes["dimensions"][row].reshape(-1, 4), x)
+            if kinds[at] in ("circle", "tube"):
+                dimensions[own, 1] = dimensions[own, 0]
+            strength[self._kept[own]] = _along(shapes["strength"][row].reshape(-1, 1), x)[:, 0]
+        self._strength = strength
+        self.arrays["dimensions"] = _single(dimensions)
+        self.description.update(kinds=kinds, sections=names)
+        if "none" in kinds:
+            which = "Members are" if set(kinds) == {"none"} else "Members without a Shape are"
+            self.description["notes"].append(
+                f"{which} drawn as round rods of diameter {rod:.3g}" +
+                (f" {self._run.units[0]}." if self._run.units[0] else "."))
+
+    def _add_steps(self):
+        shown = self._shown_steps()
+        described = []
+        self._largest = np.zeros(len(self._run.steps))
+        hull = [_corners(self._reference - self._center)]
+        extremes = {name: [] for name in FIELDS}
+        for number, step in enumerate(self._run.steps):
+            held = HeldStep(step, self._strength, self._size)
+            displacement = held.field("displacement")
+            self._largest[number] = np.linalg.norm(displacement, axis=1).max(initial=0.0)
+            self._force_floors = held.force_floors
+            if number not in shown:
+                continue
+            hull.append(_corners(held.field("position") - self._center))
+            at = len(described)
+            described.append({"number": step.number, "factor": step.load_factor, "stable": step.stable, "place": number})
+            for name in STEP_ARRAYS:
+                if held.has(name):
+                    self.arrays[f"{name}-{at}"] = _single(held.field(name)[self._kept])
+            for name, field in FIELDS.items():
+                extremes[name].append(self._extremes(field, held))
+        self.description["steps"] = described
+        self.description["fields"] = [self._described_field(name, field, extremes[name]) for name, field in FIELDS.items()
+                                      if any(extremes[name])]
+        points = np.vstack(hull)
+        self.description["hull"] = _corners(points).round(9).tolist()
+        self.description["camera"] = self._camera(points)
+        self.description["size"] = self._size
+
+    def _shown_steps(self):
+        """Numbers of the steps that the page holds: the last one, and as many others as there is room for, evenly."""
+        count = len(self._run.steps)
+        room = max(2, int(MOST_BYTES / (4 * NUMBERS_OF_SAMPLE * len(self._kept))))
+        if room >= count:
+            return set(range(count))
+        self.description["notes"].append(f"{room} of {count} steps are drawn; the load path has all.")
+        return set(np.linspace(0, count - 1, room).round().astype(int).tolist())
+
+    def _extremes(self, field, step):
+        """Smallest and largest value, round-off being zero; nothing where the step does not have the field."""
+        if not step.has(field.source):
+            return None
+        values = field.values(step, self._size)
+        values = values[np.isfinite(values)]
+        return [float(values.min()), float(values.max())] if len(values) else None
+
+    def _described_field(self, name, field, extremes):
+        return {"name": name, "label": fields.plain(field.label), "unit": field.unit(self._run.units), "source": field.source,
+                "components": list(field.components) or [0], "signed": field.signed, "extremes": extremes}
+
+    def _camera(self, points):
+        """Elevation and azimuth [degrees]: upon the plane in which all lies, else where most is seen."""
+        spread = np.ptp(points, axis=0)
+        for plane, axes in PLANES.items():
+            if all(spread[i] <= FLAT * self._size for i in range(3) if i not in axes):
+                return list(CAMERAS[plane])
+        return [float(angle) for angle in best_view(points)]
+
+    def _add_modes(self):
+        described = []
+        for step_number, step in enumerate(self._run.steps):
+            for point in step.critical_points():
+                at = len(described)
+                described.append({"kind": point.kind, "factor": point.load_factor, "step": step_number, "modes": point.modes,
+                                  "before": point.negative_before, "after": point.negative_after})
+                self.arrays[f"critical-displacement-{at}"] = _single(point.field("displacement")[self._kept])
+                self._add_mode(f"mode-{at}", point.field("mode"))
+        for factor, mode in self._run.buckling_modes():
+            at = len(described)
+            described.append({"kind": "buckling mode", "factor": factor, "step": 0})
+            self._add_mode(f"mode-{at}", mode)
+        self.description["modes"] = described
+
+    def _add_mode(self, name, mode):
+        largest = np.linalg.norm(mode, axis=1).max(initial=0.0) or 1.0
+        self.arrays[name] = _single(mode[self._kept] / largest)
+
+    def _add_series(self):
+        """What can be drawn over the path: a row for each step, then one for each critical point."""
+        run, points = self._run, self._run.critical_points()
+        columns = {"load factor": (np.array([step.load_factor for step in run.steps]), [point.load_factor for point in points])}
+        unknown = [np.nan] * len(points)
+        for name, values in run.quantities().items():
+            columns[name] = (values, unknown)
+        vectors = {name: values for name, values in run.monitor().items() if values.ndim == 2 and len(values) == len(run.steps)}
+        floors = self._floors(vectors)
+        for name, values in vectors.items():
+            if len(columns) > MOST_SERIES:
+                break
+            values = np.where(np.abs(values) > floors.get(_kind(name), 0.0), values, 0.0)
+            there = [point.monitored(name) for point in points]
+            there = np.array([row if row is not None else [np.nan] * 3 for row in there]).reshape(-1, 3)
+            for i, axis in enumerate("xyz"):
+                columns[f"{name}.{axis}"] = (values[:, i], there[:, i])
+            columns[f"{name}.norm"] = (np.linalg.norm(values, axis=1), np.linalg.norm(there, axis=1))
+        columns["largest displacement"] = (self._largest, unknown)
+        energy = run.monitor().get("strain_energy")
+        if energy is not None and len(energy) == len(run.steps):
+            columns["strain energy"] = (energy, unknown)
+        rows = [np.concatenate(column) for column in columns.values()]
+        self.arrays["series"] = _single(np.array(rows))
+        self.description["series_names"] = list(columns)
+        self.description["stable"] = [step.stable for step in run.steps]
+        self.description["abscissa"] = self._telling_series(columns)
+
+    def _floors(self, vectors):
+        """Round-off of what is followed, by its kind: relative to the largest of any point and step, and to section
+        forces at the end."""
+        largest = {}
+        for name, values in vectors.items():
+            largest[_kind(name)] = max(largest.get(_kind(name), 0.0), float(np.nanmax(np.abs(values), initial=0.0)))
+        force, moment = largest.get("reaction_force", 0.0), largest.get("reaction_moment", 0.0)
+        largest.update(reaction_force=max(force, moment / self._size), reaction_moment=max(moment, force * self._size))
+        floors = {kind: fields.NOISE * value for kind, value in largest.items()}
+        for kind, floor in zip(("reaction_force", "reaction_moment"), self._force_floors):
+            floors[kind] = max(floors[kind], floor)
+        return floors
+
+    def _telling_series(self, columns):
+        """Of displacements, the one that changes most."""
+        moved = {name: np.ptp(values) for name, (values, _) in columns.items()
+                 if ".displacement." in name and not name.endswith(".norm") and np.isfinite(values).all()}
+        best = max(moved, key=moved.get, default=None)
+        return best if best and moved[best] > 1e-9 * self._size else "largest displacement"
+
+    def _add_marks(self):
+        run = self._run
+        acting, marks = run.acting(), Marks(run, run.steps[-1], self._reference)
+        place = lambda sample: int(self._nearest(sample))
+        arrows = {"forces": [], "moments": [], "shifts": [], "turns": []}
+
+        def add(kind, sample, vector, follows, begins):
+            if np.any(vector):
+                arrows[kind].append([place(sample), (vector / np.linalg.norm(vector)).tolist(), follows, _finite(begins)])
+
+        for sample, force, moment, follows, begins in marks.placed_point_loads(acting.get("point_loads", {})):
+            add("forces", sample, force, follows, begins)
+            add("moments", sample, moment, follows, begins)
+        for sample, shift, turn, begins in marks.placed_motions(acting.get("supports", {})):
+            add("shifts", sample, shift, False, begins)
+            add("turns", sample, turn, False, begins)
+        lines = [[[place(sample) for sample in samples], forces.tolist(), follows, _finite(begins)]
+                 for samples, forces, follows, begins in marks.placed_line_loads(acting.get("line_loads", {}))]
+        shown = {member.name for member in self._members}
+        self.description.update(
+            supports=[[place(sample), kind] for sample, kind in marks.supports],
+            joints=[[place(sample), kind] for sample, kind in marks.joints], line_loads=lines,
+            strained=[number for number, member in enumerate(self._members)
+                      if member.name in shown and member in marks.strained], **arrows)
+
+    def _nearest(self, sample):
+        """Number among those drawn of the nearest one that is."""
+        at = np.searchsorted(self._kept, sample)
+        near = [i for i in (at - 1, at) if 0 <= i < len(self._kept)]
+        return min(near, key=lambda i: abs(int(self._kept[i]) - int(sample)))
+
+
+def _thinned(members):
+    """(numbers of samples, members, number of each one's first sample among them): all, or every n-th of each member and
+    its last one; where members are too many, every m-th member."""
+    if 2 * len(members) > MOST_SAMPLES:
+        members = members[::-(-2 * len(members) // MOST_SAMPLES)]
+    counts = np.array([member.samples.stop - member.samples.start for member in members])
+    stride = 1
+    while (-(-(counts - 1) // stride) + 1).sum() > MOST_SAMPLES:
+        stride += 1
+    kept = [np.unique(np.append(np.arange(member.samples.start, member.samples.stop, stride), member.samples.stop - 1))
+            for member in members]
+    firsts = np.cumsum([0] + [len(own) for own in kept[:-1]])
+    return np.concatenate(kept), members, firsts
+
+
+def _kept_of_members(members, kept):
+    """The kept samples by their places in the joined arrays of these members."""
+    starts = np.array([member.samples.start for member in members])
+    counts = np.array([member.samples.stop - member.samples.start for member in members])
+    owner = np.searchsorted(starts, kept, side="right") - 1
+    return kept - starts[owner] + (np.cumsum(counts) - counts)[owner]
+
+
+def _along(values, x):
+    """Rows at relative arc lengths `x` of values at evenly spread places."""
+    places = np.linspace(0.0, 1.0, len(values))
+    return np.stack([np.interp(x, places, column) for column in values.T], axis=1)
+
+
+def _corners(points):
+    """Those points that are the farthest in evenly spread directions (Fibonacci's sphere)."""
+    turn = np.pi * (3 - np.sqrt(5)) * np.arange(DIRECTIONS)
+    height = 1 - 2 * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS
+    radius = np.sqrt(1 - height ** 2)
+    directions = np.stack([radius * np.cos(turn), radius * np.sin(turn), height])
+    return points[np.unique((points @ directions).argmax(axis=0))]
+
+
+def _kind(name):
+    """Of what is followed at a point: "displacement" of "tip.displacement"."""
+    return name.rpartition(".")[2]
+
+
+def _finite(begins):
+    """Load factor from which something acts; before any where a formula says it."""
+    return float(begins) if np.isfinite(begins) else -1e30
+
+
+def _single(values):
+    values = np.asarray(values, dtype=float)
+    return np.where(np.isfinite(values) & (np.abs(values) < NO_VALUE), values, NO_VALUE).astype("<f4")

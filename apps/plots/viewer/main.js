@@ -1,0 +1,255 @@
+// Puts the parts together, and hands them what the user does.
+
+const MODE_SHARE = 0.12; // largest displacement of a mode over the size of the structure
+const VISIBLE_SHARE = 0.1; // the same of displacements that are made visible
+const PLAY_SECONDS = 6;
+const VIEWS = { xy: [90, -90], xz: [0, -90], yz: [0, 0], iso: [35.264, -45] }; // elevation, azimuth
+const ROOM = [130, 70, 96, 72]; // pixels left free around the structure: left, right, top, bottom
+
+class App {
+  constructor() {
+    this.result = new Result();
+    this.panel = new Panel(this.result);
+    this.painter = new Painter(byId("scene"), this.result);
+    this.shape = new Shape(this.result);
+    this.marks = new Marks(byId("marks").getContext("2d"), this.result);
+    this.picker = new Picker(this.result);
+    this.camera = new Camera(...this.result.camera);
+    this.curve = new Curve(byId("curve"), this.result, (place) => this.choose(place));
+    this.marked = [-1, -1];
+    this.wait = 0;
+    this.look(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+    byId("step").max = this.result.steps.length - 1;
+    byId("ghost").checked = this.result.samples < 20000;
+    this.resize();
+    this.fit();
+    this.drawCurve();
+    this.showStep(this.result.steps.length - 1);
+    cancelAnimationFrame(this.wait);
+    this.draw();
+  }
+
+  // ---- what is shown
+
+  get field() {
+    return this.result.fields[byId("field").value];
+  }
+
+  showStep(step) {
+    this.stopSwing();
+    this.shape.showStep(clamp(step, 0, this.result.steps.length - 1));
+    byId("step").value = this.shape.step;
+    this.showState();
+  }
+
+  showMode(number) {
+    this.stopSwing();
+    this.shape.showMode(number);
+    this.shape.amplitude = byId("amplitude").value * MODE_SHARE * this.result.size;
+    this.showState();
+  }
+
+  /** A place on the path: a step of the run, or a critical point behind all of them. */
+  choose(place) {
+    const steps = this.result.stable.length;
+    if (place >= steps) return this.showMode(place - steps);
+    const distance = (step) => Math.abs(step.place - place);
+    const nearest = this.result.steps.reduce((best, step) => (distance(step) < distance(best) ? step : best));
+    return this.showStep(this.result.steps.indexOf(nearest));
+  }
+
+  /** Hands the present state to all that show it. */
+  showState() {
+    const { shape, result } = this;
+    const { place } = result.steps[shape.step];
+    const row_ = shape.modeNumber >= 0 ? result.stable.length + shape.modeNumber : place;
+    this.panel.showMode(shape.modeNumber);
+    this.panel.showValues(place);
+    this.curve.show(row_);
+    this.words = this.describe();
+    byId("step-text").textContent = this.words[1];
+    this.showColors();
+  }
+
+  describe() {
+    const { shape, result } = this;
+    const scaled = shape.scale === 1 ? "" : ` · displacements × ${numberText(shape.scale, 4)}`;
+    if (shape.modeNumber >= 0) {
+      const mode = result.modes[shape.modeNumber];
+      return [result.title, `${mode.kind} at λ = ${numberText(mode.factor, 6)}${scaled}`];
+    }
+    const step = result.steps[shape.step];
+    const stable = { true: "stable", false: "not stable", neutral: "neutral", unknown: "stability unknown" }[step.stable];
+    return [result.title, `step ${step.number} of ${result.steps[result.steps.length - 1].number} · λ = ${numberText(step.factor, 6)} · ${stable}${scaled}`];
+  }
+
+  /** The values that colour the state; a mode is coloured by its own size. */
+  showColors() {
+    const { shape, result, field } = this;
+    const values = new Float32Array(result.samples);
+    const isMode = shape.modeNumber >= 0;
+    for (let i = 0; i < result.samples; ++i) {
+      const value = isMode ? norm(row(shape.mode, i)) : result.valueAt(field, shape.step, i);
+      values[i] = Number.isNaN(value) ? 1e30 : value;
+    }
+    byId("field").disabled = isMode;
+    this.shownField = isMode ? { label: "mode, largest = 1", unit: "" } : field;
+    this.range = isMode ? [0, 1] : this.rangeOf(field);
+    this.colors = !isMode && field.signed ? "signed" : "magnitude";
+    this.panel.showExtremes(field, shape.step);
+    this.painter.setColors(this.colors);
+    this.painter.setShape(shape, values);
+    this.picker.forget();
+    this.redraw();
+  }
+
+  /** Signed fields are symmetric about zero, sizes begin there. */
+  rangeOf(field) {
+    const pairs = byId("range").value === "step" ? [field.extremes[this.shape.step]] : field.extremes;
+    const largest = pairs.flatMap((pair) => pair || []).reduce((a, b) => Math.max(a, Math.abs(b)), 0);
+    return [field.signed ? -largest : 0, largest];
+  }
+
+  // ---- the picture
+
+  /** What all painters of the picture go by. */
+  view() {
+    const checked = (id) => byId(id).checked;
+    const farthest = this.result.hull.reduce((far, point) => Math.max(far, norm(point)), this.result.size);
+    return { camera: this.camera, look: this.theme, range: this.range, colors: this.colors, field: this.shownField, words: this.words,
+      ghost: checked("ghost"), supports: checked("supports"), loads: checked("loads"), marked: this.marked, ratio: this.ratio,
+      thickness: Number(byId("thickness").value), reach: 4 * farthest * Math.max(1, this.shape.scale) + norm(this.camera.target) };
+  }
+
+  draw() {
+    this.wait = 0;
+    const view = this.view();
+    this.painter.draw(this.shape, view);
+    this.marks.draw(this.shape, view);
+  }
+
+  redraw() {
+    if (!this.wait) this.wait = requestAnimationFrame(() => this.draw());
+  }
+
+  resize() {
+    const { clientWidth, clientHeight } = byId("stage");
+    this.ratio = window.devicePixelRatio || 1;
+    for (const id of ["scene", "marks"]) {
+      byId(id).width = Math.max(1, Math.round(clientWidth * this.ratio));
+      byId(id).height = Math.max(1, Math.round(clientHeight * this.ratio));
+    }
+    this.camera.resize(clientWidth, clientHeight);
+    this.picker.forget();
+    this.redraw();
+  }
+
+  fit() {
+    const { shape, result } = this;
+    const points = [...result.hull];
+    if (shape.scale !== 1) for (let i = 0; i < result.samples; ++i) points.push(shape.position(i));
+    const narrow = this.camera.width < 520;
+    this.camera.fit(points, narrow ? [90, 15, 50, 50] : ROOM);
+    this.moved();
+  }
+
+  moved() {
+    this.picker.forget();
+    this.redraw();
+  }
+
+  look(theme) {
+    this.theme = theme;
+    document.documentElement.dataset.look = theme;
+  }
+
+  drawCurve() {
+    this.curve.draw(byId("abscissa").value, byId("ordinate").value);
+    const { place } = this.result.steps[this.shape.step];
+    this.curve.show(this.shape.modeNumber >= 0 ? this.result.stable.length + this.shape.modeNumber : place);
+  }
+
+  setScale(scale) {
+    if (!(scale >= 0 && Number.isFinite(scale))) return;
+    byId("scale").value = Number(scale.toPrecision(4));
+    this.shape.scale = Number(byId("scale").value);
+    this.showState();
+  }
+
+  visibleScale() {
+    const { displacement } = this.shape;
+    let largest = 0;
+    for (let i = 0; i < this.result.samples; ++i) largest = Math.max(largest, norm(row(displacement, i)));
+    return largest > 0 ? Math.max(1, (VISIBLE_SHARE * this.result.size) / largest) : 1;
+  }
+
+  // ---- motion
+
+  play() {
+    if (this.playing) return this.stopPlay();
+    const count = this.result.steps.length;
+    if (this.shape.step === count - 1) this.showStep(0);
+    byId("play").textContent = "❚❚";
+    this.playing = setInterval(() => {
+      this.showStep(this.shape.step + 1);
+      if (this.shape.step === count - 1) this.stopPlay();
+    }, clamp((1000 * PLAY_SECONDS) / count, 40, 700));
+    return undefined;
+  }
+
+  stopPlay() {
+    clearInterval(this.playing);
+    this.playing = 0;
+    byId("play").textContent = "▶";
+  }
+
+  /** The mode moves to both sides and back. */
+  swing() {
+    if (this.swinging) return this.stopSwing();
+    const start = performance.now();
+    const frame = (now) => {
+      byId("amplitude").value = Math.sin((now - start) / 500);
+      this.shape.amplitude = byId("amplitude").value * MODE_SHARE * this.result.size;
+      this.moved();
+      this.swinging = requestAnimationFrame(frame);
+    };
+    byId("swing").textContent = "stop";
+    this.swinging = requestAnimationFrame(frame);
+    return undefined;
+  }
+
+  stopSwing() {
+    cancelAnimationFrame(this.swinging);
+    this.swinging = 0;
+    byId("swing").textContent = "animate";
+  }
+
+  /** What lies at a pixel of the picture, with its values beside it. */
+  hover(x, y) {
+    const found = this.picker.at(x, y, this.shape, this.camera, Number(byId("thickness").value));
+    this.panel.showHover(found, this.shape.step, x, y);
+    const marked = found ? [this.result.first_sample[found.member], this.result.lastSample(found.member)] : [-1, -1];
+    if (marked[0] !== this.marked[0]) {
+      this.marked = marked;
+      this.redraw();
+    }
+    return found;
+  }
+
+  /** The picture with all that is drawn over it, as a data URL. */
+  picture() {
+    this.marked = [-1, -1];
+    this.draw();
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { width: byId("scene").width, height: byId("scene").height });
+    for (const id of ["scene", "marks"]) canvas.getContext("2d").drawImage(byId(id), 0, 0);
+    return canvas.toDataURL("image/png");
+  }
+
+  save() {
+    const link = element("a");
+    link.href = this.picture();
+    link.download = `${this.result.title.replace(/[^\p{L}\p{N}_-]+/gu, "_")}-${this.shape.step}.png`;
+    link.click();
+  }
+}

@@ -1,0 +1,99 @@
+// Outlines of sections, whose corners are linear in the dimensions (width, height, wall, web) of a sample: one mesh for each
+// kind, drawn once for every piece of a member between two samples.
+
+/** A corner: coordinates along axes 2 and 3, each as factors of width, height, wall, web; normal in the section. */
+function corner(along2, along3, normal) {
+  return { along2, along3, normal };
+}
+
+function round(sides, shrink = 0) {
+  return Array.from({ length: sides }, (_, i) => {
+    const angle = (2 * Math.PI * i) / sides;
+    const [c, s] = [Math.cos(angle), Math.sin(angle)];
+    return corner([c / 2, 0, -c * shrink, 0], [0, s / 2, -s * shrink, 0], [c, s]);
+  });
+}
+
+function rectangle(half2, half3) {
+  const minus = (values) => values.map((value) => -value);
+  return [[half2, half3], [minus(half2), half3], [minus(half2), minus(half3)], [half2, minus(half3)]]
+    .map(([a, b]) => corner(a, b, [0, 0]));
+}
+
+/** Counter-clockwise from the upper right corner. */
+function outlineOfI() {
+  const minus = (values) => values.map((value) => -value);
+  const [wide, web, top, under] = [[0.5, 0, 0, 0], [0, 0, 0, 0.5], [0, 0.5, 0, 0], [0, 0.5, -1, 0]];
+  const left = [[minus(wide), top], [minus(wide), under], [minus(web), under], [minus(web), minus(under)],
+    [minus(wide), minus(under)], [minus(wide), minus(top)]];
+  const right = left.map(([along2, along3]) => [minus(along2), minus(along3)]);
+  return [...left, ...right].map(([along2, along3]) => corner(along2, along3, [0, 0]));
+}
+
+class Mesh {
+  constructor() {
+    this.vertices = []; // along2 (4), along3 (4), normal along axes 2, 3, 1, end of the piece (0 or 1)
+    this.indices = [];
+  }
+
+  vertex(from, normal, end) {
+    this.vertices.push(...from.along2, ...from.along3, ...normal, end);
+    return this.vertices.length / 12 - 1;
+  }
+
+  quad(a, b, c, d) {
+    this.indices.push(a, b, c, b, d, c);
+  }
+
+  /** The side of a piece; `smooth` outlines share their vertices. */
+  side(outline, smooth) {
+    if (smooth) {
+      const at = outline.map((from) => [0, 1].map((end) => this.vertex(from, [...from.normal, 0], end)));
+      at.forEach(([start, end], i) => this.quad(start, end, ...at[(i + 1) % at.length]));
+      return this;
+    }
+    outline.forEach((from, i) => {
+      const to = outline[(i + 1) % outline.length];
+      const normal = [...flatNormal(from, to), 0];
+      this.quad(...[from, to].flatMap((each) => [0, 1].map((end) => this.vertex(each, normal, end))));
+    });
+    return this;
+  }
+
+  /** A plane area that all of its corners see its first one in. */
+  area(outline) {
+    return this.ring(outline, outline.map(() => outline[0]));
+  }
+
+  /** A plane area between two outlines with the same number of corners. */
+  ring(outer, inner) {
+    const at = outer.map((from, i) => [from, inner[i]].map((each) => this.vertex(each, [0, 0, 1], 0)));
+    at.forEach(([out, into], i) => this.quad(out, into, ...at[(i + 1) % at.length]));
+    return this;
+  }
+}
+
+/** Edges of flat sections lie along the axes whatever the dimensions are: typical ones tell the direction. */
+function flatNormal(from, to) {
+  const typical = [1, 1, 0.1, 0.1];
+  const along = (factors) => factors.reduce((total, factor, i) => total + factor * typical[i], 0);
+  const edge = [along(to.along2) - along(from.along2), along(to.along3) - along(from.along3)];
+  const length = Math.hypot(...edge);
+  return [edge[1] / length, -edge[0] / length];
+}
+
+/** Meshes { side, end } of a kind; `sides` of round ones. */
+function meshesOf(kind, sides) {
+  const box = rectangle([0.5, 0, 0, 0], [0, 0.5, 0, 0]);
+  if (kind === "rectangle") return { side: new Mesh().side(box), end: new Mesh().area(box) };
+  if (kind === "box") return { side: new Mesh().side(box), end: new Mesh().ring(box, rectangle([0.5, 0, -1, 0], [0, 0.5, -1, 0])) };
+  if (kind === "I") {
+    const flange = (sign) => [[-0.5, 0], [-0.5, -1], [0.5, -1], [0.5, 0]]
+      .map(([half, inward]) => corner([half, 0, 0, 0], [0, sign * 0.5, sign * inward, 0], [0, 0]));
+    const web = rectangle([0, 0, 0, 0.5], [0, 0.5, -1, 0]);
+    return { side: new Mesh().side(outlineOfI()), end: new Mesh().area(flange(1)).area(flange(-1)).area(web) };
+  }
+  const outline = round(sides);
+  const end = kind === "tube" ? new Mesh().ring(outline, round(sides, 1)) : new Mesh().area(outline);
+  return { side: new Mesh().side(outline, true), end };
+}

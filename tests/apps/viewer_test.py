@@ -1,0 +1,299 @@
+#!/usr/bin/python3
+"""Pages of `mixbeam view` in a real browser without a screen: what it draws, says and does.
+
+usage: viewer_test.py MIXBEAM [GALLERY_SCENE.xml ...]     further scenes are opened too
+"""
+
+import html
+import json
+import re
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv.pop(1)).resolve())
+FURTHER = [Path(sys.argv.pop(1)) for _ in sys.argv[1:] if sys.argv[1].endswith(".xml")]
+HERE = Path(__file__).resolve().parent
+REPOSITORY = HERE.parents[1]
+sys.path.insert(0, str(REPOSITORY / "apps" / "plots"))
+
+import numpy as np  # noqa: E402
+
+import view_data  # noqa: E402
+from results import Run  # noqa: E402
+from small_scenes import NUMBERS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
+from view_result import view_page  # noqa: E402
+
+BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom",
+           "--window-size=1200,800", "--virtual-time-budget=1000")
+SECONDS = 120             # for a browser that draws on a busy processor
+FIRST_PICTURE = 3000      # milliseconds that a page may take where no other program runs
+LARGEST_PAGE = 1.5e6      # bytes, of a scene of the gallery
+BACKGROUND = [255, 255, 255]
+SAME_HUE = 0.07           # light changes brightness, and its shine adds a little white
+READ_OFF = 2e-4           # five digits are shown
+SHEET = 36                # points along the side of a sheet with about 1e5 samples
+# Collects errors of scripts before any of them runs.
+WATCH = ('<script>window.problems = []; window.addEventListener("error", (e) => problems.push(e.message));'
+         'window.alert = (text) => problems.push("alert " + text);</script>')
+
+
+def seen(page, *commands):
+    """{"problems", "first" (milliseconds), "values"} of a page: values of JavaScript expressions with the probe at hand."""
+    script = ("const values = []; try { " + "".join(f"values.push({command});\n" for command in commands) +
+              "} catch (error) { problems.push(String(error.stack)); }")
+    told = ('const told = document.createElement("pre"); told.id = "told"; told.textContent = JSON.stringify({ problems, values,'
+            ' first: Number(document.documentElement.dataset.firstPicture) }); document.body.append(told);')
+    text = page.read_text(encoding="utf-8").replace("<head>", "<head>" + WATCH, 1)
+    parts = f"<script>{(HERE / 'viewer_probe.js').read_text(encoding='utf-8')}\n{script}</script><script>{told}</script></body></html>"
+    probed = page.with_name(f"probed {page.name}")
+    probed.write_text(text.replace("</body></html>", parts), encoding="utf-8")
+    ended = subprocess.run([*BROWSER, probed.as_uri()], capture_output=True, text=True, timeout=SECONDS, check=False)
+    found = re.search(r'<pre id="told">(.*?)</pre>', ended.stdout, re.DOTALL)
+    assert found, f"the browser showed no page: {ended.stderr[-2000:]}"
+    return json.loads(html.unescape(found[1]))
+
+
+def waiting():
+    """How many times as long as alone a program takes here and now, beside all others."""
+    wall, own = time.perf_counter(), time.process_time()
+    while time.process_time() - own < 0.2:
+        pass
+    return (time.perf_counter() - wall) / (time.process_time() - own)
+
+
+def sheet(folder):
+    """Writes a square sheet of struts with 1e5 samples, one side held, the other pushed; the text of its scene."""
+    names = {(i, j): f"{'low' if j == 0 else 'high' if j == SHEET - 1 else 'p'} {i} {j}" for i in range(SHEET) for j in range(SHEET)}
+    pairs = [(at, (at[0] + di, at[1] + dj)) for at in names for di, dj in ((1, 0), (0, 1))]
+    pairs = [(a, b) for a, b in pairs if b in names and not (a[1] == b[1] and a[1] in (0, SHEET - 1))]
+    (folder / "points.csv").write_text("name,x,y,z\n" + "".join(f"{name},{i},{j},0\n" for (i, j), name in names.items()))
+    (folder / "members.csv").write_text("name,start,end\n" +
+                                        "".join(f"m{k},{names[a]},{names[b]}\n" for k, (a, b) in enumerate(pairs)))
+    tables = (entry("Points File", "string", "points.csv"), entry("Members File", "string", "members.csv"))
+    push = listed("push", entry("Point", "string", "high *"), entry("Force", NUMBERS, "{0.002, 0, 0}"))
+    return scene(listed("Import", *tables, entry("Section", "string", "s"), entry("Order", "int", "2"), entry("Elements", "int", "8")),
+                 listed("Supports", support("low", "low *")), listed("Point Loads", push))
+
+
+def tapered_box():
+    """A cantilever whose height grows from 0.1 to 0.3, its width from 0.05 to 0.1, along x; height along z."""
+    def section(name, width, height):
+        material = listed("Material", entry("E", "double", "1e6"), entry("nu", "double", "0.3"))
+        sizes = (entry("Width", "double", width), entry("Height", "double", height), entry("Wall", "double", "0.01"))
+        return listed(name, entry("Shape", "string", "box"), *sizes, material)
+
+    text = scene(listed("Members", member("m", "a", "b", entry("End Section", "string", "thick"),
+                                          entry("Second Axis", NUMBERS, "{0, 1, 0}"))),
+                 listed("Supports", support("clamp", "a")), points=(("a", (0, 0, 0)), ("b", (1, 0, 0))))
+    sections = section("s", "0.05", "0.1") + section("thick", "0.1", "0.3")
+    return re.sub(r'(<ParameterList name="Sections">).*?</ParameterList></ParameterList>', rf"\1{sections}</ParameterList>", text)
+
+
+class Viewer(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.folder = Path(holder.name)
+        cls.bent = solve(PROGRAM, cls.folder, "bent", cantilever("{0, -1, 0}"))
+        cls.page = cls.view(cls.bent)
+
+    @classmethod
+    def view(cls, result, *options):
+        ended = subprocess.run([PROGRAM, "view", str(result), *options], capture_output=True, text=True, check=False)
+        assert ended.returncode == 0, ended.stderr
+        return Path(ended.stdout.strip())
+
+    def values(self, page, *commands):
+        """Of expressions in a page without any problem."""
+        told = seen(page, *commands)
+        self.assertEqual(told["problems"], [])
+        return told["values"]
+
+    def assert_hue(self, color, expected):
+        """The same but for brightness."""
+        color, expected = (np.array(each, dtype=float) / max(each) for each in (color, expected))
+        self.assertLess(np.abs(color - expected).max(), SAME_HUE, f"{color} {expected}")
+
+    # what is drawn
+
+    def test_colours_stand_where_the_structure_is(self):
+        samples = (3, 10, 20)
+        commands = ["probe.set('ghost', false, 'change')", "probe.set('loads', false, 'change')"]
+        for i in samples:
+            commands += [f"probe.color(...probe.pixel({i}))", f"probe.color(probe.pixel({i})[0], probe.pixel({i})[1] + 60)"]
+        colors = self.values(self.page, *commands)[2:]
+        with Run(self.bent) as run:
+            moment = np.abs(run.steps[-1].field("material_moment")[:, 2])
+        for i, drawn, beside in zip(samples, colors[::2], colors[1::2]):
+            self.assert_hue(drawn, viridis(moment[i] / moment.max()))
+            self.assertEqual(beside, BACKGROUND)
+
+    def test_the_slider_moves_the_structure(self):
+        tip = "probe.app.result.samples - 1"
+        hide = ["probe.set('ghost', false, 'change')"]
+        before = f"(window.bent = probe.pixel({tip}), window.inner = probe.pixel({tip} - 2))"
+        told = self.values(self.page, *hide, before, "probe.color(...inner)", "probe.set('step', 0, 'input')", "probe.color(...inner)",
+                           f"probe.color(...probe.pixel({tip} - 2))", f"probe.pixel({tip})[1] - bent[1]",
+                           "document.getElementById('step-text').textContent", "probe.app.curve.now.getAttribute('cy')",
+                           "probe.set('step', 1, 'input')", "probe.app.curve.now.getAttribute('cy')")
+        self.assertNotEqual(told[2], BACKGROUND)
+        self.assertEqual(told[4], BACKGROUND)
+        self.assertNotEqual(told[5], BACKGROUND)
+        self.assertLess(told[6], -50)  # pixels, upwards
+        self.assertIn("step 0 of 1", told[7])
+        self.assertNotEqual(told[8], told[10])  # the mark on the path moves too
+
+    def test_sections_are_drawn_to_scale(self):
+        page = self.view(solve(PROGRAM, self.folder, "box", tapered_box()))
+        column = ("(() => { const { camera } = probe.app; const [x, y] = camera.project([SHARE - 0.5, 0, 0]); let count = 0;"
+                  " for (let dy = -150; dy <= 150; ++dy) if (probe.read(x, y + dy)[0] < 250) ++count; return count * camera.pixel; })()")
+        look = ["probe.set('supports', false, 'change')", "", "probe.color(5, 5)", "probe.app.camera.pixel"]
+        for view, sizes in (("xz", (0.1, 0.3)), ("xy", (0.05, 0.1))):
+            look[1] = f"probe.click('[data-view={view}]')"
+            *_, pixel, start, middle, end = self.values(page, *look, *(column.replace("SHARE", share) for share in ("0.02", "0.5", "0.98")))
+            for drawn, share in ((start, 0.02), (middle, 0.5), (end, 0.98)):
+                self.assertAlmostEqual(drawn, sizes[0] + share * (sizes[1] - sizes[0]), delta=2.5 * pixel)
+
+    # what is said
+
+    def test_hover_tells_member_and_values(self):
+        text, nothing = self.values(self.page, "probe.hover(...probe.pixel(10))", "probe.hover(20, 700)")
+        with Run(self.bent) as run:
+            moment = run.steps[-1].field("material_moment")[10, 2]
+            arc = run.members[0].arc_length[10]
+        self.assertEqual(nothing, "")
+        self.assertTrue(text.startswith("m\n"), text)
+        numbers = [float(word) for word in re.findall(r"-?[0-9.]+", text.replace("\u2212", "-"))]
+        for value in (arc, moment):
+            self.assertLess(min(abs(number - value) for number in numbers), READ_OFF * max(abs(value), 0.1), text)
+
+    def test_names_are_data(self):
+        evil, point = "<script>alert(1)</script>", "<script>alert(1)"  # names of points and members have no slash
+        member_name = "<img src=x onerror=alert(2)> $x_"
+        text = cantilever("{0, -1, 0}").replace('"b"', f'"{html.escape(point)}"').replace('"m"', f'"{html.escape(member_name)}"')
+        result = solve(PROGRAM, self.folder, "evil", text.replace('"portal"', f'"{html.escape(evil)}"'))
+        page = self.view(result)
+        self.assertNotIn(point, page.read_text(encoding="utf-8"))
+        title, hover, options = self.values(page, "document.title", "probe.hover(...probe.pixel(10))",
+                                            "document.getElementById('abscissa').textContent")
+        self.assertTrue(hover.startswith(member_name), hover)
+        self.assertIn(f"{point}: displacement y", options)
+        self.assertEqual(title, evil)
+        for command in ("report", "plot"):
+            ended = subprocess.run([PROGRAM, command, str(result)], capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        for written in (*self.folder.glob("evil*.svg"), self.folder / "evil.html", self.folder / "evil.xdmf"):
+            for name in (point, member_name):
+                self.assertNotIn(name, written.read_text(encoding="utf-8"), written)
+        self.assertIn('href="./evil-view.html"', (self.folder / "evil.html").read_text(encoding="utf-8"))
+
+    def test_structures_that_are_thinned_say_so(self):
+        most, view_data.MOST_SAMPLES = view_data.MOST_SAMPLES, 12
+        self.addCleanup(setattr, view_data, "MOST_SAMPLES", most)
+        page = self.folder / "thin.html"
+        with Run(self.bent) as run:
+            view_page(view_data.ViewData(run)).write(page)
+            whole = len(run.reference())
+        samples, notes, last = self.values(page, "probe.app.result.samples", "document.getElementById('notes').textContent",
+                                           "probe.app.result.arcLength[probe.app.result.samples - 1]")
+        self.assertLessEqual(samples, 12)
+        self.assertIn(f"{samples} of {whole} samples", notes)
+        self.assertEqual(last, 1.0)  # ends are kept
+
+    # the path
+
+    def test_critical_points_and_modes(self):
+        page = self.view(solve(PROGRAM, self.folder, "snap", (REPOSITORY / "apps/gallery/snap_back.xml").read_text()))
+        self.assertLess(page.stat().st_size, LARGEST_PAGE)
+        half = "Math.floor(probe.app.result.samples / 2)"
+        told = self.values(page, "document.getElementById('modes').textContent", "document.querySelectorAll('#curve .critical').length",
+                           "probe.click('[data-mode=\"0\"]')", f"window.at = probe.pixel({half})", "document.getElementById('step-text').textContent",
+                           "probe.set('amplitude', -1, 'input')", f"Math.hypot(probe.pixel({half})[0] - at[0], probe.pixel({half})[1] - at[1])",
+                           f"probe.color(...probe.pixel({half} - 2))", "probe.click('#leave-mode')", "probe.app.shape.modeNumber")
+        with Run(self.folder / "snap.h5") as run:
+            points = run.critical_points()
+        self.assertEqual(told[0].count("limit point"), len(points))
+        self.assertEqual(told[1], len(points))
+        self.assertIn(f"{points[0].load_factor:.6g}", told[4])
+        self.assertGreater(told[6], 20)  # pixels
+        self.assertNotEqual(told[7], BACKGROUND)
+        self.assertEqual(told[9], -1)
+
+    def test_a_click_on_the_path_takes_the_step(self):
+        click = ("(() => { const box = document.getElementById('curve').getBoundingClientRect(); const [x, y] = probe.app.curve.at(0);"
+                 " document.getElementById('curve').dispatchEvent(new MouseEvent('click', { clientX: box.left + x, clientY: box.top + y }));"
+                 " return probe.app.shape.step; })()")
+        self.assertEqual(self.values(self.page, "probe.app.shape.step", click), [1, 0])
+
+    def test_picture_scale_and_themes(self):
+        picture, light, dark, moved = self.values(
+            self.page, "probe.app.picture().slice(0, 22) + probe.app.picture().length", "probe.covered()",
+            "(probe.click('#theme'), probe.color(5, 600))",
+            "(probe.set('scale', 0, 'change'), Math.abs(probe.pixel(20)[1] - probe.pixel(0)[1]))")
+        self.assertTrue(picture.startswith("data:image/png;base64,"))
+        self.assertGreater(int(picture[22:]), 10000)
+        self.assertTrue(0.001 < light < 0.2, light)
+        self.assertLess(max(dark), 60)
+        self.assertLess(moved, 1e-3)
+
+    # pages of all kinds and sizes
+
+    def test_scenes_of_the_gallery_open(self):
+        names = ("portal_frame", "star_dome", "honeycomb")  # I, tubes, rectangles
+        for path in (*(REPOSITORY / "apps" / "gallery" / f"{name}.xml" for name in names), *FURTHER):
+            ended = subprocess.run([PROGRAM, "run", str(path), "--output", str(self.folder / path.stem), "--quiet"], capture_output=True,
+                                   text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            for result in sorted((self.folder / path.stem).glob("*.h5")):
+                self.opens(self.view(result))
+
+    def opens(self, page):
+        told = self.opened(page, "probe.covered()")
+        self.assertGreater(told["values"][0], 1e-4, page.name)
+        self.assertLess(page.stat().st_size, LARGEST_PAGE, page.name)
+        print(f"{page.name}: {page.stat().st_size / 1e3:.0f} kB, first picture after {told['first']} ms", file=sys.stderr)
+
+    def opened(self, page, *commands):
+        """As `seen`, of a page without problems that opens in time."""
+        before = waiting()
+        told = seen(page, *commands)
+        self.assertEqual(told["problems"], [], page.name)
+        self.assertLess(told["first"], FIRST_PICTURE * max(before, waiting()), page.name)
+        return told
+
+    def test_a_sheet_of_1e5_samples_opens(self):
+        page = self.view(solve(PROGRAM, self.folder, "sheet", sheet(self.folder)))
+        timed = "(() => { const start = performance.now(); STEP; probe.color(5, 5); return performance.now() - start; })()"
+        told = self.opened(page, "probe.app.result.samples", "probe.covered()", timed.replace("STEP", "1"), timed.replace("STEP", "probe.set('step', 0, 'input')"),
+                    timed.replace("STEP", "probe.hover(...probe.pixel(50000))"))
+        samples, covered, *times = told["values"]
+        print(f"sheet: {page.stat().st_size / 1e6:.1f} MB, first picture after {told['first']} ms, the same again {times[0]:.0f} ms, a step {times[1]:.0f} ms, "
+              f"a look {times[2]:.0f} ms", file=sys.stderr)
+        self.assertGreater(samples, 95000)
+        self.assertGreater(covered, 0.05)
+
+    def test_a_broken_script_is_a_problem(self):
+        broken = self.folder / "broken.html"
+        broken.write_text(self.page.read_text(encoding="utf-8").replace("drawScale(", "drawScales(", 1), encoding="utf-8")
+        self.assertNotEqual(seen(broken, "1")["problems"], [])
+
+    def test_bad_input(self):
+        for words in (["view"], ["view", str(self.folder / "none.h5")], ["view", str(self.bent), "--case", "wind"]):
+            ended = subprocess.run([PROGRAM, *words], capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 2, ended.stdout)
+            self.assertNotEqual(ended.stderr, "")
+
+
+def viridis(share):
+    from matplotlib import colormaps
+
+    return [255 * channel for channel in colormaps["viridis"](share)[:3]]
+
+
+if __name__ == "__main__":
+    unittest.main()
