@@ -33,7 +33,7 @@ def load_displacement_figure(view):
         marker = "o" if len(factor) <= 30 else None
         for i in range(values.shape[1]):
             axes.plot(factor, values[:, i], marker=marker, markersize=3.5, color=style.COMPONENT_COLORS[i % 3],
-                      linestyle=style.COMPONENT_DASHES[i % 3], label=f"${symbol}_{i + 1}$" if values.shape[1] > 1 else None)
+                      linestyle=style.COMPONENT_DASHES[i % 3], label=f"${symbol}_{'xyz'[i]}$" if values.shape[1] > 1 else None)
         axes.set_title(name if len(name) < 44 else name[:41] + "...")
         axes.set_xlabel("load factor")
         axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
@@ -97,7 +97,7 @@ def _draw_critical_path(axes, view, title, values, symbol):
         color = style.COMPONENT_COLORS[i % 3]
         for first, last in _runs(stable):
             axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=NOT_STABLE.get(stable[first], "-"))
-        axes.plot([], [], color=color, label=f"${symbol}_{i + 1}$")
+        axes.plot([], [], color=color, label=f"${symbol}_{'xyz'[i]}$")
         steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
         axes.plot(path[steps, i], factor[steps], ".", color=color, markersize=4)
     for number, (at, point) in enumerate(points):

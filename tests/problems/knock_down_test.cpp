@@ -11,7 +11,7 @@ namespace mixbeam::test::knock_down {
 namespace {
 
 constexpr double kAgreement = 1e-8;  // of load factors: what the program promises for critical points
-constexpr int kShots = 300;          // steps of Runge and Kutta along a member: 1e-9 of a wave of four radians
+constexpr std::size_t kShots = 300;  // steps of Runge and Kutta along a member: 1e-9 of a wave of four radians
 
 using Plane = std::array<double, 2>;
 template <std::size_t n>
@@ -53,24 +53,26 @@ Numbers<n> solved_by_newton(const std::function<Numbers<n>(const Numbers<n>&)>& 
 /// x, y, rotation, moment along a beam of the force `n` in its sections: EI phi' = M - M0, M' = - r' x n.
 struct Beam {
   double axial = kRigid, bending = 1.0;
-  std::function<Plane(double)> angle;  ///< angle of the undeformed tangent, and ds / dt, at t from 0 to 1
+  std::vector<Plane> nodes{};  ///< angle of the undeformed tangent, and ds / dt, where t from 0 to 1 is looked at
+
+  template <class Tangent>
+  Beam(double stiffness, const Tangent& tangent) : axial(stiffness) {
+    for (std::size_t i = 0; i <= 2 * kShots; ++i) nodes.push_back(tangent(0.5 * static_cast<double>(i) / kShots));
+  }
   void integrate(const Plane& n, Numbers<4>& state) const {
-    const auto rate = [&](double t, const Numbers<4>& y) {
-      const auto [alpha, speed] = angle(t);
+    const auto rate = [&](std::size_t node, const Numbers<4>& y) {
+      const auto [alpha, speed] = nodes[node];
       const double c = std::cos(alpha + y[2]), s = std::sin(alpha + y[2]);
       const double stretch = (1.0 + (n[0] * c + n[1] * s) / axial) * speed;
       return Numbers<4>{stretch * c, stretch * s, speed * y[3] / bending, stretch * (s * n[0] - c * n[1])};
     };
     const double h = 1.0 / kShots;
     const auto moved = [](const Numbers<4>& y, double by, const Numbers<4>& k) {
-      Numbers<4> z = y;
-      for (std::size_t i = 0; i < 4; ++i) z[i] += by * k[i];
-      return z;
+      return Numbers<4>{y[0] + by * k[0], y[1] + by * k[1], y[2] + by * k[2], y[3] + by * k[3]};
     };
-    for (int step = 0; step < kShots; ++step) {
-      const double t = step * h;
-      const auto k1 = rate(t, state), k2 = rate(t + 0.5 * h, moved(state, 0.5 * h, k1));
-      const auto k3 = rate(t + 0.5 * h, moved(state, 0.5 * h, k2)), k4 = rate(t + h, moved(state, h, k3));
+    for (std::size_t node = 0; node < 2 * kShots; node += 2) {
+      const auto k1 = rate(node, state), k2 = rate(node + 1, moved(state, 0.5 * h, k1));
+      const auto k3 = rate(node + 1, moved(state, 0.5 * h, k2)), k4 = rate(node + 2, moved(state, h, k3));
       for (std::size_t i = 0; i < 4; ++i) state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
     }
   }
@@ -81,9 +83,10 @@ struct Beam {
 struct CornerFrame {
   Plane foot, corner, end;
   double axial = kRigid, bow = 0.0;
+  Beam first = beam(foot, corner, bow), second = beam(corner, end, 0.0);
 
   Beam beam(const Plane& from, const Plane& to, double amplitude) const {
-    return {axial, 1.0, [=](double t) {
+    return {axial, [=](double t) {
               const double dx = to[0] - from[0] + amplitude * kPi * std::cos(kPi * t), dy = to[1] - from[1];
               return Plane{std::atan2(dy, dx), std::hypot(dx, dy)};
             }};
@@ -91,9 +94,9 @@ struct CornerFrame {
   /// Unknowns: force in the first beam, rotation of its pin, load. `corner_angle`: how far the corner has turned.
   Numbers<4> shot(const Numbers<4>& unknown, double corner_angle) const {
     Numbers<4> state{foot[0], foot[1], unknown[2], 0.0};
-    beam(foot, corner, bow).integrate({unknown[0], unknown[1]}, state);
+    first.integrate({unknown[0], unknown[1]}, state);
     const double turned = state[2];
-    beam(corner, end, 0.0).integrate({unknown[0], unknown[1] + unknown[3]}, state);
+    second.integrate({unknown[0], unknown[1] + unknown[3]}, state);
     return {state[0] - end[0], state[1] - end[1], state[3], turned - corner_angle};
   }
   Numbers<4> at(double corner_angle, const Numbers<4>& start) const {
@@ -101,7 +104,7 @@ struct CornerFrame {
   }
   /// Angle and load where the load is largest, on the path that begins unloaded and turns the corner to `side`.
   Plane limit(double side) const {
-    constexpr double kFirst = 1e-4, kGrowth = 1.25;
+    constexpr double kFirst = 1e-4, kGrowth = 1.4;
     double angle = side * kFirst;
     Numbers<4> now{}, next = at(angle, now);
     while (next[3] > now[3]) {
@@ -219,7 +222,7 @@ TEST(KnockDown, RoordaFrameOverTheAmplitude) {
       if (path.limits.empty()) {
         ASSERT_EQ(path.load_factor, 1.0);
         Numbers<4> shot{};
-        for (double angle = 1e-4 * side; std::abs(angle) < std::abs(path.corner_angle); angle *= 1.2)
+        for (double angle = 1e-4 * side; std::abs(angle) < std::abs(path.corner_angle); angle *= 1.4)
           shot = roorda(bow).at(angle, shot);
         EXPECT_NEAR(roorda(bow).at(path.corner_angle, shot)[3] / load, 1.0, kAgreement);
       } else {
@@ -257,12 +260,12 @@ TEST(KnockDown, ShallowFrameOverTheAmplitude) {
   const auto frame = [](double offset) { return CornerFrame{{-1, 0}, {offset, 0.2}, {1, 0}, 1e4}; };
   const double load = 12.0;
   double before = 1.0;
-  for (const double amplitude : {1e-3, 1e-2, 0.05}) {
+  for (const double amplitude : {0.01, 0.02, 0.05}) {
     double shot = 0.0;
     for (const double offset : {amplitude, -amplitude}) {
       const Path path = path_of(scene_of(frame(0.0), corner_moved(offset), load));
       ASSERT_FALSE(path.limits.empty()) << offset;
-      shot = frame(offset).limit(path.corner_angle > 0.0 ? 1.0 : -1.0)[1] / load;
+      if (shot == 0.0) shot = frame(offset).limit(path.corner_angle > 0.0 ? 1.0 : -1.0)[1] / load;
       EXPECT_NEAR(path.limits[0], shot, kAgreement) << offset;
     }
     EXPECT_LT(shot, before);
@@ -287,10 +290,10 @@ TEST(KnockDown, BowedColumnOverTheAmplitude) {
                  list("Imperfection", bow_of("strut", bow, "{0, 1, 0}")));
         const Simulation loaded = solved(scene);
         // shot from the foot to the middle, whose tangent keeps its direction; it turns at the foot by
-        const Beam half{kRigid, 1.0, [bow](double t) {
-                          const double slope = bow * kPi * std::cos(0.5 * kPi * t);
-                          return Plane{std::atan(slope), 0.5 * std::hypot(1.0, slope)};
-                        }};
+        const Beam half(kRigid, [bow](double t) {
+          const double slope = bow * kPi * std::cos(0.5 * kPi * t);
+          return Plane{std::atan(slope), 0.5 * std::hypot(1.0, slope)};
+        });
         const auto middle = [&](double turned) {
           Numbers<4> state{0.0, 0.0, turned, 0.0};
           half.integrate({-force, 0.0}, state);
