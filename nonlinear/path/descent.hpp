@@ -3,8 +3,8 @@
 /// Steps of a gradient flow, each to the minimum of the potential with springs from all vertices to where they stood:
 /// so the potential falls from step to step, and Newton's method has a tangent without negative eigenvalues, with all
 /// rows of the mixed system solved together as on any path. Springs stiffen until no pivot is negative and the
-/// potential has fallen, and soften from step to step; without them what is reached is an equilibrium. Where the tangent
-/// itself has a negative eigenvalue the structure is pushed along its mode first.
+/// potential has fallen, and soften from step to step; without them what is reached is an equilibrium. Where the
+/// tangent itself has a negative eigenvalue the structure is pushed along its mode first.
 #pragma once
 
 #include "nonlinear/path/corrector.hpp"
@@ -19,7 +19,7 @@
 namespace mixbeam {
 
 /// Factorisations of one descent, at most.
-inline constexpr int kMostFactorizationsOfDescent = 1000;
+inline constexpr int kMostFactorizationsOfDescent = 500;
 
 /// The state at the end, or why there is none.
 struct DescentResult {

@@ -99,6 +99,35 @@ TEST(SingularPaths, ADisplacementThatTheLoadDoesNotMoveIsNamed) {
   }
 }
 
+const std::string kJump = word("Snap", "jump");
+
+TEST(SingularPaths, JumpsAreToldAndCounted) {
+  const auto folder = folder_for("singular_jumps");
+  const Ended one = run("run", column("-4, 0, 0", list("Analysis", kJump) + expected("jumps", "", "1")), folder);
+  EXPECT_EQ(one.exit_code, 0) << one.out << one.err;
+  expect_in(one.out, {"scene: jump between load factors ", "energy released ", "point \"tip\"", "stable: true"});
+  expect_in(text_of(folder / "summary.json"), {"\"jumps\"", "\"energy_released\"", "\"from_load_factor\""});
+  expect_in(text_of(folder / "scene-monitor.csv"), {"jump.energy_released", "jump.largest_displacement", "jumps"});
+  const std::string forbidden = list("Analysis", kJump) + expected("jumps", "", "0");
+  EXPECT_EQ(run("run", column("-4, 0, 0", forbidden), folder).exit_code, 1);
+  EXPECT_EQ(run("run", column("-2, 0, 0", forbidden), folder).exit_code, 0) << "below the critical load";
+}
+
+TEST(SingularPaths, JumpsNeedAPotential) {
+  const auto folder = folder_for("singular_no_potential");
+  const std::string scene = column("0, 0, 1", list("Analysis", kJump));
+  const Ended moment = run("run", changed(scene, "name=\"Force\"", "name=\"Moment\""), folder);
+  EXPECT_EQ(moment.exit_code, 2);
+  expect_in(moment.err, {"scene.xml:", "\"Scene / Point Loads / load / Moment\"", "no potential", "allowed: dead"});
+  const std::string traced = column("-4, 0, 0", list("Analysis", kJump + parameter("Trace", "bool", "true")));
+  const Ended both = run("run", traced, folder);
+  EXPECT_EQ(both.exit_code, 2);
+  expect_in(both.err, {"\"Analysis / Trace\"", "allowed: false"});
+  const Ended misspelt = run("run", changed(traced, "value=\"jump\"", "value=\"jmup\""), folder);
+  EXPECT_EQ(misspelt.exit_code, 2);
+  expect_in(misspelt.err, {"\"Analysis / Snap\"", "did you mean \"jump\"?"});
+}
+
 /// P from 2 to 6 with a force across of 0.01: y of the tip by shooting.
 TEST(SingularPaths, ABatchOfImperfectColumns) {
   const auto folder = folder_for("singular_batch");

@@ -35,7 +35,11 @@ GalleryScene read_gallery_scene(const std::filesystem::path& file) {
   const XmlParameters xml = read_xml(file.string());
   Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   if (!scene.load_cases.empty()) scene = scene_of_case(scene, scene.load_cases.front());
-  return {scene, read_solver_parameters(xml.list->sublist("Solver"), xml.source)};
+  SolverParameters solver = read_solver_parameters(xml.list->sublist("Solver"), xml.source);
+  // branches are chosen by global axes, which do not turn with the scene
+  if (xml.list->isSublist("Analysis"))
+    solver.analysis.snap = read_analysis_parameters(xml.list->sublist("Analysis"), scene, xml.source).snap;
+  return {scene, solver};
 }
 
 Mat3<double> vertex_turn(const Simulation& simulation, const std::string& point) {
