@@ -33,20 +33,7 @@ struct Guest {
 /// was forked while another of its threads was inside.
 class Turn {
  public:
-  Turn() {
-    Guest& guest = Guest::instance();
-    const pid_t before = guest.process.exchange(getpid());
-    if (before != 0 && before != getpid() && !survives_fork(guest, before))
-      throw std::runtime_error(
-          "this process was forked while another thread was running mixbeam; allowed: start it by the method spawn or "
-          "forkserver of multiprocessing, or fork between runs");
-    ++guest.visitors;
-    if (PyGILState_Check() != 0) released_ = PyEval_SaveThread();
-    guest.mutex.lock();
-    threads_ = number_of_threads();
-    if (guest.forked) set_number_of_threads(1);
-    start_as_guest();
-  }
+  Turn() : Turn(Guest::instance()) { start_as_guest(); }  // should it throw, the turn ends
   ~Turn() {
     Guest& guest = Guest::instance();
     set_number_of_threads(threads_);  // a run may have chosen a number
@@ -61,6 +48,19 @@ class Turn {
   static std::optional<int> threads(std::optional<int> wanted) { return Guest::instance().forked ? 1 : wanted; }
 
  private:
+  explicit Turn(Guest& guest) {
+    const pid_t before = guest.process.exchange(getpid());
+    if (before != 0 && before != getpid() && !survives_fork(guest, before))
+      throw std::runtime_error(
+          "this process was forked while another thread was running mixbeam; allowed: start it by the method spawn or "
+          "forkserver of multiprocessing, or fork between runs");
+    ++guest.visitors;
+    if (PyGILState_Check() != 0) released_ = PyEval_SaveThread();
+    guest.mutex.lock();
+    threads_ = number_of_threads();
+    if (guest.forked) set_number_of_threads(1);
+  }
+
   static bool survives_fork(Guest& guest, pid_t before) {
     if (guest.visitors > 0) {
       guest.process = before;  // the next call hears the same

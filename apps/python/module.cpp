@@ -115,7 +115,7 @@ py::tuple resume(const std::string& file, const std::optional<int>& threads, boo
       std::move(callback),
       [&] {
         stored.emplace(file);
-        return SolvedRun::from_file(file, {}, Turn::threads(threads));
+        return SolvedRun::from_file(file, Turn::threads(threads));
       },
       [&](SolvedRun& solved) {
         const std::string obstacle = obstacle_to_resuming(solved.app());
@@ -124,10 +124,8 @@ py::tuple resume(const std::string& file, const std::optional<int>& threads, boo
       });
 }
 
-Run open(const std::string& file, const std::vector<int>& orders, const std::vector<int>& elements) {
-  StoredMesh mesh(orders.size());
-  for (std::size_t i = 0; i < mesh.size(); ++i) mesh[i] = {orders[i], elements[i]};
-  return in_turn([&] { return Run(SolvedRun::from_file(file, mesh, Turn::threads({})).release(), DeleteInTurn()); });
+Run open(const std::string& file) {
+  return in_turn([&] { return Run(SolvedRun::from_file(file, Turn::threads({})).release(), DeleteInTurn()); });
 }
 
 py::dict batch(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case,

@@ -26,6 +26,13 @@ void prepare(Application& app, std::ostream& report, bool force) {
   app.force = force;
 }
 
+/// That the program has chosen for a scene with an accuracy.
+MeshChoice mesh_of(const StoredRun& run) {
+  MeshChoice mesh;
+  for (const MemberSamples& member : run.layout().members) mesh.push_back({member.order, member.elements});
+  return mesh;
+}
+
 }  // namespace
 
 SolvedRun::SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force) {
@@ -35,8 +42,7 @@ SolvedRun::SolvedRun(const std::string& xml, const std::string& file, const std:
   warn_of_scene(app_);
 }
 
-std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& file, const StoredMesh& mesh,
-                                                const std::optional<int>& threads) {
+std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& file, const std::optional<int>& threads) {
   StoredRun stored(file);
   if (property(stored, "program") != "mixbeam")
     throw InputError(file.string() + ": written by \"" + property(stored, "program") +
@@ -45,7 +51,7 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   Application& app = run->app_;
   app.load_case = property(stored, "load_case");
   Scene scene = scene_of_case(app.scene, app.load_case);
-  if (scene.accuracy && !mesh.empty()) scene = on_mesh(scene, mesh);
+  if (scene.accuracy) scene = on_mesh(scene, mesh_of(stored));
   run->simulation_.emplace(scene, app.solver, app.communicator);
   for (std::size_t i = 0; i < stored.steps().size(); ++i) {
     KeptStep& step = run->steps_.emplace_back();

@@ -11,17 +11,13 @@
 
 namespace mixbeam {
 
-/// Orders and numbers of elements of the members of a result file, empty where its scene has them.
-using StoredMesh = std::vector<MemberMesh>;
-
 class SolvedRun {
  public:
   /// Reads a scene; `file` stands in messages, and what the scene imports lies in its folder. Throws InputError.
   SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force);
 
   /// A run from a result file of `mixbeam run`. Throws InputError.
-  static std::unique_ptr<SolvedRun> from_file(const std::filesystem::path& file, const StoredMesh& mesh,
-                                              const std::optional<int>& threads);
+  static std::unique_ptr<SolvedRun> from_file(const std::filesystem::path& file, const std::optional<int>& threads);
 
   /// Solves a case of the scene ("": a scene without cases) into `file`, or without one. Throws InputError,
   /// ConvergenceError; the steps that were done are there in any case.

@@ -143,12 +143,16 @@ std::vector<MemberSamples> read_members(hid_t file) {
       std::find(links.begin(), links.end(), "names") != links.end() && !hdf5::is_group(group, "names");
   if (!has_tables) return read_member_groups(group);
   const std::vector<std::string> names = hdf5::read_texts(group, "names");
-  const std::vector<double> samples = hdf5::read_dataset(group, "samples");
-  if (samples.size() != names.size() || std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
+  const std::vector<double> samples = hdf5::read_dataset(group, "samples"), orders = hdf5::read_dataset(group, "order"),
+                            elements = hdf5::read_dataset(group, "elements");
+  if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size() ||
+      std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
     throw hdf5::Error("cannot read the members: their numbers make no sense");
   std::vector<MemberSamples> members(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     members[i].name = names[i];
+    members[i].order = static_cast<int>(orders[i]);
+    members[i].elements = static_cast<int>(elements[i]);
     members[i].share.rows = static_cast<std::size_t>(samples[i]);
   }
   return members;

@@ -28,7 +28,7 @@ void require_known_format(hid_t file, const std::string& name, bool is_sealed);
 ResultHeader read_header(hid_t file);
 
 void write_members(hid_t file, const std::vector<MemberSamples>& members);
-/// Names and numbers of samples, of files of all formats.
+/// Names and numbers of samples, of files of all formats; order and elements from format 4 on.
 std::vector<MemberSamples> read_members(hid_t file);
 
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);

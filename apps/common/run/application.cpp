@@ -57,7 +57,7 @@ int Application::threads_for(const Scene& solved, const SolverParameters& parame
   int threads = work_of(solved) < kWorkForThreads ? 1 : summary.threads;
   if (std::getenv("OMP_NUM_THREADS") != nullptr) threads = summary.threads;
   if (parameters.threads > 0) threads = parameters.threads;
-  if (threads > 1) let_waiting_threads_sleep();
+  if (threads > 1 && terminal == nullptr) let_waiting_threads_sleep();  // those of a host wait as it has chosen
   return threads;
 }
 

@@ -14,6 +14,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include <dlfcn.h>
+#include <sys/auxv.h>
 #include <unistd.h>
 
 namespace mixbeam {
@@ -59,7 +61,13 @@ std::terminate_handler other_handler = nullptr;
 }
 
 /// Before the objects at namespace scope, some of which allocate (constructors of lower numbers run first).
-[[gnu::constructor(101)]] void watch_for_lack_of_memory() { other_handler = std::set_terminate(end_without_memory); }
+/// In a program; a host of the library ends in its own way.
+[[gnu::constructor(101)]] void watch_for_lack_of_memory() {
+  Dl_info here{}, program{};
+  dladdr(reinterpret_cast<void*>(&watch_for_lack_of_memory), &here);
+  dladdr(reinterpret_cast<void*>(getauxval(AT_PHDR)), &program);
+  if (here.dli_fbase == program.dli_fbase) other_handler = std::set_terminate(end_without_memory);
+}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "apps/common/session/mpi_session.hpp"
 
 #include "discretization/results/result_file.hpp"
+#include "discretization/text/errors.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <malloc.h>
@@ -129,6 +130,11 @@ Communicator start_as_guest() {
     MPI_Initialized(&is_started);
     begin_results_library();
     if (is_started == 0) {
+      const char* ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
+      if (ranks != nullptr && std::string(ranks) != "1")
+        throw InputError(std::string(ranks) +
+                         " ranks of mpirun; a library in another program runs on one; allowed: no " +
+                         "mpirun, or the program itself, mpirun mixbeam run");
       const Environment kept_too;
       for (const Setting& setting : kAlone) setenv(setting.name, setting.value, 1);
       setenv("OMPI_MCA_btl", "self", 1);  // vader leaves a file of shared memory behind without MPI_Finalize

@@ -18,7 +18,7 @@ Ten short examples: apps/docs/python.md. Not for several threads at once: calls 
 from . import _core, scene as _scene
 from .errors import ConvergenceError, InputError, UnknownName, unknown
 from .parameters import Parameters
-from .run import MemberResults, Run, batch, check, open_results as open, resume, run
+from .runs import MemberResults, Run, batch, check, open_results as open, resume, run
 from .scene import Scene
 
 __version__ = _core.version

@@ -1,5 +1,6 @@
 """Scenes: a whole scene file as an object."""
 
+import contextlib
 import os
 from functools import cache
 from pathlib import Path
@@ -129,7 +130,11 @@ def text_and_file(scene):
         return scene.to_xml(), str(scene.file or scene.name)
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
         return scene, "scene"
-    return text_and_file(Scene.read(scene))
+    file = os.fspath(scene)
+    if file.endswith(".xml") and os.path.isfile(file):
+        with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader tells of
+            return Path(file).read_text(encoding="utf-8"), file
+    return text_and_file(Scene.read(file))
 
 
 def xml_path(path):

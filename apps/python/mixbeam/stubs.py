@@ -6,7 +6,7 @@ from pathlib import Path
 
 from . import scene
 from .parameters import root
-from .run import Run, kinds_of_quantities
+from .runs import Run, kinds_of_quantities
 
 TYPES = {"bool": "bool", "int": "int", "double": "float", "string": "str", "Array(int)": "Sequence[int]",
          "Array(double)": "ArrayLike", "Array(string)": "Sequence[str]"}
@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import ConvergenceError as ConvergenceError, InputError as InputError, UnknownName as UnknownName
 from .parameters import Parameters as Parameters
-from .run import MemberResults as MemberResults, batch as batch, check as check, resume as resume, run as run
-from .run import open_results as open, Run as _Run
+from .runs import MemberResults as MemberResults, batch as batch, check as check, resume as resume, run as run
+from .runs import open_results as open, Run as _Run
 from .scene import Scene as _Scene
 
 __version__: str

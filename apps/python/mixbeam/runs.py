@@ -1,8 +1,10 @@
 """Runs: solving scenes, and asking for what came out."""
 
 import os
+import shutil
 import sys
 import tempfile
+import weakref
 from collections import namedtuple
 from functools import cache, cached_property
 from pathlib import Path
@@ -37,7 +39,10 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
     """Goes on behind the last step of a result file, in that file, to the bits of a run that was never stopped."""
-    return _watched(lambda listener: _core.resume(os.fspath(file), threads, durable, listener), file, progress, on_step)
+    rest = _watched(lambda listener: _core.resume(os.fspath(file), threads, durable, listener), file, progress, on_step)
+    whole = open_results(file)
+    whole._told = rest._core
+    return whole
 
 
 def check(scene, case=None):
@@ -47,12 +52,7 @@ def check(scene, case=None):
 
 def open_results(file):
     """The Run in a result file. Raises InputError."""
-    file = Path(file)
-    with plotting.modules() as plots:
-        results = plots.call(plots.load("results").Run, file)
-    members = results._file["members"]
-    meshes = [members[name][:].tolist() if name in members else [] for name in ("order", "elements")]
-    return Run(_core.open(str(file), *meshes), file)
+    return Run(_core.open(os.fspath(file)), file)
 
 
 def batch(scene, table, case=None, *, output="followed", threads=None, progress=False):
@@ -131,7 +131,7 @@ class Run:
     """
 
     def __init__(self, core, file=None):
-        self._core = core
+        self._core = self._told = core  # what the states are asked for, and what the program has said of the run
         self.file = Path(file) if file else None  # result file; None: nothing was written
         for name, values in core.path().items():
             setattr(self, f"{name}s" if name == "load_factor" else name, values)  # of each step
@@ -168,17 +168,17 @@ class Run:
     @property
     def report(self):
         """The text that the program prints of a run."""
-        return self._core.report()
+        return self._told.report()
 
     @property
     def warnings(self):
         """What should be known of scene and results, a list of texts."""
-        return self._core.warnings()
+        return self._told.warnings()
 
     @property
     def checks(self):
         """Comparisons with expected values, limits and balances: a list of Check."""
-        return [Check(*one) for one in self._core.checks()]
+        return [Check(*one) for one in self._told.checks()]
 
     @property
     def passed(self):
@@ -188,7 +188,7 @@ class Run:
     @property
     def interrupted(self):
         """Whether on_step stopped it before its end."""
-        return self._core.interrupted()
+        return self._told.interrupted()
 
     # --- quantities ----------------------------------------------------------------------------------------------------
     def quantity(self, kind, point=None, *, step=-1, **parameters):
@@ -266,15 +266,16 @@ class Run:
         """The result file as apps/plots reads it; of a run without one, a file that goes away with this object."""
         file = self.file
         if file is None:
-            self._folder = tempfile.TemporaryDirectory(prefix="mixbeam-")
-            file = Path(self._folder.name) / f"{self.scene.name.replace('/', '_')}.h5"
+            folder = tempfile.mkdtemp(prefix="mixbeam-")
+            weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
+            file = Path(folder) / f"{self.scene.name.replace('/', '_')}.h5"
             self.write(file)
         with plotting.modules() as plots:
             return plots.call(plots.load("results").Run, file)
 
     def plot(self, picture="shape", **options):
         """A picture, shown by notebooks, with save(file): shape, fields, section_forces, diagrams, along, curve,
-        load_path, critical_modes, iterations, steps. Options: those of `mixbeam plot`, as field="axial", view="xy"."""
+        load_path, critical_modes, iterations, steps. Options: those of `mixbeam plot`, as field="axial_force", view="xy"."""
         return plotting.picture(self.results, picture, options)
 
 
