@@ -35,5 +35,7 @@ void check_scene(Application& app, const std::optional<std::string>& load_case);
 
 /// What mixbeam accepts in a scene file: lists of the benchmark programs included.
 const ApplicationDefinition& mixbeam_definition();
+/// Declaration of its scene files; made once.
+const ListSpec& mixbeam_root_spec();
 
 }  // namespace mixbeam

@@ -79,7 +79,7 @@ int convert_command(const Arguments& arguments) {
   const auto [from, to, may_replace] = read_arguments(arguments);
   if (!may_replace && std::filesystem::exists(to))
     throw InputError("\"" + excerpt(to) + "\" is there already; allowed: another name, or --force to replace it");
-  const ListSpec root = root_spec(mixbeam_definition());
+  const ListSpec& root = mixbeam_root_spec();
   const XmlParameters scene = read_parameters(from, root);
   const bool is_from_xml = format_of(from, scene.text) == FileFormat::xml;
   const bool is_to_yaml = format_of(to) == FileFormat::yaml;

@@ -24,6 +24,11 @@ const ApplicationDefinition& mixbeam_definition() {
   return definition;
 }
 
+const ListSpec& mixbeam_root_spec() {
+  static const ListSpec& root = mixbeam_root_spec();
+  return root;
+}
+
 namespace {
 
 constexpr const char* kIntroduction =
@@ -41,7 +46,7 @@ int parameters_command(const Arguments& arguments) {
   if (line.scene_file)
     throw InputError("\"" + excerpt(*line.scene_file) +
                      "\" given to \"parameters\"; allowed: \"--markdown\" or \"--json\"");
-  const ListSpec root = root_spec(mixbeam_definition());
+  const ListSpec& root = mixbeam_root_spec();
   if (line.markdown && line.json) throw InputError("options --markdown and --json together; allowed: one of them");
   if (line.json)
     print_parameters_json(std::cout, root);
@@ -57,7 +62,7 @@ int schema_command(const Arguments& arguments) {
       read_command_line(arguments.count(), arguments.values.data(), {"--help", "--json"}, "(no file)");
   if (line.scene_file)
     throw InputError("\"" + excerpt(*line.scene_file) + "\" given to \"schema\"; allowed: \"--json\"");
-  const ListSpec root = root_spec(mixbeam_definition());
+  const ListSpec& root = mixbeam_root_spec();
   if (line.json)
     print_json_schema(std::cout, root, "Scene of mixbeam in YAML");
   else

@@ -24,11 +24,10 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.quiet = line.quiet;
   app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
-  XmlParameters xml =
-      parse_parameters(run.header().scene_xml, run.path().string() + " (scene)", root_spec(mixbeam_definition()));
+  XmlParameters xml = parse_parameters(run.header().scene_xml, run.path().string() + " (scene)", mixbeam_root_spec());
   xml.source.set_root_name(run.header().scene_name);  // which may be that of the scene's file
   xml.source.set_files(run.header().imported);        // the tables as they were, even if they are gone or changed
-  read_scene_file(app, std::move(xml), mixbeam_definition());
+  read_scene_file(app, std::move(xml), mixbeam_definition(), mixbeam_root_spec());
   describe_run(app, "mixbeam", line.threads);
   app.output = run.path().has_parent_path() ? run.path().parent_path() : std::filesystem::path(".");
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });

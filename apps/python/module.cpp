@@ -55,7 +55,7 @@ py::tuple read_file(const std::string& file) {
 
 std::string declarations() {
   std::ostringstream text;
-  print_parameters_json(text, root_spec(mixbeam_definition()));
+  print_parameters_json(text, mixbeam_root_spec());
   return text.str();
 }
 

@@ -37,7 +37,7 @@ MeshChoice mesh_of(const StoredRun& run) {
 
 SolvedRun::SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force) {
   prepare(app_, report_, force);
-  read_scene_file(app_, parse_xml(xml, file), mixbeam_definition());
+  read_scene_file(app_, parse_xml(xml, file), mixbeam_definition(), mixbeam_root_spec());
   describe_run(app_, "mixbeam", threads);
   warn_of_scene(app_);
 }

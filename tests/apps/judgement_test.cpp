@@ -64,7 +64,8 @@ class Judgement : public ::testing::Test {
     Application app;
     app.communicator = app_communicator_;
     try {
-      read_scene_file(app, parse_parameters(text, file, root_spec(definition_)), definition_);
+      const ListSpec root = root_spec(definition_);
+      read_scene_file(app, parse_parameters(text, file, root), definition_, root);
     } catch (const InputError& error) {
       return error.what();
     }

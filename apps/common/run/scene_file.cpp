@@ -18,7 +18,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <thread>
 
@@ -38,13 +37,6 @@ ListSpec root_spec(const ApplicationDefinition& definition) {
 }
 
 namespace {
-
-/// Made once: a host may read thousands of scenes.
-const ListSpec& known_root_spec(const ApplicationDefinition& definition) {
-  static std::map<std::string, ListSpec> known;
-  const auto found = known.find(definition.name);
-  return found != known.end() ? found->second : known.emplace(definition.name, root_spec(definition)).first->second;
-}
 
 /// Values at critical points need a path on which these are looked for.
 void check_critical_points_are_found(const Application& app) {
@@ -126,10 +118,11 @@ void read_quantities_of(Application& app) {
 
 }  // namespace
 
-void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition) {
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition,
+                     const ListSpec& root) {
   app.xml = std::move(xml);
   import_tables(app.xml);
-  for (const std::string& text : validate(*app.xml.list, known_root_spec(definition), app.xml.source)) {
+  for (const std::string& text : validate(*app.xml.list, root, app.xml.source)) {
     app.summary.warnings.push_back(text);
     app.out() << "warning: " << text << "\n";
   }
@@ -150,7 +143,8 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
 }
 
 void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition) {
-  read_scene_file(app, read_parameters(file, root_spec(definition)), definition);
+  const ListSpec root = root_spec(definition);
+  read_scene_file(app, read_parameters(file, root), definition, root);
 }
 
 namespace {

@@ -11,8 +11,9 @@ ListSpec root_spec(const ApplicationDefinition& definition);
 
 /// Fills in scene, solver parameters and expected values from the parsed file, and the texts of the files that it names
 /// unless its source has them already. Warns of parameters that no longer exist. Throws InputError with file, line and
-/// XML path.
-void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition);
+/// XML path. `root`: root_spec() of the definition, which a host of thousands of scenes makes once.
+void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefinition& definition,
+                     const ListSpec& root);
 
 /// The same for a file, in XML or YAML.
 void read_scene_file(Application& app, const std::string& file, const ApplicationDefinition& definition);
