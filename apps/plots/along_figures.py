@@ -85,5 +85,5 @@ def _name_members(panels, row, borders):
         axes.set_ylim(low - NAME_SHARE * (high - low), high)
         for (member, against), begin, end in zip(row, borders[:-1], borders[1:]):
             name = member.name if len(member.name) <= 14 else member.name[:11] + "..."
-            axes.annotate(name + (" (from its end)" if against else ""), ((begin + end) / 2, 0.02), fontsize=8.5,
+            axes.annotate(style.literal(name) + (" (from its end)" if against else ""), ((begin + end) / 2, 0.02), fontsize=8.5,
                           xycoords=("data", "axes fraction"), ha="center", color="#666666", gid="member")

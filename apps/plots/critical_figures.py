@@ -25,7 +25,7 @@ def modes_figure(view, points):
         axes.set_title(f"{number}: {point.kind}{together}, load factor {point.load_factor:.6g}\n"
                        f"negative eigenvalues {point.negative_before} before, {point.negative_after} after")
     left_out = f"; the first {MOST_POINTS} of {len(points)}" if len(points) > MOST_POINTS else ""
-    canvas.suptitle(f"{view.run.scene_name[:60]}: critical modes (red), amplitude arbitrary{left_out}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: critical modes (red), amplitude arbitrary{left_out}", fontsize=13)
     return canvas
 
 

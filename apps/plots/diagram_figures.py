@@ -39,7 +39,7 @@ def over_arc_length_figure(view, step):
                 colors="#C4C4C4", linewidth=0.7, rasterized=len(others) > 100))
         for rank, j in enumerate(named):
             axes.plot(members[j].arc_length / 10.0 ** long, level[members[j].samples], color=COLORS[rank % len(COLORS)],
-                      linestyle=DASHES[(rank // 2) % len(DASHES)] if len(named) > 1 else "-", label=members[j].name)
+                      linestyle=DASHES[(rank // 2) % len(DASHES)] if len(named) > 1 else "-", label=style.literal(members[j].name))
         axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
         name_axis(axes, view, name, exponent)
         limits(axes, level)

@@ -41,7 +41,7 @@ def load_displacement_figure(view):
             axes.set_ylabel(fields.times(exponent))
         if values.shape[1] > 1:
             axes.legend(loc="best", ncol=1)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(curves[0][1])} steps{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: load path of {len(curves[0][1])} steps{_end(view)}", fontsize=13)
     return canvas
 
 
@@ -54,7 +54,7 @@ def curve_figure(view, ordinate, abscissa):
     for name, series in zip((ordinate, abscissa), values):
         exponent = fields.power_of_ten(np.nanmax(np.abs(series), initial=0.0))
         series /= 10.0 ** exponent
-        labels.append(f"{name} {fields.times(exponent)}".strip() if exponent else name)
+        labels.append(style.literal(name) + fields.times(exponent))
     y, x = values
     stable = [step.stable for step in run.steps]
     for first, last in _runs(stable):
@@ -64,7 +64,7 @@ def curve_figure(view, ordinate, abscissa):
     axes.set(xlabel=labels[1], ylabel=labels[0])
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.axvline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-    canvas.suptitle(f"{run.scene_name[:60]}: {ordinate} over {abscissa}{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: {style.literal(ordinate)} over {style.literal(abscissa)}{_end(view)}", fontsize=13)
     return canvas
 
 
@@ -84,7 +84,7 @@ def _critical_path_figure(view):
         axes.set_visible(False)
     for axes, (title, _, values, symbol) in zip(panels.flat, curves):
         _draw_critical_path(axes, view, title, values, symbol)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: load path of {len(view.run.steps)} steps; dashed: unstable{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: load path of {len(view.run.steps)} steps; dashed: unstable{_end(view)}", fontsize=13)
     return canvas
 
 
@@ -145,7 +145,7 @@ def _runs(flags):
 
 
 def _title(name):
-    return name.replace(".", ": ").replace("_", " ")
+    return style.literal(name.replace(".", ": ").replace("_", " "))
 
 
 def _monitored(view):
@@ -180,7 +180,7 @@ def _farthest(view):
     factor = np.array([step.load_factor for step in steps])
     member = next(m for m in view.run.members if m.samples.start <= farthest < m.samples.stop)
     at = member.arc_length[farthest - member.samples.start]
-    return [(f"farthest point: member {member.name}, $s$ = {at:.4g}", factor, values, "u")]
+    return [(f"farthest point: member {style.literal(member.name)}, $s$ = {at:.4g}", factor, values, "u")]
 
 
 def iteration_figure(view):
@@ -205,7 +205,7 @@ def iteration_figure(view):
         _draw_histories(canvas, right, histories)
     else:
         _draw_final_residuals(right, numbers, monitor.get("residual", np.array([])))
-    canvas.suptitle(f"{view.run.scene_name[:60]}: Newton's method", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: Newton's method", fontsize=13)
     return canvas
 
 

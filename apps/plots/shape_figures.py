@@ -114,7 +114,7 @@ def strip_figure(view, steps, field):
         axes.label_outer()
         axes.set_title(f"load factor {step.load_factor:.4g}")
     canvas.colorbar(pieces, ax=list(panels.flat), shrink=0.9, pad=0.01, aspect=12 * rows)
-    canvas.suptitle(f"{view.run.scene_name[:60]}: {view.field_label(field, exponent)}"
+    canvas.suptitle(f"{view.scene_words}: {view.field_label(field, exponent)}"
                     + ("" if any(np.any(value) for value in values) else ": zero everywhere"), fontsize=13)
     return canvas
 

@@ -124,6 +124,11 @@ def rgb(color):
     return matplotlib.colors.to_rgb(color)
 
 
+def literal(name):
+    """A name from a scene as a label that shows it as it is: what stands between dollars would be a formula."""
+    return name.replace("$", r"\$")
+
+
 def blend(share, first=RED, last=BLUE):
     """The colour at `share` (0 to 1) of the way between two colours."""
     first, last = (np.array(matplotlib.colors.to_rgb(color)) for color in (first, last))

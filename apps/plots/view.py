@@ -3,6 +3,7 @@
 import numpy as np
 
 import fields
+import style
 from results import InputError
 from structure import Structure, axis_name, best_plane, best_view
 
@@ -85,8 +86,12 @@ class View:
     def field_label(self, field, exponent=0):
         return field.label + fields.times(exponent, field.unit(self.run.units))
 
+    @property
+    def scene_words(self):
+        return style.literal(self.run.scene_name[:60])
+
     def title(self, step):
-        return f"{self.run.scene_name[:60]}: step {step.number}, load factor {step.load_factor:.6g}"
+        return f"{self.scene_words}: step {step.number}, load factor {step.load_factor:.6g}"
 
     def scale_words(self):
         """What the picture says of its displacements and units."""

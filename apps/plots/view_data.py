@@ -71,8 +71,6 @@ class ViewData:
         self._run = run
         self._reference = run.reference()
         self._kept, self._members, self._firsts = _thinned(run.members)
-        self._place = np.full(len(self._reference), -1)
-        self._place[self._kept] = np.arange(len(self._kept))
         low, high = self._reference.min(axis=0), self._reference.max(axis=0)
         self._center, self._size = (low + high) / 2, float(np.linalg.norm(high - low)) or 1.0
         self.arrays = {}
@@ -274,12 +272,11 @@ class ViewData:
             add("turns", sample, turn, False, begins)
         lines = [[[place(sample) for sample in samples], forces.tolist(), follows, _finite(begins)]
                  for samples, forces, follows, begins in marks.placed_line_loads(acting.get("line_loads", {}))]
-        shown = {member.name for member in self._members}
+        strained = {member.name for member in marks.strained}
         self.description.update(
             supports=[[place(sample), kind] for sample, kind in marks.supports],
             joints=[[place(sample), kind] for sample, kind in marks.joints], line_loads=lines,
-            strained=[number for number, member in enumerate(self._members)
-                      if member.name in shown and member in marks.strained], **arrows)
+            strained=[number for number, member in enumerate(self._members) if member.name in strained], **arrows)
 
     def _nearest(self, sample):
         """Number among those drawn of the nearest one that is."""

@@ -28,7 +28,7 @@ from small_scenes import NUMBERS, cantilever, entry, listed, member, scene, solv
 from view_result import view_page  # noqa: E402
 
 BROWSER = ("chromium-headless-shell", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--dump-dom",
-           "--window-size=1200,800", "--virtual-time-budget=1000")
+           "--window-size=1200,800")
 SECONDS = 120             # for a browser that draws on a busy processor
 FIRST_PICTURE = 3000      # milliseconds that a page may take where no other program runs
 LARGEST_PAGE = 1.5e6      # bytes, of a scene of the gallery
@@ -174,7 +174,7 @@ class Viewer(unittest.TestCase):
 
     def test_names_are_data(self):
         evil, point = "<script>alert(1)</script>", "<script>alert(1)"  # names of points and members have no slash
-        member_name = "<img src=x onerror=alert(2)> $x_"
+        member_name = r"<img src=x onerror=alert(2)> $\frac$"  # between dollars, no formula of a picture either
         text = cantilever("{0, -1, 0}").replace('"b"', f'"{html.escape(point)}"').replace('"m"', f'"{html.escape(member_name)}"')
         result = solve(PROGRAM, self.folder, "evil", text.replace('"portal"', f'"{html.escape(evil)}"'))
         page = self.view(result)
@@ -260,9 +260,12 @@ class Viewer(unittest.TestCase):
 
     def opened(self, page, *commands):
         """As `seen`, of a page without problems that opens in time."""
-        before = waiting()
-        told = seen(page, *commands)
-        self.assertEqual(told["problems"], [], page.name)
+        for tries_left in (2, 1, 0):  # others may take the processor for a moment
+            before = waiting()
+            told = seen(page, *commands)
+            self.assertEqual(told["problems"], [], page.name)
+            if told["first"] < FIRST_PICTURE or not tries_left:
+                break
         self.assertLess(told["first"], FIRST_PICTURE * max(before, waiting()), page.name)
         return told
 

@@ -5,6 +5,7 @@ const LINE_ARROW = 34; // and of the largest line load
 const FACING = 0.2; // of its length: an arrow that appears shorter points at the reader
 const MOST_LINE_ARROWS = 150;
 const MANY_SUPPORTS = 40; // get small signs,
+const NARROW = 560; // pixels of a picture with room for little more than the buttons
 const CROWD = 300; // and more of them squares
 const INK = {
   light: { text: "#20262e", soft: "#5b6673", support: "#20262e", force: "#c2410c", moment: "#a21caf", motion: "#047857", halo: "#ffffff" },
@@ -212,9 +213,12 @@ class Marks {
     const [x, y, width, height] = [24, 76, 14, clamp(camera.rows - 250, 90, 260)];
     context.textAlign = "left";
     context.textBaseline = "middle";
-    context.fillStyle = ink.text;
     context.font = "600 12.5px system-ui, sans-serif";
-    context.fillText(field.label + (field.unit ? ` [${field.unit}]` : ""), x, y - 20);
+    const words = field.label + (field.unit ? ` [${field.unit}]` : "");
+    this.veil(x - 8, y - 32, context.measureText(words).width + 16, 24);
+    this.veil(x - 8, y - 10, 96, height + 20);
+    context.fillStyle = ink.text;
+    context.fillText(words, x, y - 20);
     for (let i = 0; i < height; ++i) {
       context.fillStyle = `rgb(${colorAt(colors, 1 - i / (height - 1)).join()})`;
       context.fillRect(x, y + i, width, 1.5);
@@ -233,15 +237,27 @@ class Marks {
     }
   }
 
+  /** Behind words, so that they can be read before a structure. */
+  veil(x, y, width, height) {
+    const { context } = this;
+    context.globalAlpha = 0.72;
+    context.fillStyle = this.ink.halo;
+    context.fillRect(x, y, width, height);
+    context.globalAlpha = 1;
+  }
+
   drawTitle(words) {
     const { context, ink } = this;
+    if (this.camera.width < NARROW) return; // the panel says it too
     context.textAlign = "left";
     context.textBaseline = "middle";
     context.font = "600 15px system-ui, sans-serif";
+    this.veil(16, 12, context.measureText(words[0]).width + 16, 26);
     context.fillStyle = ink.text;
     context.fillText(words[0], 24, 24);
     const width = context.measureText(words[0]).width;
     context.font = "13px system-ui, sans-serif";
+    this.veil(24 + width + 6, 12, context.measureText(words[1]).width + 16, 26);
     context.fillStyle = ink.soft;
     context.fillText(words[1], 24 + width + 14, 25);
   }
