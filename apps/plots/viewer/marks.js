@@ -4,6 +4,7 @@ const ARROW = 46; // pixels of an arrow across the line of sight,
 const LINE_ARROW = 34; // and of the largest line load
 const FACING = 0.2; // of its length: an arrow that appears shorter points at the reader
 const MOST_LINE_ARROWS = 150;
+const MANY_LINE_LOADS = 10;
 const MANY_SUPPORTS = 40; // get small signs,
 const NARROW = 560; // pixels of a picture with room for little more than the buttons
 const CROWD = 300; // and more of them squares
@@ -175,7 +176,9 @@ class Marks {
         if (i % every === 0) paths.push(...barbed(back, head));
       });
     }
+    this.context.globalAlpha = acting.length > MANY_LINE_LOADS ? 0.5 : 1; // the members are to be seen through them
     this.lines(paths, ink.force, 1.1);
+    this.context.globalAlpha = 1;
   }
 
   /** A letter at the middle of a member with an eigenstrain. */
