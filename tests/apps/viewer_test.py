@@ -132,6 +132,8 @@ class Viewer(unittest.TestCase):
         for i, drawn, beside in zip(samples, colors[::2], colors[1::2]):
             self.assert_hue(drawn, viridis(moment[i] / moment.max()))
             self.assertEqual(beside, BACKGROUND)
+        with self.assertRaises(AssertionError):  # the colour of another value is told apart
+            self.assert_hue(colors[0], viridis(moment[samples[-1]] / moment.max()))
 
     def test_the_slider_moves_the_structure(self):
         tip = "probe.app.result.samples - 1"
