@@ -35,9 +35,8 @@ readonly required_packages=(
 readonly vtk_package=python3-paraview
 
 # One test asks the language server of VS Code's YAML extension what it completes, explains and marks in a scene. Node.js
-# and npm are 355 packages of Debian, but only 23 MB to download (npm alone could do without, if its 20 packages were
-# fetched one by one); the server itself is 29 MB in the build folder. This version is the last that runs on Debian's
-# Node.js 18. As above: only test.sh asks for it, and without it that test is skipped.
+# and npm are 355 packages of Debian, but only 23 MB to download; the server is 29 MB in the build folder. Its version 2
+# wants Node.js 22, Debian has 18. As above: only test.sh asks for it, and without it that test is skipped.
 readonly yaml_server=yaml-language-server@1.15.0
 
 # Opens the pages of mixbeam view without a screen and draws WebGL without a graphics processor. Only test.sh asks for it

@@ -172,7 +172,7 @@ Json schema_of_parameter(const ParameterSpec& spec) {
       if (std::count(spec.words.begin(), spec.words.end(), to_text(ParameterValue(word))) > 0) words.push_back(word);
     schema = {{"anyOf", {schema, {{"enum", words}}}}};
   }
-  schema["description"] = spec.meaning + " " + allowed_values(spec);
+  schema["description"] = spec.meaning + " (" + allowed_values(spec) + ")";
   if (spec.presence == Presence::defaulted) schema["default"] = json_value(spec.default_value);
   return schema;
 }

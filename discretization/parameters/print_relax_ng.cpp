@@ -144,7 +144,7 @@ void add_free_name(xmlNodePtr element, const ListSpec& spec) {
 
 /// Of an element that has its name already.
 void add_parameter(xmlNodePtr element, const ParameterSpec& spec) {
-  add_documentation(element, spec.meaning + " " + allowed_values(spec));
+  add_documentation(element, spec.meaning + " (" + allowed_values(spec) + ")");
   xmlNodePtr choice = add(element, "choice");
   add_typed_value(choice, spec, spec.type);
   if (spec.type == ParameterType::real) add_typed_value(choice, spec, ParameterType::integer);

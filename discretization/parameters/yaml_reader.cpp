@@ -146,6 +146,10 @@ class YamlFiller {
     return error_at(result_.source.file(), node.mark, place + problem);
   }
 
+  InputError missing_value(const YamlNode& node) const {
+    return error(node, "no value; allowed: a value, \"\" for an empty text, {} for an empty list");
+  }
+
   /// `spec`: none where nothing is declared.
   void fill(Teuchos::ParameterList& list, const ListSpec* spec, const YamlNode& map) {
     if (path_.size() > kDeepestLists)
@@ -156,6 +160,7 @@ class YamlFiller {
       count_nodes(key);
       path_.push_back(name_of(key));
       result_.source.record(path_, key.mark.line + 1, key.mark.column + 1);
+      if (value.is_absent) throw missing_value(key);
       take(list, spec, value);
       path_.pop_back();
     }
@@ -206,8 +211,7 @@ class YamlFiller {
     for (const std::size_t child : node.children) entries.push_back(&tree_[child]);
     for (const YamlNode* entry : entries) {
       count_nodes(*entry);
-      if (entry->is_absent)
-        throw error(*entry, "no value; allowed: a value, \"\" for an empty text, {} for an empty list");
+      if (entry->is_absent) throw missing_value(*entry);
       if (entry->kind == Kind::map || entry->kind == Kind::sequence)
         throw error(*entry, described(entry->kind) + " in a sequence; allowed: values between commas, like [1, 2, 3]");
     }

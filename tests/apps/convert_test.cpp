@@ -135,9 +135,9 @@ TEST_F(Convert, RefusesWhatItWouldChange) {
   refused({"convert", file("a.xml"), file("a.json")}, {"unknown ending; allowed: .xml, .yaml, .yml"});
   refused({"convert", file("a.xml"), file("nowhere/b.yaml")}, {"nowhere"});
   write_text(file("b.yaml"), changed(text_of(file("a.yaml")), "Fixed Rotation: []}", R"(Point Loads: 1})"));
-  refused({"convert", file("b.yaml"), file("b.xml")}, {"b.yaml:20:", "Point Loads", "unknown name"});
+  refused({"convert", file("b.yaml"), file("b.xml")}, {"b.yaml:21:", "Point Loads", "unknown name"});
   write_text(file("c.yaml"), changed(text_of(file("a.yaml")), "# bottom\n", "Study: {words: [\"a, b\", c]}\n"));
-  refused({"convert", file("c.yaml"), file("c.xml")}, {"c.yaml:21:", "Study / words", "cannot be written to"});
+  refused({"convert", file("c.yaml"), file("c.xml")}, {"c.yaml:22:", "Study / words", "cannot be written to"});
   EXPECT_FALSE(fs::exists(file("c.xml")));
 }
 

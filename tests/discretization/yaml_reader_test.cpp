@@ -77,8 +77,9 @@ TEST(YamlReader, GivesTheListOfTheXmlFile) {
 }
 
 TEST(YamlReader, ValuesWithoutDeclarationKeepTheTypeTheyShow) {
-  const auto& study = parsed("Study: {a: 1, b: 1.0, c: true, d: x, e: \"1\", f: [1, 2], g: [1, 2.5], h: [a, 1]}\n")
-                          .list->sublist("Study");
+  const XmlParameters yaml =
+      parsed("Study: {a: 1, b: 1.0, c: true, d: x, e: \"1\", f: [1, 2], g: [1, 2.5], h: [a, 1]}\n");
+  const auto& study = yaml.list->sublist("Study");
   EXPECT_EQ(study.get<int>("a"), 1);
   EXPECT_EQ(study.get<double>("b"), 1.0);
   EXPECT_EQ(study.get<bool>("c"), true);
@@ -113,7 +114,7 @@ TEST(YamlReader, RefusesWithAPlace) {
       {changed(kScene, "Elements: 4", "[a]: 4"), {"9:42: ", "a sequence as a name"}},
       {changed(kScene, "Elements: 4", "Elements: !x 4"), {"9:52: tag \"!x\""}},
       {changed(kScene, "Elements: 4", "Elements: [[4]]"), {"9:53: ", "a sequence in a sequence"}},
-      {changed(kScene, "[0, 0, 0]", "{0, 0, 0}"), {"5:9: YAML path \"Scene / Points / no / 0\": no value"}},
+      {changed(kScene, "[0, 0, 0]", "{0, 0, 0}"), {"5:10: YAML path \"Scene / Points / no / 0\": no value"}},
       {changed(kScene, "Elements: 4", "Elements: \"\\x01\""), {"9:52: ", "control character"}},
       {kScene + "---\na: 1\n", {"scene.yaml:20:1: a second document"}},
       {kScene + "\tx: 1\n", {"scene.yaml:20:", "not well-formed YAML"}},
@@ -127,8 +128,8 @@ TEST(YamlReader, RefusesWithAPlace) {
 }
 
 TEST(YamlReader, AliasesRepeatWholeLists) {
-  const auto& study =
-      parsed("Study: {a: &list {x: 1, y: [2, 3]}, b: *list, c: &word yes, d: *word}\n").list->sublist("Study");
+  const XmlParameters yaml = parsed("Study: {a: &list {x: 1, y: [2, 3]}, b: *list, c: &word yes, d: *word}\n");
+  const auto& study = yaml.list->sublist("Study");
   EXPECT_EQ(study.sublist("b").get<int>("x"), 1);
   EXPECT_EQ(study.get<std::string>("d"), "yes");
 }
