@@ -251,6 +251,7 @@ std::string program_name(const std::string& name) {
 void print_json_schema(std::ostream& out, const ListSpec& spec, const std::string& title) {
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
   schema.update(schema_of_list(spec));
+  schema.erase("description");  // which explains how lists are written in XML
   schema["properties"][kRootName] = {{"type", "string"},
                                      {"description", "Name of the scene; that of the file if absent."}};
   out << schema.dump(1) << '\n';
