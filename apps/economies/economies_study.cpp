@@ -1,7 +1,9 @@
 // What the features that a scene does not use would cost: one long rod solved as it is, and with each of them in it at
 // rest. Both ways must give the same answer; times are shown, not judged.
+#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "discretization/text/result_names.hpp"
 
 #include <cmath>
 #include <limits>
@@ -25,8 +27,9 @@ struct Way {
   const char* description = "";
   Scene scene;
   SolverParameters solver;
-  bool estimates = false;  ///< the discretization error at the end
-  bool records = false;    ///< a result file
+  bool estimates = false;              ///< the discretization error at the end
+  bool records = false;                ///< a result file
+  std::vector<Quantity> quantities{};  ///< followed in it
 };
 
 /// As shipped, and the general way.
@@ -113,6 +116,28 @@ Scene with_overhang(Scene scene, int order, int elements) {
   return scene;
 }
 
+/// A quarter each: displacements and moments at places of the rod, distances to its tip, extremes along all of it.
+std::vector<Quantity> hundred_quantities(Scene rod) {
+  constexpr int kQuantities = 100;
+  const std::vector<std::string> along = {"material force", "material moment", "spatial moment", "material curvature"};
+  std::vector<Quantity> all;
+  for (int i = 0; i < kQuantities; ++i) {
+    Quantity& one = all.emplace_back();
+    one.name = "q" + std::to_string(i);
+    one.kind =
+        std::vector<std::string>{"displacement", "material moment", "distance", along[i / 4 % along.size()]}[i % 4];
+    if (i % 4 == 2) one.other_point = tip_load(rod).point;
+    if (i % 4 < 3) {
+      one.point = rod_of(rod).name + "@" + std::to_string(i) + "%";
+      continue;
+    }
+    one.member = rod_of(rod).name;
+    one.component = one.kind.rfind("spatial", 0) == 0 ? "z" : "3";
+    one.take = Take::largest_size;
+  }
+  return all;
+}
+
 template <class Change>
 SolverParameters changed(SolverParameters solver, const Change& change) {
   change(solver);
@@ -160,6 +185,9 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"negative eigenvalues counted in every state", rod, counting}},
       {"estimate", {"error not estimated", rod, solver}, {"estimate at the end", rod, solver, true}},
       {"result_file", {"no result file", rod, solver}, {"HDF5 and XDMF written", rod, solver, false, true}},
+      {"quantities",
+       {"no quantities asked for, result file written", rod, solver, false, true},
+       {"100 quantities, 25 of them extremes along the rod", rod, solver, false, true, hundred_quantities(rod)}},
       {"mesh_by_member",
        {"overhang without load: one element of order 1", with_overhang(rod, 1, 1), solver},
        {"overhang divided like the rest", with_overhang(rod, order, elements / 2), solver}},
@@ -184,10 +212,15 @@ void run_once(Application& app, const Way& way, TimedWay& timed) {
       app.try_to_solve(way.scene, solver, [&last](const Simulation&, const StepReport& report) { last = report; });
   if (way.estimates) simulation.estimate_error();
   if (way.records) {
+    const ParameterSource no_file;
+    const QuantitySet quantities(way.quantities, way.scene, {no_file, {}});
     ResultHeader header;
     header.scene_name = way.scene.name;
+    header.quantities = quantities.names();
     ResultFile file(app.output / "recorded.h5", std::move(header), app.communicator);
-    file.append_step(simulation.record(last, kPointsByOrder, {point}));
+    StepRecord record = simulation.record(last, kPointsByOrder, {point});
+    if (!quantities.empty()) record.monitored.push_back({kQuantitySeries, values_of(quantities, simulation, record)});
+    file.append_step(record);
     file.close();
   }
   timed.seconds.push_back(watch.seconds());

@@ -109,7 +109,7 @@ const std::map<std::string, const char*>& texts() {
        "  --along PATTERN      one diagram over members in a row\n"
        "  --curve Y X          one followed number over another: force:wall.x tip.z\n\n"},
       {"report",
-       "usage: mixbeam report RESULTS.h5 [--output FILE.html] [--summary SUMMARY.json]\n\n"
+       "usage: mixbeam report RESULTS.h5 [--output FILE.html or FOLDER] [--summary SUMMARY.json]\n\n"
        "Writes one HTML page about a run, to attach to a project: result, stability, critical points, quantities,\n"
        "reactions, stresses, structure, pictures, versions, the scene. Needs Python with matplotlib and h5py.\n\n"},
       {"view",

@@ -15,7 +15,7 @@ BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("result", type=Path, help="result file (.h5)")
-    parser.add_argument("--output", type=Path, metavar="FILE.html", help="default: beside the result file")
+    parser.add_argument("--output", type=Path, metavar="FILE.html", help="or a folder; default: beside the result file")
     parser.add_argument("--summary", type=Path, metavar="FILE.json", help="of mixbeam run --summary: adds its checks")
     options = parser.parse_args()
     try:
@@ -35,6 +35,8 @@ def main():
             page.table(("", ""), sorted(run.properties().items()))
             page.folded("The scene, word for word", run.scene_text())
             path = options.output or options.result.with_suffix(".html")
+            if path.is_dir():
+                path = path / options.result.with_suffix(".html").name
             view = view_beside(path.parent / options.result.name)
             if view.exists():
                 page.link("The structure in the browser, to turn and to ask", view.name)

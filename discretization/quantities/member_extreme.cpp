@@ -18,13 +18,13 @@ namespace {
 /// parabola. So much more is allowed for before an element is left out of the search.
 constexpr double kPeakOverSecondDifference = 2.0;
 
-/// Second differences below this share of the values are rounding: the samples are the extremes then.
-constexpr double kFlat = 1e-13;
+/// Shares of the value. What an element may have above the best sample is rounding below this: a tenth of the
+/// digits that are promised, and what Newton's method leaves of a force that is the same in ten thousand elements.
+constexpr double kNegligible = 1e-11;
 
-/// Steps of the search in an element, each of which narrows its interval by the golden ratio: to 1e-9 of the element,
-/// whose square is what a smooth peak loses.
-constexpr int kGoldenSteps = 42;
-constexpr double kGolden = 0.61803398874989484820;
+/// The search of a peak by parabolas ends where a step changes the value by less, or its place by less of the element.
+constexpr double kSettledValue = 1e-13, kSettledPlace = 1e-9;
+constexpr int kMostParabolas = 40;
 
 PointSample sample_in(const MemberSamples& member, std::size_t i) {
   using vector_algebra::to_vec3;
@@ -76,8 +76,10 @@ class Search {
   MemberExtreme result() {
     std::stable_sort(candidates_.begin(), candidates_.end(),
                      [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
-    for (const Candidate& candidate : candidates_)
-      if (candidate.bound > best_.value) refine(candidate);
+    for (const Candidate& candidate : candidates_) {
+      if (!may_raise_best(candidate.bound)) break;
+      refine(candidate);
+    }
     return best_;
   }
 
@@ -90,20 +92,20 @@ class Search {
   /// Keeps the best sample, and the element where its peaks may be higher.
   void look_at_values(int member, int element) {
     const std::size_t points = values_.size();
-    double highest = -HUGE_VAL, second = 0.0, size = 0.0;
+    double highest = -HUGE_VAL, second = 0.0;
     for (std::size_t i = 0; i < points; ++i) {
       if (std::isnan(values_[i])) return take(values_[i], member, element, 0.0);
       highest = std::max(highest, values_[i]);
-      size = std::max(size, std::abs(values_[i]));
       if (i > 0 && i + 1 < points)
         second = std::max(second, std::abs(values_[i - 1] - 2.0 * values_[i] + values_[i + 1]));
     }
     for (std::size_t i = 0; i < points; ++i)
       take(values_[i], member, element, -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1));
-    if (second <= kFlat * size) return;
     const double bound = highest + kPeakOverSecondDifference * second;
-    if (bound > best_.value) candidates_.push_back({member, element, bound});
+    if (may_raise_best(bound)) candidates_.push_back({member, element, bound});
   }
+
+  bool may_raise_best(double bound) const { return bound > best_.value + kNegligible * std::abs(best_.value); }
 
   void take(double value, int member, int element, double xi) {
     const bool is_first = best_.member < 0;
@@ -127,32 +129,44 @@ class Search {
     for (int i = 0; i < points; ++i) {
       xi[i] = -1.0 + 2.0 * i / (points - 1);
       value[i] = at(place, xi[i]);
+      take(value[i], place.member, place.element, xi[i]);
     }
     for (int i = 0; i < points; ++i) {
       const bool left = i == 0 || value[i] >= value[i - 1], right = i + 1 == points || value[i] >= value[i + 1];
-      if (left && right) climb(place, xi[std::max(0, i - 1)], xi[std::min(points - 1, i + 1)]);
+      if (!left || !right) continue;
+      const int middle = std::clamp(i, 1, points - 2);
+      climb(place, {xi[middle - 1], xi[middle], xi[middle + 1]}, {value[middle - 1], value[middle], value[middle + 1]});
     }
   }
 
-  /// Golden section: the field has one peak between the two.
-  void climb(const Candidate& place, double low, double high) {
-    double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
-    double at_a = at(place, a), at_b = at(place, b);
-    for (int step = 0; step < kGoldenSteps; ++step) {
-      if (at_a >= at_b) {
-        high = b;
-        b = a;
-        at_b = at_a;
-        at_a = at(place, a = high - kGolden * (high - low));
+  /// The top of the parabola through three points; not a number where they lie on a line.
+  static double top_of(const std::array<double, 3>& x, const std::array<double, 3>& f) {
+    const double before = x[1] - x[0], after = x[1] - x[2];
+    const double rise = before * (f[1] - f[2]), fall = after * (f[1] - f[0]);
+    return x[1] - 0.5 * (before * rise - after * fall) / (rise - fall);
+  }
+
+  /// The field has one peak near the three places x. Where it is at an end of the element, the sample there is the
+  /// best.
+  void climb(const Candidate& place, std::array<double, 3> x, std::array<double, 3> f) {
+    for (int step = 0; step < kMostParabolas; ++step) {
+      const double top = top_of(x, f);
+      if (!(top > x[0] && top < x[2]) || std::abs(top - x[1]) < kSettledPlace) return;
+      const double value = at(place, top);
+      take(value, place.member, place.element, top);
+      const double change = std::abs(value - f[1]);
+      const bool is_before = top < x[1];
+      if (value > f[1]) {
+        (is_before ? x[2] : x[0]) = x[1];
+        (is_before ? f[2] : f[0]) = f[1];
+        x[1] = top;
+        f[1] = value;
       } else {
-        low = a;
-        a = b;
-        at_a = at_b;
-        at_b = at(place, b = low + kGolden * (high - low));
+        (is_before ? x[0] : x[2]) = top;
+        (is_before ? f[0] : f[2]) = value;
       }
+      if (change <= kSettledValue * std::abs(f[1])) return;
     }
-    take(at_a, place.member, place.element, a);
-    take(at_b, place.member, place.element, b);
   }
 
   const Model& model_;

@@ -284,6 +284,9 @@ class Plots(unittest.TestCase):
         tip = Run(folder / "evil.h5").monitor()[f"{evil}.displacement"][-1, 1]
         for words in (f"{tip:.6g}", "is stable", "loads and reactions", "data:image/png;base64,", "</html>"):
             self.assertIn(words, page)
+        (folder / "pages").mkdir()
+        subprocess.run([PROGRAM, "report", "evil.h5", "--output", "pages"], cwd=folder, capture_output=True, check=True)
+        self.assertTrue((folder / "pages" / "evil.html").exists())  # a folder takes the page
         ended = subprocess.run([PROGRAM, "report", "none.h5"], cwd=folder, capture_output=True, text=True, check=False)
         self.assertEqual(ended.returncode, 2)
         self.assertIn("none.h5", ended.stderr)
