@@ -25,7 +25,7 @@ const ApplicationDefinition& mixbeam_definition() {
 }
 
 const ListSpec& mixbeam_root_spec() {
-  static const ListSpec& root = mixbeam_root_spec();
+  static const ListSpec root = root_spec(mixbeam_definition());
   return root;
 }
 

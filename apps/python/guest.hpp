@@ -11,8 +11,11 @@
 
 #include <atomic>
 #include <chrono>
+#include <exception>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace mixbeam {
 

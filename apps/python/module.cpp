@@ -5,12 +5,16 @@
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/python/arrays.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/print.hpp"
 #include "discretization/parameters/value.hpp"
 #include "discretization/text/memory_error.hpp"
 #include "mixbeam/version.hpp"
 
+#include <filesystem>
 #include <limits>
+#include <sstream>
+#include <string>
 
 namespace py = pybind11;
 
@@ -46,11 +50,15 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
 py::tuple parameters_of(const XmlParameters& parameters) {
   return py::make_tuple(parameters.list->name(), entries_of(*parameters.list));
 }
-py::tuple parse(const std::string& xml, const std::string& file) {
-  return parameters_of(in_turn([&] { return parse_xml(xml, file); }));
+py::tuple parse(const std::string& text, const std::string& file) {
+  return parameters_of(in_turn([&] { return parsed_scene(text, file); }));
 }
 py::tuple read_file(const std::string& file) {
-  return parameters_of(in_turn([&] { return read_xml(file); }));
+  return parameters_of(in_turn([&] { return read_parameters(file, mixbeam_root_spec()); }));
+}
+
+std::string yaml_of(const std::string& text, const std::string& file) {
+  return in_turn([&] { return yaml_text(parse_xml(text, file), mixbeam_root_spec(), file); });
 }
 
 std::string declarations() {
@@ -59,9 +67,9 @@ std::string declarations() {
   return text.str();
 }
 
-py::tuple check(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case) {
+py::tuple check(const std::string& text, const std::string& file, const std::optional<std::string>& load_case) {
   Run run = in_turn([&] {
-    Run read(new SolvedRun(xml, file, Turn::threads({}), false), DeleteInTurn());
+    Run read(new SolvedRun(parsed_scene(text, file), Turn::threads({}), false), DeleteInTurn());
     check_scene(read->app(), load_case);
     return read;
   });
@@ -97,11 +105,12 @@ py::tuple watched(py::object callback, const Prepare& prepare, const Solve& solv
   return py::make_tuple(outcome.run, outcome.failure);
 }
 
-py::tuple run(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case,
+py::tuple run(const std::string& text, const std::string& file, const std::optional<std::string>& load_case,
               const std::string& output, const std::optional<int>& threads, bool durable, bool force,
               py::object callback) {
   return watched(
-      std::move(callback), [&] { return std::make_unique<SolvedRun>(xml, file, Turn::threads(threads), force); },
+      std::move(callback),
+      [&] { return std::make_unique<SolvedRun>(parsed_scene(text, file), Turn::threads(threads), force); },
       [&](SolvedRun& solved) {
         const std::filesystem::path results(output);
         if (results.has_parent_path()) prepare_output_folder(results.parent_path());
@@ -128,7 +137,7 @@ Run open(const std::string& file) {
   return in_turn([&] { return Run(SolvedRun::from_file(file, Turn::threads({})).release(), DeleteInTurn()); });
 }
 
-py::dict batch(const std::string& xml, const std::string& file, const std::optional<std::string>& load_case,
+py::dict batch(const std::string& text, const std::string& file, const std::optional<std::string>& load_case,
                const std::vector<std::string>& parameters, const py::array_t<double, py::array::c_style>& values,
                int output, const std::optional<int>& threads, py::object callback) {
   Listener listener(std::move(callback));
@@ -140,7 +149,7 @@ py::dict batch(const std::string& xml, const std::string& file, const std::optio
   std::vector<CaseResult> results;
   {
     const Turn turn;
-    SolvedRun base(xml, file, Turn::threads(threads), false);
+    SolvedRun base(parsed_scene(text, file), Turn::threads(threads), false);
     const std::string name = meant_case(base.app().scene, load_case);
     const CaseQuantities quantities(base.app(), cases.output, name);
     CaseScenes scenes(base.app(), cases, name);
@@ -213,6 +222,7 @@ PYBIND11_MODULE(_core, module) {
   module.attr("version") = kVersion;
   module.def("parse", parse);
   module.def("read", read_file);
+  module.def("yaml_of", yaml_of);
   module.def("declarations", declarations);
   module.def("check", check);
   module.def("run", run);

@@ -2,6 +2,9 @@
 #include "apps/common/run/expected_quantity.hpp"
 #include "apps/python/arrays.hpp"
 
+#include <array>
+#include <map>
+#include <string>
 #include <tuple>
 
 namespace py = pybind11;

@@ -5,6 +5,7 @@
 #include "apps/common/session/mpi_session.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
+#include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -35,9 +36,14 @@ MeshChoice mesh_of(const StoredRun& run) {
 
 }  // namespace
 
-SolvedRun::SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force) {
+XmlParameters parsed_scene(const std::string& text, const std::string& file) {
+  if (format_of("", text) == FileFormat::xml) return parse_xml(text, file);  // whatever the file it comes from
+  return parse_parameters(text, file, mixbeam_root_spec());
+}
+
+SolvedRun::SolvedRun(XmlParameters parameters, const std::optional<int>& threads, bool force) {
   prepare(app_, report_, force);
-  read_scene_file(app_, parse_xml(xml, file), mixbeam_definition(), mixbeam_root_spec());
+  read_scene_file(app_, std::move(parameters), mixbeam_definition(), mixbeam_root_spec());
   describe_run(app_, "mixbeam", threads);
   warn_of_scene(app_);
 }
@@ -47,7 +53,10 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   if (property(stored, "program") != "mixbeam")
     throw InputError(file.string() + ": written by \"" + property(stored, "program") +
                      "\", whose scenes are those of its study; allowed: results of mixbeam run");
-  auto run = std::make_unique<SolvedRun>(stored.header().scene_xml, file.string() + " (scene)", threads, true);
+  XmlParameters parameters = parsed_scene(stored.header().scene_xml, file.string() + " (scene)");
+  parameters.source.set_root_name(stored.header().scene_name);
+  parameters.source.set_files(stored.header().imported);
+  auto run = std::make_unique<SolvedRun>(std::move(parameters), threads, true);
   Application& app = run->app_;
   app.load_case = property(stored, "load_case");
   Scene scene = scene_of_case(app.scene, app.load_case);

@@ -3,6 +3,8 @@
 
 #include "apps/common/run/application.hpp"
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -13,8 +15,8 @@ namespace mixbeam {
 
 class SolvedRun {
  public:
-  /// Reads a scene; `file` stands in messages, and what the scene imports lies in its folder. Throws InputError.
-  SolvedRun(const std::string& xml, const std::string& file, const std::optional<int>& threads, bool force);
+  /// Reads a scene. Throws InputError.
+  SolvedRun(XmlParameters parameters, const std::optional<int>& threads, bool force);
 
   /// A run from a result file of `mixbeam run`. Throws InputError.
   static std::unique_ptr<SolvedRun> from_file(const std::filesystem::path& file, const std::optional<int>& threads);
@@ -54,6 +56,10 @@ class SolvedRun {
   std::function<void()> on_step_{};
   bool interrupted_ = false;
 };
+
+/// The text of a scene in XML or YAML; `file` stands in messages, and what the scene imports lies in its folder. Throws
+/// InputError.
+XmlParameters parsed_scene(const std::string& text, const std::string& file);
 
 /// The case of a scene that is meant. Throws InputError where it has several and none is named.
 std::string meant_case(const Scene& scene, const std::optional<std::string>& wanted);

@@ -44,12 +44,10 @@ void choose_kernels() {}
 }  // namespace
 
 void set_up_blas() {
+  for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
+    if (const auto set_number = found<void(int)>(name)) set_number(1);
   static std::once_flag once;
-  std::call_once(once, [] {
-    for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
-      if (const auto set_number = found<void(int)>(name)) set_number(1);
-    choose_kernels();
-  });
+  std::call_once(once, choose_kernels);
 }
 
 std::unique_lock<std::mutex> turn_for_blas() {

@@ -8,8 +8,8 @@ namespace mixbeam {
 
 /// Makes a BLAS that has threads of its own work with one: a sum shared out among threads has other bits. An OpenBLAS
 /// that is older than the processor and works with the instructions of 2004 is told to use those of AVX2 or AVX-512,
-/// unless the environment names others (OPENBLAS_CORETYPE): three to eight times as fast. Works once, at the first
-/// call; not while other threads call BLAS.
+/// unless the environment names others (OPENBLAS_CORETYPE): three to eight times as fast. Not while other
+/// threads call BLAS.
 void set_up_blas();
 
 /// To be held around calls of BLAS or LAPACK from several threads at once. It is a turn of one after the other where

@@ -108,8 +108,7 @@ class Parameters(MutableMapping):
         return [*super().__dir__(), *self._declaration.xml_names]
 
     def update_by_name(self, given):
-        """Sets what `given` {name: value} tells; a name of one of the lists below is found there, in the first that has it:
-        E is that of Material."""
+        """Sets what `given` {name: value} tells; a name of the lists below is that of the first which has it: E of Material."""
         for name, value in given.items():
             places = self._declaration.places(name)
             if not places and not self._takes(name):

@@ -158,7 +158,7 @@ class Run:
     @cached_property
     def scene(self):
         """The Scene that was solved."""
-        return Scene.from_xml(self._core.scene())
+        return Scene.from_text(self._core.scene())
 
     @property
     def load_case(self):

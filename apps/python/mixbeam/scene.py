@@ -33,8 +33,8 @@ class Scene(Parameters):
         return cls._of(_core.read(os.fspath(file)), Path(file))
 
     @classmethod
-    def from_xml(cls, text, file=None):
-        """The scene of an XML text; `file`: what messages call it."""
+    def from_text(cls, text, file=None):
+        """The scene of a text in XML or YAML; `file`: what messages call it."""
         return cls._of(_core.parse(text, str(file or "scene")), Path(file) if file else None)
 
     @classmethod
@@ -57,8 +57,11 @@ class Scene(Parameters):
         return '<?xml version="1.0"?>\n' + "".join(self._xml(self.name, ""))
 
     def write(self, file):
-        """Writes the XML file of the scene."""
-        Path(file).write_text(self.to_xml(), encoding="utf-8")
+        """Writes the file of the scene, in YAML where its name says so (.yaml, .yml), else in XML."""
+        text = self.to_xml()
+        if Path(file).suffix.lower() in (".yaml", ".yml"):
+            text = _core.yaml_of(text, os.fspath(file))
+        Path(file).write_text(text, encoding="utf-8")
 
     def add_points(self, name, coordinates):
         """Points from an array (..., 3): returns their names, name0, name1, ... or name0_0, ..., in its shape (...)."""
@@ -113,7 +116,7 @@ class Scene(Parameters):
 
 
 def _unpickled(text, file):
-    return Scene.from_xml(text, file)
+    return Scene.from_text(text, file)
 
 
 def _is_array(value, shape):
@@ -125,13 +128,13 @@ def _plain(value):
 
 
 def text_and_file(scene):
-    """(XML, what messages call it) of a Scene, a text or the path of a file."""
+    """(text, what messages call it) of a Scene, of an XML text or of the path of a file."""
     if isinstance(scene, Scene):
         return scene.to_xml(), str(scene.file or scene.name)
     if isinstance(scene, str) and scene.lstrip().startswith("<"):
         return scene, "scene"
     file = os.fspath(scene)
-    if file.endswith(".xml") and os.path.isfile(file):
+    if file.endswith((".xml", ".yaml", ".yml")) and os.path.isfile(file):
         with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader tells of
             return Path(file).read_text(encoding="utf-8"), file
     return text_and_file(Scene.read(file))
