@@ -7,7 +7,7 @@ honeycomb_crushed   N x N hexagonal cells of walls of length 1, their points shi
                     thickness T of the walls; low_*, high_*: the points of the lower and the upper edge
 octet               N x N x N cells of an octet truss, struts of length sqrt(2) / 2; low_*, high_*: below and on top
 fibres              straight fibres at random in a square of side 1, N * N of them of length 0.4, joined where they cross
-                    and cut off where they leave the square; left_*, right_*: on its edges
+                    and cut off where they leave the square; left_*, right_*: on its edges. Points lie on a grid of 0.01
 """
 import argparse
 import csv
@@ -101,30 +101,27 @@ def crossing(a, b):
 
 
 def fibres(size, numbers, length=0.4):
-    edges = {"left": (0, 0, 0, 1), "right": (1, 0, 1, 1), "floor": (0, 0, 1, 0), "ceiling": (0, 1, 1, 1)}
+    edges = ((0, 0, 0, 1), (1, 0, 1, 1))
     lines = []
     for _ in range(size * size):
         x, y, angle = numbers.random(), numbers.random(), math.pi * numbers.random()
         dx, dy = 0.5 * length * math.cos(angle), 0.5 * length * math.sin(angle)
         lines.append((x - dx, y - dy, x + dx, y + dy))
-    stops = [[] for _ in lines]  # (share, kind) of each line
+    stops = [[] for _ in lines]  # shares of each line
     for i, j in itertools.combinations(range(len(lines)), 2):
         found = crossing(lines[i], lines[j])
         if found:
-            stops[i].append((found[0], "p"))
-            stops[j].append((found[1], "p"))
+            stops[i].append(found[0])
+            stops[j].append(found[1])
     for line, own in zip(lines, stops):
-        for kind, edge in edges.items():
-            found = crossing(line, edge)
-            if found and kind in ("left", "right"):
-                own.append((found[0], kind))
+        own += [found[0] for edge in edges if (found := crossing(line, edge))]
     network = Network()
     for (x0, y0, x1, y1), own in zip(lines, stops):
         names = []
-        for share, kind in sorted(own):
-            place = (x0 + share * (x1 - x0), y0 + share * (y1 - y0), 0.0)
-            if -1e-9 <= place[0] <= 1 + 1e-9 and -1e-9 <= place[1] <= 1 + 1e-9:
-                names.append(network.point(place, kind))
+        for share in sorted(own):
+            place = (round(x0 + share * (x1 - x0), 2), round(y0 + share * (y1 - y0), 2), 0.0)
+            if 0.0 <= place[0] <= 1.0 and 0.0 <= place[1] <= 1.0:
+                names.append(network.point(place, {0.0: "left", 1.0: "right"}.get(place[0], "p")))
         for a, b in zip(names, names[1:]):
             network.member(a, b)
     return without_islands(network)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -32,6 +33,8 @@ constexpr int kInverseIterations = 8;
 /// A slope of the potential along a mode below this share of forces times motion is rounding: then signs are those of
 /// branches.
 constexpr double kLevel = 1e-8;
+/// In place of a number of negative eigenvalues: the tangent has no factors, and stiffer springs may give it some.
+constexpr long kSingular = 1;
 
 }  // namespace
 
@@ -74,12 +77,16 @@ class Descent::ShiftedTangent {
   }
 
   void solve(const DofVector& b, DofVector& x) { solver_->solve(b, x); }
-  /// Newton's increment for rows of vertices that are given with their sign.
+  /// Newton's increment for the rows of the vertices; NaN where there is none.
   void solve_and_recover(MixedVector& increment) {
     DofVector& rhs = tangent_->condensed_rows();
     rhs.scale(-1.0);
-    solver_->solve(rhs, increment.vertex_dofs());
-    tangent_->recover(increment);
+    try {
+      solver_->solve(rhs, increment.vertex_dofs());
+      tangent_->recover(increment);
+    } catch (const LinearSolverError&) {
+      increment.fill(std::numeric_limits<double>::quiet_NaN());
+    }
   }
 
  private:
@@ -87,6 +94,7 @@ class Descent::ShiftedTangent {
   long negative_of_reduced() {
     if (unknowns_ == nullptr) unknowns_ = std::make_unique<IndependentUnknowns>(problem_.model);
     const SparseMatrix& matrix = unknowns_->reduce(*tangent_);
+    if (unknowns_->count() == 0) return 0;
     return std::lround(number_of_root(unknowns_->root(), [&] {
       if (inertia_ == nullptr) inertia_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
       return static_cast<double>(inertia_->factorize(matrix).negative);
@@ -116,12 +124,16 @@ Descent::~Descent() = default;
 
 double Descent::potential(const State& state) const { return potential_energy(problem_->model, state, load_factor_); }
 
-/// Signs of pivots of the tangent at a state. Asks whether to leave.
+/// Negative eigenvalues of the tangent at a point. Asks whether to leave.
 long Descent::factorize(const EvaluationPoint& point, double shift) {
   if (problem_->leave_if_asked) problem_->leave_if_asked();
   ++factorizations_;
   ++problem_->work.factorizations;
-  return tangent_->factorize(point, shift);
+  try {
+    return tangent_->factorize(point, shift);
+  } catch (const LinearSolverError&) {
+    return kSingular;
+  }
 }
 
 /// Forces and moments of the springs as the equations take them, unscaled.
@@ -179,11 +191,11 @@ State Descent::moved_by_supports(const State& start) {
   double shift = 0.0;
   while (factorize(point, shift) > 0 && shift < kMostShift) shift = std::max(kFirstShift, kStiffer * shift);
   tangent_->solve_and_recover(increment);
-  return model.apply(start, increment, 1.0);
+  return std::isfinite(increment.maximum_norm()) ? model.apply(start, increment, 1.0) : start;
 }
 
-/// A motion, of largest rotation or displacement / L one, along which the tangent is negative, and its sign that of
-/// branches. None where none was found. The tangent with these springs must have no negative eigenvalue.
+/// Theory (68): a motion, of largest rotation or displacement / L one, along which the tangent is negative, and its
+/// sign that of branches. None where none was found. The tangent with these springs must have no negative eigenvalue.
 std::optional<MixedVector> Descent::falling_motion(const State& state, double shift) {
   const Model& model = problem_->model;
   MixedVector rows = model.create_vector(), mode = rows.clone(false);
@@ -198,7 +210,11 @@ std::optional<MixedVector> Descent::falling_motion(const State& state, double sh
   double curvature = 0.0;
   for (int i = 0; i < kInverseIterations; ++i) {
     const MixedVector before = mode.clone(true);
-    tangent_->solve(spring_forces(state, before, 1.0).vertex_dofs(), mode.vertex_dofs());
+    try {
+      tangent_->solve(spring_forces(state, before, 1.0).vertex_dofs(), mode.vertex_dofs());
+    } catch (const LinearSolverError&) {
+      return std::nullopt;
+    }
     const double size = measure_.motion(mode);
     if (!(size > 0.0) || !std::isfinite(size)) return std::nullopt;
     const MixedVector& unit = tangent_->unit_springs();
@@ -238,6 +254,14 @@ double Descent::precision(const State& state) const {
   return kPotentialDigits * (strain.force + strain.moment);
 }
 
+Verdict Descent::verdict_on(const State& state) {
+  try {
+    return stability_.count(state, load_factor_).verdict();
+  } catch (const LinearSolverError&) {
+    return Verdict::unknown;
+  }
+}
+
 DescentResult Descent::from(const State& start, double load_factor) {
   const Model& model = problem_->model;
   load_factor_ = load_factor;
@@ -252,7 +276,7 @@ DescentResult Descent::from(const State& start, double load_factor) {
       softest = kSofter * shift;
       const std::optional<Correction> found = equilibrium(here);
       if (found && potential(found->state) <= lowest + precision(here)) {
-        const Verdict verdict = stability_.count(found->state, load_factor).verdict();
+        const Verdict verdict = verdict_on(found->state);
         if (verdict == Verdict::stable || verdict == Verdict::neutral) return {found, "", factorizations_};
         here = found->state;
         lowest = potential(here);

@@ -60,6 +60,7 @@ class Descent {
   MixedVector spring_forces(const State& state, const MixedVector& moved, double shift) const;
   std::optional<Correction> equilibrium(const State& near);
   double potential(const State& state) const;
+  Verdict verdict_on(const State& state);
   double precision(const State& state) const;
 
   Teuchos::RCP<BeamProblem> problem_;

@@ -235,6 +235,24 @@ TEST(Jumps, ALatticeEndsAtOneEnergyInAnyNumberOfSteps) {
   }
 }
 
+/// Elements that buckle between their vertices are not followed: the run ends with the cause.
+TEST(Jumps, WithoutAStableStateThePathEnds) {
+  Scene scene = cantilever(section(1e4, 1e4, 1.0, 1.0), 1.0, 6, 1);
+  scene.supports.push_back(clamp("tip"));
+  scene.supports.back().displacement_fixed = {false, true, true};
+  const double critical = 4.0 * kPi * kPi;
+  scene.point_loads = {dead_load("tip", {-2.0 * critical, 0, 0})};
+  Simulation simulation(scene, jumping(), this_rank());
+  std::vector<StepFailure> failures;
+  PathControl control;
+  control.step_failed = [&](const StepFailure& failure) { failures.push_back(failure); };
+  const LoadPathResult& result = simulation.run({}, control);
+  EXPECT_FALSE(result.finished);
+  ASSERT_FALSE(failures.empty());
+  EXPECT_NE(failures.back().cause.find("buckle between their vertices"), std::string::npos) << failures.back().cause;
+  EXPECT_NEAR(result.load_factor, 0.5, 0.05) << "of both clamped ends, but for axial and shear strains";
+}
+
 // ---- the potential
 
 /// Everything that stores energy or does work: springs, joints with springs, line loads, eigenstrains.

@@ -31,9 +31,9 @@ Numbers numbers_of(const std::vector<Quantity>& quantities, const Simulation& si
   const QuantitySet set(quantities, simulation.scene(), {source, {"Quantities"}});
   const std::vector<Reaction> reactions = simulation.reactions();
   const std::vector<MemberSamples> samples = simulation.samples(kPointsByOrder);
-  const std::vector<double> values =
-      set.values({simulation.model(), simulation.state(), simulation.load_factor(), reactions,
-                  simulation.strain_energy(), simulation.stability().negative, 0, has_samples ? &samples : nullptr});
+  const std::vector<double> values = set.values({simulation.model(), simulation.state(), simulation.load_factor(),
+                                                 reactions, simulation.strain_energy(), simulation.stability().negative,
+                                                 simulation.jumps(), has_samples ? &samples : nullptr});
   Numbers numbers;
   for (std::size_t i = 0; i < values.size(); ++i) numbers[set.names()[i]] = values[i];
   return numbers;
