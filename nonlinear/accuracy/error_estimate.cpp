@@ -186,9 +186,11 @@ constexpr double kFarOff = 0.1;
 /// Only where elements turn by about one radian more than two are of any use.
 constexpr int kMostCorrections = 4;
 
-ErrorEstimate estimate_in(const RicherScene& richer, const Model& model, const SolverParameters& parameters,
+ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const SolverParameters& parameters,
                           const State& state, double load_factor) {
+  const Model& model = of.model;
   const auto problem = Teuchos::rcp(new BeamProblem(richer.scene, model.map()->getComm(), parameters));
+  problem->take_over(of);
   const State start = transfer(model, state, problem->model);
   std::vector<unsigned char> raised = richer.is_halved;
   for (unsigned char& member : raised) member = !member;
@@ -212,11 +214,12 @@ ErrorEstimate estimate_in(const RicherScene& richer, const Model& model, const S
 
 }  // namespace
 
-ErrorEstimate estimate_error(const Model& model, const SolverParameters& parameters, const State& state,
+ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor) {
   ErrorEstimate none;
   try {
-    return estimate_in(richer_scene(model.scene(), model.mesh()), model, parameters, state, load_factor);
+    const Model& model = problem.model;
+    return estimate_in(richer_scene(model.scene(), model.mesh()), problem, parameters, state, load_factor);
   } catch (const NotEstimated& cause) {
     none.not_estimated = cause.reason;
   } catch (const std::invalid_argument& error) {  // of the transfer

@@ -1,8 +1,7 @@
 /// How far a converged state is from the solution of the continuous equations.
 #pragma once
 
-#include "discretization/assembly/model.hpp"
-#include "nonlinear/parameters/solver_parameters.hpp"
+#include "nonlinear/newton/beam_problem.hpp"
 
 #include <string>
 #include <vector>
@@ -42,7 +41,9 @@ struct ErrorEstimate {
 /// displacement is controlled: next to a limit point errors of the path count as errors of the state.
 ///
 /// What makes an estimate impossible is told in `not_estimated`, not thrown. Collective.
-ErrorEstimate estimate_error(const Model& model, const SolverParameters& parameters, const State& state,
+///
+/// `problem`: of the state. What it keeps of its last tangent serves that of the richer space.
+ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor);
 
 }  // namespace mixbeam

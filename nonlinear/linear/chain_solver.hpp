@@ -19,6 +19,10 @@ class TangentSolver {
   virtual double solve(const DofVector& b, DofVector& x) = 0;
   /// As LinearSolver::iterates.
   virtual bool iterates() const { return false; }
+  /// As LinearSolver::forget.
+  virtual void forget() {}
+  /// As LinearSolver::take_over.
+  virtual void take_over(TangentSolver& /*other*/) {}
 
   /// Eigenvalues below zero of the tangent, element interiors not among them; none where the factors do not tell.
   /// Collective.
@@ -41,6 +45,10 @@ class ChainSolver : public TangentSolver {
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x) override;
   bool iterates() const override { return remaining_->iterates(); }
+  void forget() override { remaining_->forget(); }
+  void take_over(TangentSolver& other) override {
+    if (auto* chains = dynamic_cast<ChainSolver*>(&other)) remaining_->take_over(*chains->remaining_);
+  }
   std::optional<long> negative_eigenvalues() const override;
   double rounding_of_form(const DofVector& x) const override;
 

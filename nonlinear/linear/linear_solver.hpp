@@ -33,6 +33,12 @@ class LinearSolver {
 
   /// Whether it solves without factors because they would be too large.
   virtual bool iterates() const { return false; }
+
+  /// What was made for earlier matrices does not serve the next one: then that one alone decides every bit.
+  virtual void forget() {}
+  /// Takes what `other` has kept of its last matrix, where that serves a matrix over the same network; `other` must
+  /// factorise before it solves again.
+  virtual void take_over(LinearSolver& /*other*/) {}
 };
 
 /// Method that suits the graph of the matrix: KLU2 for chains and trees, in which elimination fills in little, and for

@@ -35,10 +35,14 @@ Hierarchy::Hierarchy(int nodes, const LinkEnds& ends) {
   levels_.push_back(std::make_unique<Level>(count, std::move(links), std::vector<int>()));
 }
 
-void Hierarchy::set(const NetworkMatrix& matrix) {
+void Hierarchy::set_finest(const NetworkMatrix& matrix) {
   std::vector<int> unknown(levels_[0]->nodes() + 1);
   for (size_t v = 0; v < unknown.size(); ++v) unknown[v] = 6 * static_cast<int>(v);
   levels_[0]->set(std::move(unknown), matrix.self, matrix.links);
+}
+
+void Hierarchy::set(const NetworkMatrix& matrix) {
+  set_finest(matrix);
   KernelView<double*> self = matrix.self;
   LinkSource links = matrix.links;
   std::unique_ptr<Level::Coarse> present;

@@ -24,6 +24,8 @@ class Hierarchy {
   const std::vector<int>& order() const { return order_; }
   /// New spaces and matrices. Throws NegativeCurvature, LinearSolverError.
   void set(const NetworkMatrix& matrix);
+  /// A new matrix on the finest level alone; coarser levels stay as they are. Throws NegativeCurvature.
+  void set_finest(const NetworkMatrix& matrix);
   const Level& finest() const { return *levels_.front(); }
   /// z = M^-1 r, M symmetric positive definite.
   void precondition(const LevelVector& r, const LevelVector& z);

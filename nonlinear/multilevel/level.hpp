@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <stdexcept>
 #include <vector>
 
@@ -55,6 +56,31 @@ template <class Action>
 void for_each(size_t count, const Action& action) {
   Kokkos::parallel_for(
       "mixbeam::multilevel", Kokkos::RangePolicy<ExecutionSpace>(0, count), KOKKOS_LAMBDA(int i) { action(i); });
+}
+
+/// Sum of a_i b_i in pieces of fixed length: the same bits for any number of threads.
+inline double dot(const LevelVector& a, const LevelVector& b) {
+  constexpr size_t kPiece = 4096;
+  const size_t n = a.extent(0), pieces = (n + kPiece - 1) / kPiece;
+  std::vector<double> sums(pieces);
+  double* to = sums.data();
+  const double *x = a.data(), *y = b.data();
+  Kokkos::parallel_for(
+      "mixbeam::multilevel::dot", Kokkos::RangePolicy<ExecutionSpace>(0, pieces), KOKKOS_LAMBDA(size_t k) {
+        double sum = 0.0;
+        const size_t end = (k + 1) * kPiece < n ? (k + 1) * kPiece : n;
+#pragma omp simd reduction(+ : sum)
+        for (size_t i = k * kPiece; i < end; ++i) sum += x[i] * y[i];
+        to[k] = sum;
+      });
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+/// a += s b
+inline void add(double s, const LevelVector& b, const LevelVector& a) {
+  double* to = a.data();
+  const double* from = b.data();
+  for_each(a.extent(0), [=](int i) { to[i] += s * from[i]; });
 }
 
 }  // namespace multilevel

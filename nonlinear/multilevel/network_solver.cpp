@@ -2,6 +2,7 @@
 
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
+#include "nonlinear/multilevel/block_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,83 +17,17 @@ using NetworkRange = Kokkos::RangePolicy<ExecutionSpace>;
 /// Where the residual is still too large then: twice the digits.
 constexpr double kSmallReduction = 1e-13;
 constexpr int kMostIterations = 300;
+/// Spaces of an earlier tangent serve as long as they need at most so many times the iterations of fresh ones. (They
+/// cost about as much as 40 iterations.)
+constexpr double kMostGrowth = 1.5;
+/// A solve with them that needs this many times as many is begun anew with fresh ones.
+constexpr int kGivenUp = 3;
 /// Entries of a block that the links do not explain, relative to the largest one of the row: rounding of sums.
 constexpr double kUnexplained = 1e-11;
 /// The same, where nothing else helps: 8 GB.
 constexpr double kMostFallbackEntries = 1e9;
-/// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.
-constexpr double kEntriesPerSquare = 10.0;
-
-/// Sum of a_i b_i in pieces of fixed length: the same bits for any number of threads.
-double dot(const LevelVector& a, const LevelVector& b) {
-  constexpr size_t kPiece = 4096;
-  const size_t n = a.extent(0), pieces = (n + kPiece - 1) / kPiece;
-  std::vector<double> sums(pieces);
-  double* to = sums.data();
-  const double *x = a.data(), *y = b.data();
-  Kokkos::parallel_for(
-      "mixbeam::multilevel::dot", NetworkRange(0, pieces), KOKKOS_LAMBDA(size_t k) {
-        double sum = 0.0;
-        const size_t end = (k + 1) * kPiece < n ? (k + 1) * kPiece : n;
-#pragma omp simd reduction(+ : sum)
-        for (size_t i = k * kPiece; i < end; ++i) sum += x[i] * y[i];
-        to[k] = sum;
-      });
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
-}
-
-/// a += s b
-void add(double s, const LevelVector& b, const LevelVector& a) {
-  double* to = a.data();
-  const double* from = b.data();
-  multilevel::for_each(a.extent(0), [=](int i) { to[i] += s * from[i]; });
-}
-
-/// Neighbours of the vertices that remain, from the rows of the matrix.
-struct Rows {
-  explicit Rows(const DofMatrix& matrix) : local(matrix.getLocalMatrixHost()) {}
-  int vertices() const { return static_cast<int>(local.numRows()) / kVertexDofs; }
-  int blocks(int v) const { return static_cast<int>(width(v)) / kVertexDofs; }
-  int neighbour(int v, int block) const {
-    return local.graph.entries(local.graph.row_map(kVertexDofs * v) + kVertexDofs * block) / kVertexDofs;
-  }
-  size_t width(int v) const { return local.graph.row_map(kVertexDofs * v + 1) - local.graph.row_map(kVertexDofs * v); }
-  /// First entry of a row of a vertex.
-  const double* row(int v, int r) const { return &local.values(local.graph.row_map(kVertexDofs * v) + width(v) * r); }
-
-  DofMatrix::local_matrix_host_type local;
-};
-
-/// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
-int separator(const Rows& rows) {
-  const int n = rows.vertices();
-  std::vector<int> queue, distance;
-  const auto search = [&](int start) {
-    distance.assign(n, -1);
-    queue = {start};
-    distance[start] = 0;
-    for (size_t k = 0; k < queue.size(); ++k)
-      for (int b = 0; b < rows.blocks(queue[k]); ++b)
-        if (const int w = rows.neighbour(queue[k], b); distance[w] < 0) {
-          distance[w] = distance[queue[k]] + 1;
-          queue.push_back(w);
-        }
-  };
-  if (n == 0) return 0;
-  search(0);
-  search(queue.back());
-  const int middle = distance[queue[queue.size() / 2]];
-  return static_cast<int>(std::count_if(queue.begin(), queue.end(), [&](int v) { return distance[v] == middle; }));
-}
-
-double factor_entries(const CondensedSystem& system) {
-  const double side = static_cast<double>(kVertexDofs) * separator(Rows(*system.matrix()));
-  return kEntriesPerSquare * side * side;
-}
 
 }  // namespace
-
-bool is_large_network(const CondensedSystem& system) { return factor_entries(system) > kMostFactorEntries; }
 
 NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
                              double reduction)
@@ -102,7 +37,7 @@ NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tole
 
 /// Nodes are vertices with at least one free row; links join two of them.
 void NetworkSolver::number_nodes() {
-  const Rows rows(*system_.matrix());
+  const BlockRows rows(*system_.matrix());
   const int n = rows.vertices();
   std::vector<unsigned char> free(static_cast<size_t>(kVertexDofs) * n, 0);
   unsigned char* is_free = free.data();
@@ -144,7 +79,11 @@ void NetworkSolver::number_nodes() {
     for (int r = 0; r < kVertexDofs; ++r)
       if (free_[kVertexDofs * a + r] == 0 || free_[kVertexDofs * b + r] == 0) masked_.back() = 1;
   }
-  hierarchy_ = std::make_unique<Hierarchy>(nodes, ends);
+  if (hierarchy_ == nullptr || hierarchy_->finest().nodes() != nodes || ends != ends_) {
+    has_spaces_ = false;
+    hierarchy_ = std::make_unique<Hierarchy>(nodes, ends);
+    ends_ = std::move(ends);
+  }
   const std::vector<int>& order = hierarchy_->order();
   std::vector<int> number(nodes);
   for (int k = 0; k < nodes; ++k) number[order[k]] = k;
@@ -178,7 +117,7 @@ LinkBlocks NetworkSolver::link_blocks(int link, double* room) const {
 /// What the links do not explain of the rows: S on the diagonal, and nothing beside it.
 void NetworkSolver::read_values() {
   matrices_ = system_.link_matrices();
-  const Rows rows(*system_.matrix());
+  const BlockRows rows(*system_.matrix());
   const int n = rows.vertices();
   std::vector<std::vector<std::pair<int, int>>> touching(n);  // link, its end here
   for (size_t l = 0; l < link_.size(); ++l)
@@ -232,15 +171,45 @@ void NetworkSolver::read_values() {
 
 void NetworkSolver::factorize() {
   objection_.clear();
+  is_direct_ = is_unstable_ = has_solved_ = false;
   try {
     number_nodes();
-    PhaseTimer timer(times_, "multilevel: coarse spaces");
     read_values();
-    hierarchy_->set({self_, [this](int link, double* room) { return link_blocks(link, room); }});
+    if (has_spaces_) {
+      PhaseTimer timer(times_, "multilevel: finest level");
+      hierarchy_->set_finest(matrix());
+      are_fresh_ = false;
+    } else
+      make_spaces();
   } catch (const std::runtime_error& error) {
-    objection_ = error.what();
+    refuse(error);
     factorize_directly();
   }
+}
+
+void NetworkSolver::take_over(LinearSolver& other) {
+  auto* from = dynamic_cast<NetworkSolver*>(&other);
+  if (from == nullptr || !from->has_spaces_) return;
+  hierarchy_ = std::move(from->hierarchy_);
+  ends_ = std::move(from->ends_);
+  usual_rate_ = from->usual_rate_;
+  has_spaces_ = true;
+  free_.clear();
+  from->has_spaces_ = false;
+  from->free_.clear();
+}
+
+NetworkMatrix NetworkSolver::matrix() const {
+  return {self_, [this](int link, double* room) { return link_blocks(link, room); }};
+}
+
+void NetworkSolver::make_spaces() {
+  PhaseTimer timer(times_, "multilevel: coarse spaces");
+  has_spaces_ = false;
+  hierarchy_->set(matrix());
+  has_spaces_ = are_fresh_ = true;
+  usual_rate_ = 0.0;
+  ++spaces_made_;
 }
 
 void NetworkSolver::factorize_directly() {
@@ -249,11 +218,24 @@ void NetworkSolver::factorize_directly() {
     direct_ = make_direct_solver(system_.matrix(), kSparseSolver, tolerance_, times_);
   }
   direct_->factorize();
+  is_direct_ = true;
 }
 
-bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction) {
+void NetworkSolver::refuse(const std::runtime_error& why) {
+  objection_ = why.what();
+  is_unstable_ = dynamic_cast<const NegativeCurvature*>(&why) != nullptr;
+}
+
+std::optional<long> NetworkSolver::negative_eigenvalues() const {
+  if (is_direct_) return direct_->negative_eigenvalues();
+  if (is_unstable_) return 1;
+  return has_solved_ ? std::optional<long>(0) : std::nullopt;
+}
+
+bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations) {
+  PhaseTimer timer(times_, "multilevel: iterations");
   const Level& finest = hierarchy_->finest();
-  const Rows rows(*system_.matrix());
+  const BlockRows rows(*system_.matrix());
   const auto given = MixedVector::view_of(b);
   const auto found = MixedVector::view_of(x);
   const int nodes = static_cast<int>(vertex_.size());
@@ -279,12 +261,13 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction) 
   });
   finest.scale_rows(z_, r_);
   Kokkos::deep_copy(x_, 0.0);
+  iterations_ = 0;
   double energy = 0.0, first = 0.0;
   bool converged = false;
-  for (int k = 0; k <= kMostIterations; ++k) {
+  for (int k = 0; k <= most_iterations; ++k) {
     hierarchy_->precondition(r_, z_);
     const double last = energy;
-    energy = dot(r_, z_);
+    energy = multilevel::dot(r_, z_);
     if (k == 0) first = energy;
     if (energy <= reduction * reduction * first) {
       converged = energy >= 0.0;
@@ -299,17 +282,13 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction) 
       multilevel::for_each(p_.extent(0), [=](int i) { p[i] = z[i] + beta * p[i]; });
     }
     finest.apply(p_, q_);
-    const double curvature = dot(p_, q_);
-    if (!(curvature > 0.0)) {
-      objection_ = "the tangent has an eigenvalue below zero, the structure is unstable";
-      return false;
-    }
+    const double curvature = multilevel::dot(p_, q_);
+    if (!(curvature > 0.0))
+      throw NegativeCurvature("the tangent has an eigenvalue below zero, the structure is unstable");
     ++iterations_;
-    add(energy / curvature, p_, x_);
-    add(-energy / curvature, q_, r_);
+    multilevel::add(energy / curvature, p_, x_);
+    multilevel::add(-energy / curvature, q_, r_);
   }
-  if (!converged)
-    objection_ = "conjugate gradients did not converge in " + std::to_string(kMostIterations) + " iterations";
   finest.unscale(x_, z_);
   Kokkos::parallel_for("mixbeam::multilevel::solution", NetworkRange(0, nodes), [&](int k) {
     for (int r = 0; r < kVertexDofs; ++r)
@@ -318,33 +297,42 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction) 
   return converged;
 }
 
+/// With spaces of an earlier tangent as long as they serve.
+bool NetworkSolver::iterate_with_spaces(const DofVector& b, DofVector& x, double reduction) {
+  const double digits = -std::log10(reduction);
+  if (!are_fresh_) {
+    const int most = usual_rate_ > 0.0 ? static_cast<int>(kGivenUp * usual_rate_ * digits) : kMostIterations;
+    if (iterate(b, x, reduction, most)) {
+      if (iterations_ > kMostGrowth * usual_rate_ * digits) has_spaces_ = false;
+      return true;
+    }
+    make_spaces();
+  }
+  if (iterate(b, x, reduction, kMostIterations)) {
+    if (usual_rate_ == 0.0) usual_rate_ = iterations_ / digits;
+    return true;
+  }
+  objection_ = "conjugate gradients did not converge in " + std::to_string(kMostIterations) + " iterations";
+  return false;
+}
+
 double NetworkSolver::solve(const DofVector& b, DofVector& x) {
   if (objection_.empty()) {
-    iterations_ = 0;
-    for (double reduction : {reduction_, kSmallReduction}) {
-      {
-        PhaseTimer timer(times_, "multilevel: iterations");
-        if (!iterate(b, x, reduction)) break;
+    try {
+      for (double reduction : {reduction_, kSmallReduction}) {
+        if (!iterate_with_spaces(b, x, reduction)) break;
+        const double error = backward_error(*system_.matrix(), x, b);
+        if (error > tolerance_) continue;
+        has_solved_ = true;
+        return error;
       }
-      const double error = backward_error(*system_.matrix(), x, b);
-      if (error <= tolerance_) return error;
+    } catch (const NegativeCurvature& error) {
+      refuse(error);
     }
     if (objection_.empty()) objection_ = "the iterative solver does not reach the tolerance of the residual";
     factorize_directly();
   }
   return direct_->solve(b, x);
-}
-
-std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
-                                                   double residual_tolerance) {
-  const bool may_iterate = model.map()->getComm()->getSize() == 1 && (method == kAutomatic || method == kIterative);
-  if (!may_iterate) return make_direct_tangent_solver(model, method, residual_tolerance);
-  return std::make_unique<ChainSolver>(
-      model, kSparseSolver, residual_tolerance, [&](const CondensedSystem& system) -> std::unique_ptr<LinearSolver> {
-        if (method == kIterative || is_large_network(system))
-          return std::make_unique<NetworkSolver>(system, residual_tolerance, model.times());
-        return make_direct_solver(system.matrix(), kSparseSolver, residual_tolerance, model.times());
-      });
 }
 
 }  // namespace mixbeam

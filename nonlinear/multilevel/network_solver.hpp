@@ -7,9 +7,10 @@
 
 namespace mixbeam {
 
-/// Solves what chains leave by conjugate gradients, on one rank. Coarse spaces are new with each tangent, aggregates
-/// are kept. Where the matrix is not symmetric and positive definite, and where the iteration does not converge,
-/// factors are taken as long as they are not too large; else a LinearSolverError says why.
+/// Solves what chains leave by conjugate gradients, on one rank. Aggregates are kept, and so are coarse spaces and
+/// their matrices until iterations have grown by half or forget() is called. Where the matrix is not symmetric and
+/// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large;
+/// else a LinearSolverError says why.
 class NetworkSolver : public LinearSolver {
  public:
   /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
@@ -21,9 +22,15 @@ class NetworkSolver : public LinearSolver {
   void factorize() override;
   double solve(const DofVector& b, DofVector& x) override;
   bool iterates() const override { return true; }
+  /// Where factors were taken theirs; else what the solves with the last matrix have met: none, or at least one.
+  std::optional<long> negative_eigenvalues() const override;
+  void forget() override { has_spaces_ = false; }
+  void take_over(LinearSolver& other) override;
 
   /// Of the last solve.
   int iterations() const { return iterations_; }
+  /// How often coarse spaces were made.
+  int spaces_made() const { return spaces_made_; }
   /// Why factors were taken, or would have been if they were not too large; empty where the last matrix could be
   /// iterated with.
   const std::string& objection() const { return objection_; }
@@ -31,9 +38,13 @@ class NetworkSolver : public LinearSolver {
  private:
   void number_nodes();
   void read_values();
+  NetworkMatrix matrix() const;
+  void make_spaces();
+  bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction);
   LinkBlocks link_blocks(int link, double* room) const;
-  bool iterate(const DofVector& b, DofVector& x, double reduction);
+  bool iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations);
   void factorize_directly();
+  void refuse(const std::runtime_error& why);
 
   const CondensedSystem& system_;
   double tolerance_, reduction_;
@@ -46,15 +57,23 @@ class NetworkSolver : public LinearSolver {
   std::vector<std::array<int, 2>> link_vertices_;
   LinkMatrices<kVertexDofs> matrices_;
   KernelView<double*> self_;
+  LinkEnds ends_;  ///< of the network that hierarchy_ was made for
   std::unique_ptr<Hierarchy> hierarchy_;
   LevelVector r_, x_, z_, p_, q_;
   std::unique_ptr<LinearSolver> direct_;
   std::string objection_;
+  bool is_direct_ = false, is_unstable_ = false, has_solved_ = false;  ///< of the last matrix
   int iterations_ = 0;
+  bool has_spaces_ = false;  ///< that serve the next tangent
+  bool are_fresh_ = false;   ///< made for the present one
+  double usual_rate_ = 0.0;  ///< iterations for a digit, of the first solve with them
+  int spaces_made_ = 0;
 };
 
 /// 8 bytes each: 0.8 GB, a cube of 26^3 junctions.
 inline constexpr double kMostFactorEntries = 1e8;
+/// Entries of the factors of what chains leave, roughly.
+double factor_entries(const CondensedSystem& system);
 /// Whether the factors of what chains leave would be so large that it is iterated with.
 bool is_large_network(const CondensedSystem& system);
 

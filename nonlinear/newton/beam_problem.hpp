@@ -38,6 +38,14 @@ class BeamProblem {
   /// Whether tangents are too large for factors: then nobody counts eigenvalues.
   bool iterates() const { return solvers_.front()->iterates(); }
 
+  /// What the next tangent is solved with depends on that tangent alone, as where a path is resumed.
+  void forget_tangents() {
+    for (const auto& solver : solvers_) solver->forget();
+  }
+
+  /// What tangents of the same structure in another space were solved with serves the first one here.
+  void take_over(BeamProblem& other) { take_solver()->take_over(*other.take_solver()); }
+
   const Model model;
   WorkCount work;
   AttemptLog attempts;

@@ -83,6 +83,12 @@ class AutomaticPath {
   bool arrived() const { return goal_.is_reached(here_.state, here_.load_factor); }
   double goal_now() const { return goal_.at(here_.state, here_.load_factor); }
 
+  /// Within a stage the path may be resumed here: what is kept of earlier tangents must not decide bits.
+  Station station_at(const Correction& found, const PathDirection* along) {
+    if (!goal_.is_reached(found.state, found.load_factor)) problem_->forget_tangents();
+    return judge_.station(found.state, found.load_factor, along);
+  }
+
   /// The state at the start of the stage, or what is needed to go on from a completed step.
   bool begin() {
     recorder_.enter_stage(range_.stage, range_.attempts);
@@ -104,7 +110,7 @@ class AutomaticPath {
       recorder_.not_converged();
       return false;
     }
-    accept(judge_.station(start.state, start.load_factor, nullptr), start.residual, {});
+    accept(station_at(start, nullptr), start.residual, {});
     begin_way();
     return true;
   }
@@ -142,7 +148,9 @@ class AutomaticPath {
     const PathDirection moved = increments(found);
     // A step of the load is one along a path on which the load grows.
     const bool is_load_step = !along_path_ && !goal_.is_controlled();
-    Station next = judge_.station(found.state, found.load_factor, is_load_step ? nullptr : &moved);
+    const PathDirection* along = is_load_step ? nullptr : &moved;
+    Station next = station_at(found, along);
+    const int tangents = problem_->work.factorizations;
     StepFindings findings = judge_.examine({here_, moved, next}, test);
     if (!findings.objection.empty()) {
       recorder_.rejected(findings.objection, found.iterations);
@@ -154,6 +162,7 @@ class AutomaticPath {
     if (!passed.empty())
       require_motion(next, "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
     way_->add(measure_, moved);
+    if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
     if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it began"};
     return true;
@@ -307,8 +316,7 @@ class AutomaticPath {
     branched_ = along_path_ = true;
     length_ = point->amplitude;
     std::vector<CriticalPoint> up_to_here(passed.begin(), passed.begin() + (&from - passed.data()) + 1);
-    accept(judge_.station(point->found.state, point->found.load_factor, &moved), point->found.residual,
-           std::move(up_to_here));
+    accept(station_at(point->found, &moved), point->found.residual, std::move(up_to_here));
     begin_way();
     return true;
   }

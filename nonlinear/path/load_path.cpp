@@ -48,6 +48,7 @@ int finished_stages(const PathControl& control) {
 bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
                   const StageRange& range, PathRecorder& recorder) {
   if (range.attempts <= 0) return false;
+  problem->forget_tangents();  // as where a path is resumed
   const bool jumps = parameters.analysis.snap == Snap::jump;
   const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
   const bool arrived = jumps       ? follow_stage_with_jumps(problem, parameters, start, range, recorder)

@@ -132,6 +132,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
 
   /// What the last step has led to: the path goes on from there.
   StepFindings accept() {
+    problem_->forget_tangents();  // a path that is resumed knows none
     here_ = std::move(next_);
     moved_to_ = Teuchos::rcp(new MixedVector(next_moved_->clone(true)));
     return std::move(findings_);
@@ -144,6 +145,7 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
     const MixedVector& x = BeamVector::of(group.getX());
     next_moved_ = Teuchos::rcp(new MixedVector(x.clone(true)));
     findings_ = {};
+    problem_->forget_tangents();
     if (!here_) {
       next_ = judge_.station(group.state(), group.load_factor(), nullptr);
       return;

@@ -61,7 +61,7 @@ class Simulation {
   std::optional<UncertainForce> uncertain_force() { return mixbeam::uncertain_force(*problem_, state_, load_factor_); }
 
   /// How far state() is from the solution of the continuous equations, see error_estimate.hpp. Collective.
-  ErrorEstimate estimate_error() const { return mixbeam::estimate_error(model(), parameters_, state_, load_factor_); }
+  ErrorEstimate estimate_error() const { return mixbeam::estimate_error(*problem_, parameters_, state_, load_factor_); }
   /// The same for a result file, with the errors of some points.
   RecordedErrorEstimate record_error(const ErrorEstimate& estimate, const std::vector<std::string>& points) const;
 

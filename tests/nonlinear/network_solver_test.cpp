@@ -185,6 +185,35 @@ TEST(NetworkSolver, SameBitsForAnyNumberOfThreads) {
   set_number_of_threads(before);
 }
 
+/// Of the usual cap: struts a hundred times softer along their axes.
+constexpr double kSofter = 1e-7;
+
+TEST(NetworkSolver, SpacesServeUntilIterationsGrow) {
+  const Tangents tangents(scene_of(cubic(11, 20.0)));
+  Iterative solver(tangents.model, 1e-12);
+  const DofVector fresh = tangents.solution(solver.chains);
+  const DofVector kept = tangents.solution(solver.chains);
+  EXPECT_EQ(solver.network->spaces_made(), 1);
+  EXPECT_TRUE(same_bits(MixedVector::view_of(fresh), MixedVector::view_of(kept)));
+  const Cap cap = cap_for(tangents.model, tangents.point->scales, kSofter);
+  ASSERT_TRUE(cap.cuts_off);
+  const Tangent softer(tangents.model, *tangents.point, cap, {true});
+  const auto direct = make_direct_tangent_solver(tangents.model, kChains, 1e-8);
+  DofVector x(tangents.model.map()), y(tangents.model.map());
+  direct->factorize(softer);
+  direct->solve(*tangents.rows, y);
+  for (int again = 0; again < 2; ++again) {
+    solver.chains.factorize(softer);
+    EXPECT_LE(solver.chains.solve(*tangents.rows, x), 1e-8);
+    EXPECT_LE(relative_difference(x, y), kAgreement);
+  }
+  EXPECT_EQ(solver.network->spaces_made(), 2);
+  solver.chains.forget();
+  const DofVector later = tangents.solution(solver.chains);
+  EXPECT_EQ(solver.network->spaces_made(), 3);
+  EXPECT_TRUE(same_bits(MixedVector::view_of(fresh), MixedVector::view_of(later)));
+}
+
 TEST(NetworkSolver, LoadsThatTurnAreLeftToFactors) {
   Scene scene = scene_of(cubic(4, 20.0));
   scene.point_loads.push_back(

@@ -122,6 +122,31 @@ TEST(Resume, StepsWithFailures) {
   }
 }
 
+/// A sheet of struts that is bent out of its plane; large enough for two levels.
+Scene sheet() {
+  constexpr int kSide = 30;
+  Scene scene;
+  scene.sections = {section(400.0, 140.0, 0.8, 1.0)};
+  const auto name = [](int i, int j) { return "p" + std::to_string(i) + "_" + std::to_string(j); };
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      scene.points.push_back({name(i, j), {1.0 * i, 1.0 * j, 0.0}});
+      if (i == 0) scene.supports.push_back(clamp(name(i, j)));
+      if (i == kSide - 1) scene.point_loads.push_back(dead_load(name(i, j), {0.0, 0.0, 1e-3}));
+      if (i > 0) scene.members.push_back(line("x" + name(i, j), name(i - 1, j), name(i, j), 2, 1));
+      if (j > 0) scene.members.push_back(line("y" + name(i, j), name(i, j - 1), name(i, j), 2, 1));
+    }
+  return scene;
+}
+
+/// Coarse spaces are kept within a step, and what is kept changes the last digits.
+TEST(Resume, NetworksSolvedByIteration) {
+  SolverParameters parameters;
+  parameters.linear.method = kIterative;
+  parameters.load_path.initial_step = parameters.load_path.maximum_step = 0.25;
+  expect_resumable_everywhere(sheet(), parameters);
+}
+
 /// Lee's frame, coarse: three critical points, two of them limit points with a snap-back between them.
 Scene snapping_frame() {
   Scene scene;

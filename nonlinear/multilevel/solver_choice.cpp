@@ -1,0 +1,57 @@
+// Direct or iterative: what the factors of a network would take decides.
+#include "nonlinear/multilevel/block_rows.hpp"
+#include "nonlinear/multilevel/network_solver.hpp"
+
+#include <algorithm>
+
+namespace mixbeam {
+
+namespace {
+
+/// Factors of a network that a separator of s vertices cuts in two hold about 10 (6 s)^2 entries by nested dissection.
+constexpr double kEntriesPerSquare = 10.0;
+
+/// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
+int separator(const BlockRows& rows) {
+  const int n = rows.vertices();
+  std::vector<int> queue, distance;
+  const auto search = [&](int start) {
+    distance.assign(n, -1);
+    queue = {start};
+    distance[start] = 0;
+    for (size_t k = 0; k < queue.size(); ++k)
+      for (int b = 0; b < rows.blocks(queue[k]); ++b)
+        if (const int w = rows.neighbour(queue[k], b); distance[w] < 0) {
+          distance[w] = distance[queue[k]] + 1;
+          queue.push_back(w);
+        }
+  };
+  if (n == 0) return 0;
+  search(0);
+  search(queue.back());
+  const int middle = distance[queue[queue.size() / 2]];
+  return static_cast<int>(std::count_if(queue.begin(), queue.end(), [&](int v) { return distance[v] == middle; }));
+}
+
+}  // namespace
+
+double factor_entries(const CondensedSystem& system) {
+  const double side = static_cast<double>(kVertexDofs) * separator(BlockRows(*system.matrix()));
+  return kEntriesPerSquare * side * side;
+}
+
+bool is_large_network(const CondensedSystem& system) { return factor_entries(system) > kMostFactorEntries; }
+
+std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
+                                                   double residual_tolerance) {
+  const bool may_iterate = model.map()->getComm()->getSize() == 1 && (method == kAutomatic || method == kIterative);
+  if (!may_iterate) return make_direct_tangent_solver(model, method, residual_tolerance);
+  return std::make_unique<ChainSolver>(
+      model, kSparseSolver, residual_tolerance, [&](const CondensedSystem& system) -> std::unique_ptr<LinearSolver> {
+        if (method == kIterative || is_large_network(system))
+          return std::make_unique<NetworkSolver>(system, residual_tolerance, model.times());
+        return make_direct_solver(system.matrix(), kSparseSolver, residual_tolerance, model.times());
+      });
+}
+
+}  // namespace mixbeam
