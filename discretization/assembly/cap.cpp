@@ -19,6 +19,9 @@ constexpr double kCapForLockingElements = 1e3;
 /// disturb an increment by 3e-12 * cap * L/h (measured on chains of 1e3 to 1e6 elements), which must stay well below
 /// one for Newton's method to go on converging fast.
 constexpr double kCapTimesElements = 1e9;
+/// The same in networks, whose members share what disturbs them: sheets of 60 and 100 struts a side, slenderness 20 to
+/// 1000, take no more iterations with it, and fewer factorisations where it no longer cuts off any stiffness.
+constexpr double kCapTimesElementsOfNetworks = 1e11;
 
 /// Below this the cap itself would slow Newton's method more than rounding errors do; a mesh whose shortest element is
 /// 1e-9 of its length does not need less.
@@ -42,10 +45,12 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   const Structure& structure = model.structure();
   const double bending = structure.bending_reference / (structure.length * structure.length);
   const double elements = structure.length / structure.shortest_element;
-  const double usual = model.options().force_stiffness_cap, most = std::max(kLeastCap, kCapTimesElements / elements);
-  double factor = raise * std::min(usual, most);
-  if (is_network(model.mesh()))
+  const double usual = model.options().force_stiffness_cap;
+  double factor = raise * std::min(usual, std::max(kLeastCap, kCapTimesElements / elements));
+  if (is_network(model.mesh())) {
+    const double most = std::max(kLeastCap, kCapTimesElementsOfNetworks / elements);
     factor = std::max(factor, std::min(raise, 1.0) * std::min(kRaiseOfNetworks * usual, most));
+  }
   return factor * std::max(bending, scales.force);
 }
 
