@@ -76,7 +76,8 @@ BoundList<LinearSolverParameters> linear_parameters() {
       "row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 where it has few "
       "loops, "
       "as L D L^T by MUMPS where it is a network; iterative: what is left is solved by conjugate gradients with coarse "
-      "spaces, on one rank, and stability is unknown; KLU2: sparse direct solver of Amesos2 for the whole matrix. "
+      "spaces, on one rank, and of stability only its sign at the end of each stage is looked for; KLU2: sparse direct "
+      "solver of Amesos2 for the whole matrix. "
       "Factors are made on rank 0 whatever the number of ranks.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),

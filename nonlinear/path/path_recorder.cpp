@@ -7,7 +7,9 @@ PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const Solve
     : problem_(problem), state_(state), observer_(observer), control_(control), result_(result) {
   is_controlled_ = parameters.analysis.control.has_value();
   const int vertices = problem->model.mesh().vertices();
-  reports_stability_ = !problem->iterates() && looks_at_stability(parameters.analysis, vertices);
+  const bool looks = looks_at_stability(parameters.analysis, vertices);
+  reports_stability_ = looks && !problem->iterates();
+  looks_at_end_ = looks && problem->iterates();
   if (!problem->iterates() && (reports_stability_ || vertices <= kVerticesForStability))
     stability_ = std::make_unique<Stability>(*problem);
   if (!control.resume) return;
@@ -52,6 +54,8 @@ void PathRecorder::converged(const ConvergedStep& step) {
   }
   report.jump = step.jump;
   jumps_ += step.jump ? 1 : 0;
+  if (looks_at_end_ && is_end_of_stage(step.load_factor, stage_))
+    report.stability = Stability(*problem_).sign_by_iteration(step.state, step.load_factor);
   report.point = point(step, report.stability);
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;

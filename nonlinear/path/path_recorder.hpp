@@ -84,6 +84,7 @@ class PathRecorder {
   SolveRecord record_;
   std::unique_ptr<Stability> stability_;
   bool reports_stability_ = false;
+  bool looks_at_end_ = false;  ///< of each stage, in place of counts in every step
   int stage_ = 1;
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;

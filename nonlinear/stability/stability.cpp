@@ -223,8 +223,8 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   const Tangent& tangent = at.tangent();
   if (tangent.is_planar() || tangent.cap().cuts_off || !at.failure().empty()) return std::nullopt;
   const Tangent::InteriorCount interior = tangent.interior_count();
-  const std::optional<long> negative = at.solver().negative_eigenvalues();
-  if (interior.uncertain || !negative) return std::nullopt;
+  const bool iterates = at.solver().iterates();  // then what solves meet tells
+  if (interior.uncertain || (!iterates && !at.solver().negative_eigenvalues())) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
   const double near_zero = kNearZero * stress * relative_length(problem_.model);
@@ -232,12 +232,31 @@ std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
       tangent, [&](const DofVector& b, DofVector& x) { at.solve_vertices(b, x); },
       [&](const DofVector& x) { return at.solver().rounding_of_form(x); });
   if (!(nearest.size > std::max(near_zero, kNearRounding * nearest.rounding))) return std::nullopt;
+  const std::optional<long> negative = at.solver().negative_eigenvalues();
+  if (!negative) return std::nullopt;
   StabilityResult result;
   result.negative = static_cast<int>(*negative + interior.negative);
   result.inside = interior.negative;
   result.sign = sign_of(result.negative, 0);
   result.cap_ratio = tangent.cap().least_ratio;
   result.end_angle = largest_end_angle(problem_.model, point).angle;
+  return result;
+}
+
+std::optional<StabilityResult> Stability::sign_by_iteration(const State& state, double load_factor) {
+  const Model& model = problem_.model;
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
+  Linearization at(problem_, point, cap_for(model, point.scales), TangentKind{true, true});
+  if (at.failure().empty()) try {
+      return count_by(at);
+    } catch (const LinearSolverError&) {  // why is told below
+    }
+  const long negative = at.solver().negative_eigenvalues().value_or(0);
+  if (negative == 0) return std::nullopt;
+  StabilityResult result;
+  result.negative = static_cast<int>(negative);
+  result.sign = sign_of(result.negative, 0);
   return result;
 }
 

@@ -98,6 +98,10 @@ class Stability {
   /// slanting supports or loads without potential, no cap, a network of some size. `at`: TangentKind::counts_interior.
   std::optional<StabilityResult> count_by(Linearization& at) const;
 
+  /// Where tangents are too large for factors: by conjugate gradients from an arbitrary vector, which meet negative
+  /// curvature or converge. `negative` is zero, or at least one is negative. None where that is not known.
+  std::optional<StabilityResult> sign_by_iteration(const State& state, double load_factor);
+
   /// The same while a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). `motion`: rows
   /// of vertices, as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the
   /// whole tangent.

@@ -110,6 +110,23 @@ TEST(CountBy, SaysNothingNextToACriticalLoad) {
   }
 }
 
+/// Where it is iterated, what conjugate gradients meet.
+TEST(CountBy, SignByIteration) {
+  const Scene scene = compressed_lattice(1.0, 1);
+  StabilityFixture direct(scene);
+  SolverParameters parameters;
+  parameters.linear.method = kIterative;
+  BeamProblem problem(scene, this_rank(), parameters);
+  ASSERT_TRUE(problem.iterates());
+  for (double load : {1.0, 12.0}) {
+    const State state = direct.equilibrium(load);
+    const std::optional<StabilityResult> sign = Stability(problem).sign_by_iteration(state, load);
+    ASSERT_TRUE(sign) << load;
+    EXPECT_EQ(sign->verdict(), load < 2.0 ? Verdict::stable : Verdict::unstable);
+    EXPECT_EQ(sign->verdict(), direct.count(load).verdict()) << load;
+  }
+}
+
 /// What the factors do not tell is left to the count that takes its own.
 TEST(CountBy, SaysNothingWhereTheFactorsDoNot) {
   const Scene plain = compressed_lattice(1.0, 1);
