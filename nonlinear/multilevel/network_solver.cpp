@@ -32,7 +32,7 @@ constexpr double kMostFallbackEntries = 1e9;
 NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
                              double reduction)
     : system_(system), tolerance_(residual_tolerance), reduction_(reduction), times_(times) {
-  set_up_blas();
+  set_up_blas();  // LAPACK finds the modes of aggregates
 }
 
 /// Nodes are vertices with at least one free row; links join two of them.
