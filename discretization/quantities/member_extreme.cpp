@@ -99,7 +99,7 @@ class Search {
       if (i > 0 && i + 1 < points)
         second = std::max(second, std::abs(values_[i - 1] - 2.0 * values_[i] + values_[i + 1]));
     }
-    for (std::size_t i = 0; i < points; ++i)
+    for (std::size_t i = 0; i < points && !(highest <= best_.value); ++i)
       take(values_[i], member, element, -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1));
     const double bound = highest + kPeakOverSecondDifference * second;
     if (may_raise_best(bound)) candidates_.push_back({member, element, bound});
