@@ -147,8 +147,7 @@ class AutomaticPath {
   bool take(const Correction& found, const StepTest& test) {
     const PathDirection moved = increments(found);
     // A step of the load is one along a path on which the load grows.
-    const bool is_load_step = !along_path_ && !goal_.is_controlled();
-    const PathDirection* along = is_load_step ? nullptr : &moved;
+    const PathDirection* along = !along_path_ && !goal_.is_controlled() ? nullptr : &moved;
     Station next = station_at(found, along);
     const int tangents = problem_->work.factorizations;
     StepFindings findings = judge_.examine({here_, moved, next}, test);
@@ -330,9 +329,8 @@ class AutomaticPath {
   Corrector corrector_;
   StepJudge judge_;
   const PathMeasure& measure_;
-  Station here_;  ///< where the path stands
-  // since the stage, a branch or a resumed path began:
-  std::optional<Way> way_{};
+  Station here_;              ///< where the path stands
+  std::optional<Way> way_{};  ///< since the stage, a branch or a resumed path began, as start_of_goal_
   double start_of_goal_ = 0.0;
   bool along_path_ = false;  ///< steps along the path; else to the goal
   double size_ = 0.0;        ///< of the next step to the goal
