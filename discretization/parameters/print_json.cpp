@@ -252,7 +252,7 @@ void print_json_schema(std::ostream& out, const ListSpec& spec, const std::strin
   Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", title}};
   schema.update(schema_of_list(spec));
   schema.erase("description");  // which explains how lists are written in XML
-  schema["properties"][kRootName] = {{"type", "string"},
+  schema["properties"][kRootName] = {{"type", {"string", "number", "boolean"}},
                                      {"description", "Name of the scene; that of the file if absent."}};
   out << schema.dump(1) << '\n';
 }

@@ -24,8 +24,9 @@ constexpr std::size_t kLongestUnit = 16;  // letters: labels of axes have no mor
 ListSpec scene_spec() {
   ListSpec spec(
       "The structure, its supports and its loads; any consistent units, angles in radians, global axes x, y, z.");
-  spec.add_list("Sections", ListSpec("Cross sections.").with_named_lists("section", section_spec(), 1),
-                Presence::required);
+  spec.add_list(
+      "Sections",
+      ListSpec("Cross sections; at least one here or by Import.").with_named_lists("section", section_spec()));
   spec.add_list("Points", ListSpec("Points of the undeformed structure; at least one here or by Import.")
                               .with_named_parameters(
                                   "point", bounded_vector("").required().means("Global coordinates [length].")));
@@ -91,6 +92,8 @@ void SceneReader::read_units() {
 
 void SceneReader::read_sections() {
   scene_.sections = mixbeam::read_sections(list_.sublist("Sections"), place_["Sections"]);
+  if (scene_.sections.empty())
+    throw place_["Sections"].error("no section; allowed: at least one, here or by \"Import\"");
   for (std::size_t i = 0; i < scene_.sections.size(); ++i) section_index_.emplace(scene_.sections[i].name, i);
 }
 

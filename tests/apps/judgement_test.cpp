@@ -105,6 +105,15 @@ TEST_F(Judgement, AllScenesOfTheRepositoryAreValid) {
   EXPECT_NE(verdicts.back(), "");
 }
 
+/// Without those whose tables lie beside them.
+std::vector<std::string> scenes_without_tables() {
+  std::vector<std::string> texts = scenes_in({"apps/gallery"});
+  texts.erase(std::remove_if(texts.begin(), texts.end(),
+                             [](const std::string& text) { return text.find("File\"") < text.size(); }),
+              texts.end());
+  return texts;
+}
+
 /// Refusals of the reader that a schema cannot foresee: a part of the message, and why.
 using Unforeseen = std::vector<std::pair<std::string, std::string>>;
 
@@ -123,14 +132,24 @@ const Unforeseen kUnforeseen = {
     {"neither of \"Absolute Tolerance\" and \"Relative Tolerance\"", "checked behind the declarations"},
     {"no difference is small relative to the value 0", "a number depends on another one"},
     {"where the load path of the scene ends", "likewise"},
+    {"along a whole member; allowed without", "parameters depend on each other"},
+    {"given beside stiffness values", "likewise"},
+    {"or \"Matrix\" instead of all stiffness values", "likewise"},
+    {"Material / nu\": missing", "likewise"},
+    {"so no utilisation", "of what a section is made"},
+    {"is no formula", "what a formula is"},
+    {"allowed: a member with one end at", "how members are joined"},
+    {"can move without strain", "mechanics"},
 };
 const Unforeseen kUnforeseenInXml = {
     {"missing", "elements of one name cannot be counted: none needed"},
     {"given twice", "likewise"},
+    {"has no meaning for", "a list of one name cannot depend on a word in it"},
 };
 const Unforeseen kUnforeseenInYaml = {
     {"given twice", "the parsers of editors notice that, a schema sees one"},
     {"/ Component\": value \"1.0\"", "the number 1 of JSON, where the word 1 is allowed"},
+    {"of type double; allowed: int", "1.0 is an integer of JSON"},
 };
 
 /// Mutated scenes, and how many of them both refuse.
@@ -194,7 +213,7 @@ class Mutator {
 };
 
 TEST_F(Judgement, MutatedXmlIsJudgedAsByTheReader) {
-  const std::vector<std::string> scenes = scenes_in({"apps/gallery"});
+  const std::vector<std::string> scenes = scenes_without_tables();
   const std::regex parameter(R"re(<Parameter name="([^"]*)" type="[^"]*" value="([^"]*)"/>\s*)re");
   Mutator mutator;
   Comparison comparison(kUnforeseenInXml);
@@ -210,7 +229,7 @@ TEST_F(Judgement, MutatedXmlIsJudgedAsByTheReader) {
 
 TEST_F(Judgement, MutatedYamlIsJudgedAsByTheReader) {
   std::vector<std::string> scenes, texts;
-  for (const std::string& scene : scenes_in({"apps/gallery"})) scenes.push_back(yaml_of(scene));
+  for (const std::string& scene : scenes_without_tables()) scenes.push_back(yaml_of(scene));
   const std::regex entry(R"re(([A-Za-z][A-Za-z0-9 ]*): ("[^"\n]*"|\[[^\]]*\]|[^,{}"\[\]\n#]+)(, |(?=\})|\n))re");
   Mutator mutator;
   for (int i = 0; i < kMutations; ++i)

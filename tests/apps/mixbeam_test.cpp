@@ -396,7 +396,7 @@ TEST_F(Disturbed, DamagedTimeSeriesLoseNoStep) {
     EXPECT_EQ(refused.exit_code, kBadInput) << refused.out;
     expect_in(refused.err, {"damaged: bytes "});
     const std::size_t advice = refused.err.find("--from ");
-    if (refused.err.find("in them /monitor/") == std::string::npos || advice == std::string::npos) continue;
+    if (refused.err.find("in them /monitor") == std::string::npos || advice == std::string::npos) continue;
     ++made_anew;
     const std::string step = refused.err.substr(advice + 7, refused.err.find(' ', advice + 7) - advice - 7);
     const Ended resumed = run({"resume", file.string(), "--from", step, "--quiet"});

@@ -1,6 +1,7 @@
 // Every scene of the gallery, whatever it uses: turned and shifted in space, and in other units, it gives the turned
 // and the scaled answer.
 #include "discretization/parameters/xml_reader.hpp"
+#include "discretization/reading/import.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "kernels/math/rotation.hpp"
@@ -32,7 +33,8 @@ std::vector<std::filesystem::path> gallery_files() {
 
 /// The first load case of a scene that has several.
 GalleryScene read_gallery_scene(const std::filesystem::path& file) {
-  const XmlParameters xml = read_xml(file.string());
+  XmlParameters xml = read_xml(file.string());
+  import_entries(xml.list->sublist("Scene"), xml.source);
   Scene scene = read_scene(xml.list->sublist("Scene"), xml.source);
   if (!scene.load_cases.empty()) scene = scene_of_case(scene, scene.load_cases.front());
   SolverParameters solver = read_solver_parameters(xml.list->sublist("Solver"), xml.source);

@@ -36,8 +36,9 @@ void add_condition_lists(ListSpec& spec) {
                                                    1)),
       Presence::optional);
   spec.add_list("Gravity", kGravityParameters.spec, Presence::optional);
-  spec.add_list("Supports", ListSpec("Supports.").with_named_lists("support", kSupportParameters.spec, 1),
-                Presence::required);
+  spec.add_list(
+      "Supports",
+      ListSpec("Supports; at least one here or by Import.").with_named_lists("support", kSupportParameters.spec));
   spec.add_list("Joints", ListSpec("Connections that are not rigid.").with_named_lists("joint", kJointParameters.spec));
   spec.add_list("Point Loads", ListSpec("Loads at points.").with_named_lists("load", kPointLoadParameters.spec));
   spec.add_list("Distributed Loads",
