@@ -62,11 +62,11 @@ TEST_F(Programs, PrintTheirParameters) {
     const Ended ended = run_process(program(application), {"--print-parameters"}, folder_);
     EXPECT_EQ(ended.exit_code, 0);
     expect_in(ended.out, {"[Scene] required",
-                          "[Sections] required",
+                          "[Sections]",
                           "[Points]",
                           "[Members]",
                           "[Curve]",
-                          "[Supports] required",
+                          "[Supports]",
                           "[Point Loads]",
                           "[Distributed Loads]",
                           "[Solver]",
