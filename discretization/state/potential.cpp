@@ -82,8 +82,7 @@ double work_of_supports(const Model& model, const State& first, double from, con
     Vec displacement{};
     for (int i = 0; i < 3; ++i) displacement[i] = support.fixed[i] ? support.displacement[i] : 0.0;
     work += dot(mean(&RecordedReaction::force), transpose_times(support.axes, displacement));
-    if (support.rotation_kind == SupportRotation::fixed)
-      work += dot(mean(&RecordedReaction::moment), support.rotation);
+    if (support.rotation_kind == SupportRotation::fixed) work += dot(mean(&RecordedReaction::moment), support.rotation);
   }
   return sum_over_ranks(model, work);
 }

@@ -43,11 +43,12 @@ BoundList<AnalysisParameters> analysis_parameters() {
                 "\"Branch Component\"; where these are not given, in its mean displacement over the structure (the "
                 "first component x, y, z that is nearly the largest), or that of the first half of a member.",
                 {{"primary", Branch::primary}, {"positive", Branch::positive}, {"negative", Branch::negative}});
-  analysis.bind(&AnalysisParameters::snap, text("Snap").by_default(),
-                "Where the stable path ends or turns unstable: follow: the path, through unstable states; jump: down the "
-                "potential of the loads to a stable state at the next load, for dead forces and prescribed motions. Each "
-                "jump is told, with its load and the energy that it releases.",
-                {{"follow", Snap::follow}, {"jump", Snap::jump}});
+  analysis.bind(
+      &AnalysisParameters::snap, text("Snap").by_default(),
+      "Where the stable path ends or turns unstable: follow: the path, through unstable states; jump: down the "
+      "potential of the loads to a stable state at the next load, for dead forces and prescribed motions. Each "
+      "jump is told, with its load and the energy that it releases.",
+      {{"follow", Snap::follow}, {"jump", Snap::jump}});
   analysis.spec.add(text("Branch Point"), "Name of the point whose displacement is positive on the positive branch.");
   analysis.spec.add(choice("Branch Component", {"x", "y", "z"}), "Component of that displacement; default: y.");
   analysis.bind(

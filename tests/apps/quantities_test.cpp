@@ -174,8 +174,9 @@ TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M 
   };
   const std::string places =
       parameter("outer", "Array(double)", "{0.02, 0}") + parameter("inner", "Array(double)", "{-0.01, 0}");
-  const std::string points = in_list(
-      "Stress Points", parameter("E", "double", "50") + parameter("Area", "double", "1e12") + in_list("Points", places));
+  const std::string points =
+      in_list("Stress Points",
+              parameter("E", "double", "50") + parameter("Area", "double", "1e12") + in_list("Points", places));
   const std::string stress = entry("stress", "Quantity=normal stress;Member=*;Take=largest size");
   std::string text = elastica_with(in_list("Quantities", stress + kMoment));
   const std::size_t bending = text.find("<Parameter name=\"EI3\"");
