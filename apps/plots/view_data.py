@@ -119,7 +119,8 @@ class ViewData:
             dimensions[own] = _along(shapes["dimensions"][row].reshape(-1, 4), x)
             if kinds[at] in ("circle", "tube"):
                 dimensions[own, 1] = dimensions[own, 0]
-            strength[self._kept[own]] = _along(shapes["strength"][row].reshape(-1, 1), x)[:, 0]
+            known = shapes["strength"][row]  # 0: not given
+            strength[self._kept[own]] = _along(np.where(known > 0, known, np.nan).reshape(-1, 1), x)[:, 0]
         self._strength = strength
         self.arrays["dimensions"] = _single(dimensions)
         self.description.update(kinds=kinds, sections=names)

@@ -114,7 +114,7 @@ void add_section(ActingTable& table, const SampledSection& sampled) {
   const std::vector<SectionShape> shapes = has_shape ? sampled.shape : std::vector<SectionShape>(kPlacesAlongMember);
   for (const SectionShape& shape : shapes) {
     for (const double size : {shape.size2, shape.size3, shape.wall, shape.web}) table.add("dimensions", size);
-    table.add("strength", shape.strength.value_or(std::numeric_limits<double>::quiet_NaN()));
+    table.add("strength", shape.strength.value_or(0.0));
   }
 }
 
