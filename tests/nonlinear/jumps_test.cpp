@@ -43,30 +43,12 @@ Walk walk(Simulation& simulation) {
   return walk;
 }
 
-// ---- a shallow truss of two bars on hinges (von Mises): strains are l / l0 - 1, so everything is elementary
+// ---- the shallow truss of constrained_scenes.hpp
 
-constexpr double kHalfSpan = 1.0, kRise = 0.3, kAxial = 100.0;
-
-Scene truss(double force) {
-  Scene scene;
-  scene.name = "truss";
-  scene.sections = {section(kAxial, kAxial, 1e2, 1e2)};  // too stiff to buckle between the hinges
-  scene.points = {{"left", {-kHalfSpan, 0, 0}}, {"apex", {0, kRise, 0}}, {"right", {kHalfSpan, 0, 0}}};
-  scene.members = {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)};
-  scene.joints = {joint(JointKind::hinge, "apex", {"right bar"})};
-  Support guide = clamp("apex");
-  guide.displacement_fixed = {true, false, true};
-  guide.rotation_fixed = {false, false, false};
-  scene.supports = {hinged("left"), hinged("right"), guide};
-  scene.point_loads = {dead_load("apex", {0, -force, 0})};
-  return scene;
-}
-
-const double kBar = std::hypot(kHalfSpan, kRise);
-/// Energy of both bars, and the force, with the apex down by v.
-double truss_energy(double v) { return kAxial / kBar * std::pow(std::hypot(kHalfSpan, kRise - v) - kBar, 2); }
-double truss_force(double v) {
-  return 2.0 * kAxial * (1.0 / std::hypot(kHalfSpan, kRise - v) - 1.0 / kBar) * (kRise - v);
+const double kBar = std::hypot(kTrussHalfSpan, kTrussRise);
+/// Energy of both bars with the apex down by v.
+double truss_energy(double v) {
+  return kTrussAxial / kBar * std::pow(std::hypot(kTrussHalfSpan, kTrussRise - v) - kBar, 2);
 }
 /// Where the force has a value, between two places that enclose it.
 double where(double force, double low, double high) {
@@ -79,30 +61,31 @@ double where(double force, double low, double high) {
 }
 
 TEST(Jumps, TrussReleasesTheAreaBelowItsPath) {
-  const double top = kRise - std::sqrt(std::pow(kBar, 2.0 / 3.0) - 1.0);  // the bars' cosine to its cube root
+  const double top = kTrussRise - std::sqrt(std::pow(kBar, 2.0 / 3.0) - 1.0);  // the bars' cosine to its cube root
   const double limit = truss_force(top), force = 1.5 * limit;
   constexpr int kSteps = 8;
-  Simulation simulation(truss(force), jumping(kSteps), this_rank());
+  Simulation simulation(shallow_truss(force), jumping(kSteps), this_rank());
   const Walk walked = walk(simulation);
   ASSERT_EQ(walked.jumps.size(), 1u);
   const RecordedJump& jump = walked.jumps[0];
   EXPECT_LE(jump.from * force, limit);
   EXPECT_GE(jump.to * force, limit);
   EXPECT_LE(jump.to - jump.from, 1.001 / kSteps);
-  const double before = where(jump.from * force, 0.0, top), after = where(jump.to * force, 2.0 * kRise, 3.0 * kRise);
+  const double before = where(jump.from * force, 0.0, top),
+               after = where(jump.to * force, 2.0 * kTrussRise, 3.0 * kTrussRise);
   const double released =
       0.5 * (jump.from + jump.to) * force * (after - before) - (truss_energy(after) - truss_energy(before));
   EXPECT_NEAR(jump.released, released, kSame * released);
   EXPECT_GT(std::abs(1.001 * jump.released - released), kSame * released);
   EXPECT_NEAR(jump.largest, after - before, kSame);
   EXPECT_EQ(jump.place, "point \"apex\"");
-  EXPECT_GT(jump.motion, 0.1 * jump.largest / std::hypot(2.0 * kHalfSpan, kRise));
-  EXPECT_NEAR(-simulation.displacement("apex")[1], where(force, 2.0 * kRise, 3.0 * kRise), kSame);
+  EXPECT_GT(jump.motion, 0.1 * jump.largest / std::hypot(2.0 * kTrussHalfSpan, kTrussRise));
+  EXPECT_NEAR(-simulation.displacement("apex")[1], where(force, 2.0 * kTrussRise, 3.0 * kTrussRise), kSame);
   EXPECT_EQ(walked.last.negative, 0);
 }
 
 TEST(Jumps, WithoutLoadBeyondTheLimitNothingJumps) {
-  Simulation simulation(truss(0.2), jumping(), this_rank());
+  Simulation simulation(shallow_truss(0.2), jumping(), this_rank());
   EXPECT_TRUE(walk(simulation).jumps.empty());
 }
 

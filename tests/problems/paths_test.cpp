@@ -46,36 +46,10 @@ SolverParameters on_branch(Branch branch) {
   return parameters;
 }
 
-// ---- a shallow truss of two bars on hinges (von Mises): strains are l / l0 - 1, so everything is elementary
-
-constexpr double kHalfSpan = 1.0, kRise = 0.3, kAxial = 100.0;
-
-/// `force` downwards at the apex, which is guided in the plane.
-Scene shallow_truss(double force) {
-  Scene scene;
-  scene.name = "shallow truss";
-  scene.sections = {section(kAxial, kAxial, 1e2, 1e2)};  // too stiff to buckle between the hinges
-  scene.points = {{"left", {-kHalfSpan, 0, 0}}, {"apex", {0, kRise, 0}}, {"right", {kHalfSpan, 0, 0}}};
-  scene.members = {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)};
-  scene.joints = {joint(JointKind::hinge, "apex", {"right bar"})};
-  Support guide = clamp("apex");
-  guide.displacement_fixed = {true, false, true};
-  guide.rotation_fixed = {false, false, false};
-  scene.supports = {hinged("left"), hinged("right"), guide};
-  scene.point_loads = {dead_load("apex", {0, -force, 0})};
-  return scene;
-}
-
-/// Force at which the apex has gone down by v.
-double truss_force(double v) {
-  const double length0 = std::hypot(kHalfSpan, kRise), height = kRise - v, length = std::hypot(kHalfSpan, height);
-  return 2.0 * kAxial * (1.0 / length - 1.0 / length0) * height;
-}
-
 /// Largest of them: the cosine of the bars' slope has grown to its cube root.
 double truss_limit() {
-  const double cosine = kHalfSpan / std::hypot(kHalfSpan, kRise);
-  return 2.0 * kAxial * std::pow(1.0 - std::pow(cosine, 2.0 / 3.0), 1.5);
+  const double cosine = kTrussHalfSpan / std::hypot(kTrussHalfSpan, kTrussRise);
+  return 2.0 * kTrussAxial * std::pow(1.0 - std::pow(cosine, 2.0 / 3.0), 1.5);
 }
 
 TEST(Paths, ShallowTrussSnapsThroughBothLimitPoints) {
@@ -97,21 +71,22 @@ TEST(Paths, ShallowTrussSnapsThroughBothLimitPoints) {
 TEST(Paths, ATracedTrussSnapsThroughHoweverFarItIsPressed) {
   SolverParameters traced;
   traced.analysis.trace = true;
-  const double bar = std::hypot(kHalfSpan, kRise);
-  const double ends_snap = 2.0 * kAxial * (1.0 / kHalfSpan - 1.0 / bar);  // the bars are softest when they are level
+  const double bar = std::hypot(kTrussHalfSpan, kTrussRise);
+  const double ends_snap =
+      2.0 * kTrussAxial * (1.0 / kTrussHalfSpan - 1.0 / bar);  // the bars are softest when they are level
   for (const double spring : {0.0, 0.5, 0.9})
     for (const double times : {2.0, 10.0, 100.0}) {
       SCOPED_TRACE(std::to_string(spring) + " of the spring that ends the snap, load " + std::to_string(times));
-      const double stiffness = spring * ends_snap, force = times * (truss_limit() + stiffness * kRise);
+      const double stiffness = spring * ends_snap, force = times * (truss_limit() + stiffness * kTrussRise);
       Scene scene = shallow_truss(force);
       scene.supports.back().displacement_stiffness = {0.0, stiffness, 0.0};
       const Walk truss = walk(scene, traced);
       ASSERT_EQ(truss.critical.size(), 2u);
       // where truss_force(v) + stiffness v is stationary
-      const double cosine = std::cbrt(kHalfSpan / bar + stiffness * kHalfSpan / (2.0 * kAxial));
-      const double height = kHalfSpan * std::sqrt(1.0 / (cosine * cosine) - 1.0);
+      const double cosine = std::cbrt(kTrussHalfSpan / bar + stiffness * kTrussHalfSpan / (2.0 * kTrussAxial));
+      const double height = kTrussHalfSpan * std::sqrt(1.0 / (cosine * cosine) - 1.0);
       for (int i = 0; i < 2; ++i) {
-        const double v = i == 0 ? kRise - height : kRise + height;
+        const double v = i == 0 ? kTrussRise - height : kTrussRise + height;
         EXPECT_NEAR(truss.critical[i].load_factor, (truss_force(v) + stiffness * v) / force, kLocated);
         EXPECT_GT(std::abs(truss_force(v) + stiffness * v - 1.001 * truss.critical[i].load_factor * force), kLocated)
             << "the comparison sees a limit point that is off by a thousandth";
@@ -127,18 +102,18 @@ TEST(Paths, StepsOfTheTrussLieOnItsCurve) {
   });
   ASSERT_GT(points.size(), 5u);
   for (const auto& [load_factor, v] : points)
-    EXPECT_NEAR(load_factor * 2.0 * truss_limit(), truss_force(v), 1e-9 * kAxial) << "at " << v;
-  EXPECT_GT(std::abs(truss_force(1.001 * points.back()[1]) - truss_force(points.back()[1])), 1e-6 * kAxial)
+    EXPECT_NEAR(load_factor * 2.0 * truss_limit(), truss_force(v), 1e-9 * kTrussAxial) << "at " << v;
+  EXPECT_GT(std::abs(truss_force(1.001 * points.back()[1]) - truss_force(points.back()[1])), 1e-6 * kTrussAxial)
       << "the comparison sees a deflection that is off by a thousandth";
 }
 
 TEST(Paths, ADisplacementDrivesTheTrussAgainstItsLoad) {
   SolverParameters parameters;
-  parameters.analysis.control = MonitoredComponent{"apex", 1, -0.9 * kRise};
+  parameters.analysis.control = MonitoredComponent{"apex", 1, -0.9 * kTrussRise};
   Simulation simulation(shallow_truss(1.0), parameters, this_rank());
   const Walk truss = walk(simulation);
-  EXPECT_NEAR(simulation.displacement("apex")[1], -0.9 * kRise, 1e-12);
-  EXPECT_NEAR(truss.result.load_factor, truss_force(0.9 * kRise), 1e-9);
+  EXPECT_NEAR(simulation.displacement("apex")[1], -0.9 * kTrussRise, 1e-12);
+  EXPECT_NEAR(truss.result.load_factor, truss_force(0.9 * kTrussRise), 1e-9);
   ASSERT_EQ(truss.critical.size(), 1u);
   EXPECT_NEAR(truss.critical[0].load_factor, truss_limit(), kLocated * truss_limit());
 }

@@ -5,6 +5,7 @@
 #include "tests/support/scene_units.hpp"
 #include "tests/support/scenes.hpp"
 
+#include <cmath>
 #include <random>
 
 namespace mixbeam::test {
@@ -69,6 +70,33 @@ inline Scene portal_of_joints(int order, int elements, double load = 1.0) {
                        follower_load("D", "beam 2", {0, 2 * load, 0}, {load, 0, -load})};
   scene.distributed_loads = {{"arm", {0, -load, 0.5 * load}, {}, 1}, {"beam 1", {0, -load, 0}, {}, 1}};
   return scene;
+}
+
+// ---- a shallow truss of two bars on hinges (von Mises): strains are l / l0 - 1, so everything is elementary
+
+inline constexpr double kTrussHalfSpan = 1.0, kTrussRise = 0.3, kTrussAxial = 100.0;
+
+/// `force` downwards at the apex, which is guided in the plane.
+inline Scene shallow_truss(double force) {
+  Scene scene;
+  scene.name = "shallow truss";
+  scene.sections = {section(kTrussAxial, kTrussAxial, 1e2, 1e2)};  // too stiff to buckle between the hinges
+  scene.points = {{"left", {-kTrussHalfSpan, 0, 0}}, {"apex", {0, kTrussRise, 0}}, {"right", {kTrussHalfSpan, 0, 0}}};
+  scene.members = {line("left bar", "left", "apex", 2, 1), line("right bar", "apex", "right", 2, 1)};
+  scene.joints = {joint(JointKind::hinge, "apex", {"right bar"})};
+  Support guide = clamp("apex");
+  guide.displacement_fixed = {true, false, true};
+  guide.rotation_fixed = {false, false, false};
+  scene.supports = {hinged("left"), hinged("right"), guide};
+  scene.point_loads = {dead_load("apex", {0, -force, 0})};
+  return scene;
+}
+
+/// Force at which the apex has gone down by v.
+inline double truss_force(double v) {
+  const double length0 = std::hypot(kTrussHalfSpan, kTrussRise), height = kTrussRise - v,
+               length = std::hypot(kTrussHalfSpan, height);
+  return 2.0 * kTrussAxial * (1.0 / length - 1.0 / length0) * height;
 }
 
 }  // namespace mixbeam::test
