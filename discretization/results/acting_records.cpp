@@ -2,12 +2,13 @@
 #include "discretization/scene/section_shape.hpp"
 
 #include <array>
-#include <limits>
 #include <map>
 
 namespace mixbeam {
 
 namespace {
+
+constexpr double kFromTheBeginning = -1.0;  // below every load factor
 
 /// A table by its columns, filled row by row: numbers, or lines of a text.
 class ActingTable {
@@ -23,10 +24,11 @@ class ActingTable {
     append("place", std::array<double, 2>{static_cast<double>(at.member), at.arc_length});
     append("position", at.position);
   }
-  /// What has a stage or an amplitude: the load factor at which it begins to act; NaN where a formula says it.
+  /// What has a stage or an amplitude: the load factor at which it begins to act; a formula may say anything and counts
+  /// as acting from the beginning. Not NaN: what compares two files would find them different.
   template <class Load>
   void add_beginning(const Load& load) {
-    add("begins", load.amplitude.empty() ? load.stage - 1.0 : std::numeric_limits<double>::quiet_NaN());
+    add("begins", load.amplitude.empty() ? load.stage - 1.0 : kFromTheBeginning);
   }
   void write(hid_t parent, const std::string& name, std::size_t rows) const {
     if (rows == 0) return;
