@@ -56,7 +56,7 @@ run_scenes() { # run_scenes <group>
 draw_scenes() { # draw_scenes <group>
   find "$results/$1" -name '*.h5' -print0 |
     MPLBACKEND=Agg xargs -0 -r -n 1 -P "$(nproc)" "$python" "$build_directory/bin/plots/plot_result.py" \
-      --picture shape --format png >"$results/$1/pictures.txt" || failed+=("pictures of $1")
+      --picture shape envelope --format png >"$results/$1/pictures.txt" || failed+=("pictures of $1")
 }
 
 install=yes

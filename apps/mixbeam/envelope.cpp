@@ -1,6 +1,8 @@
 #include "apps/common/tables/csv_table.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/text_of.hpp"
+#include "discretization/results/table_file.hpp"
+#include "mixbeam/version.hpp"
 
 #include <map>
 #include <ostream>
@@ -33,12 +35,40 @@ std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& q
   return envelope;
 }
 
+/// Every run beside the envelope, from which pictures and reports are made. Layout: results.md.
+void write_columns(const Application& app, const std::filesystem::path& file) {
+  const std::vector<QuantityEnvelope>& envelope = app.summary.envelope;
+  std::map<std::string, std::size_t> index;  // of the runs, in their order
+  std::vector<std::vector<double>> values;
+  std::string runs, names;
+  for (const FollowedQuantity& quantity : app.summary.quantities) {
+    if (index.emplace(quantity.run, index.size()).second) {
+      runs += quantity.run + "\n";
+      values.emplace_back();
+    }
+    values[index[quantity.run]].push_back(quantity.value);
+  }
+  std::vector<TableColumn> columns = {{"largest", {}}, {"largest_in", {}}, {"smallest", {}}, {"smallest_in", {}}};
+  for (const QuantityEnvelope& one : envelope) {
+    names += one.name + "\n";
+    columns[0].values.push_back(one.largest);
+    columns[1].values.push_back(static_cast<double>(index[one.largest_in]));
+    columns[2].values.push_back(one.smallest);
+    columns[3].values.push_back(static_cast<double>(index[one.smallest_in]));
+  }
+  for (const auto& [run, i] : index) columns.push_back({"values/" + std::to_string(i), values[i]});
+  write_table_file(file, columns,
+                   {{"scene", app.xml.text}, {"version", kVersion}, {"quantities", names}, {"runs", runs}}, "envelope");
+}
+
 }  // namespace
 
 void write_envelope(Application& app, const std::filesystem::path& file) {
   app.summary.envelope = envelope_of(app.summary.quantities);
   if (app.summary.envelope.empty() || !app.writes_files()) return;
-  CsvTable table(file, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
+  write_columns(app, file);
+  const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-envelope.csv");
+  CsvTable table(csv, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
   app.out() << text_of("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
   constexpr std::size_t kMostPrinted = 100;  // the file has them all
   std::size_t printed = 0;
@@ -49,7 +79,7 @@ void write_envelope(Application& app, const std::filesystem::path& file) {
                            one.largest_in.c_str(), one.smallest, one.smallest_in.c_str());
   }
   table.close();
-  app.out() << "envelope: " << file.string() << "\n";
+  app.out() << "envelope: " << file.string() << ", " << csv.string() << "\n";
 }
 
 }  // namespace mixbeam

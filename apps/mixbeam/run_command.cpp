@@ -58,13 +58,15 @@ int run_command(const Arguments& arguments) {
     std::vector<SharedResultLock> locks;  // of all cases before the first: the run is refused as a whole
     for (const std::string& load_case : cases)
       locks.push_back(lock_or_warn(app, result_file_of(app.output, stem, load_case)));
+    const std::filesystem::path of_all = result_file_of(app.output, stem, "");
+    if (cases.size() > 1 && !app.quantities.empty()) locks.push_back(lock_or_warn(app, of_all));
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
       for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
         end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), {locks[i], line.durable});
       if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
-      if (end == RunEnd::arrived) write_envelope(app, app.output / (stem + "-envelope.csv"));
+      if (end == RunEnd::arrived) write_envelope(app, of_all);
       return end;
     });
   });

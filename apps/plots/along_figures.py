@@ -27,15 +27,12 @@ def along_figure(view, step, patterns):
         axes.plot(places, values / 10.0 ** power, color=style.BLUE, gid="diagram")
         axes.fill_between(places, values / 10.0 ** power, color=(*style.rgb(style.BLUE), 0.18), linewidth=0)
         axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
-        for border in borders[1:-1]:
-            axes.axvline(border, color=style.GREY, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
         name_axis(axes, view, name, power)
         limits(axes, values / 10.0 ** power)
         name_extremes(axes, places, values / 10.0 ** power)
         if i % 3 == 2:
             axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
-    if len(row) <= MOST_NAMES:
-        _name_members(panels[2], row, borders)
+    draw_borders(panels, row, borders)
     canvas.suptitle(f"{view.title(step)}: along {', '.join(patterns)[:60]}", fontsize=13)
     return canvas
 
@@ -79,8 +76,14 @@ def running_length(row):
     return np.concatenate(places), np.concatenate(samples), np.array(borders)
 
 
-def _name_members(panels, row, borders):
-    for axes in panels:
+def draw_borders(panels, row, borders):
+    """Where one member ends and the next begins, in all panels, and the names of the members in the lowest ones."""
+    for axes in panels.flat:
+        for border in borders[1:-1]:
+            axes.axvline(border, color=style.GREY, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
+    if len(row) > MOST_NAMES:
+        return
+    for axes in panels[-1]:
         low, high = axes.get_ylim()
         axes.set_ylim(low - NAME_SHARE * (high - low), high)
         for (member, against), begin, end in zip(row, borders[:-1], borders[1:]):

@@ -11,6 +11,7 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "diagrams": "the same drawn on the structure",
          "along": "with --along: N, Q2, Q3, T, M2, M3 of members in a row over their running length",
          "curve": "with --curve: one followed number over another",
+         "envelope": "of SCENE.h5 beside those of its load cases: quantities over all of them; with --along their diagrams",
          "load_path": "monitored quantities over the load factor; with critical points: load factor over them",
          "critical_modes": "structure and mode at limit points and bifurcations",
          "iterations": "Newton iterations and residuals",
@@ -66,6 +67,7 @@ def options_of(words):
 
 def _draw(options, style):
     """Draws what is asked for, and yields the paths of the files."""
+    import envelope_figures
     from results import InputError, Run
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
@@ -73,11 +75,34 @@ def _draw(options, style):
         raise InputError(f"--format {options.format}: allowed are png, svg, pdf, separated by commas")
     if options.dots:
         style.plt.rcParams["savefig.dpi"] = options.dots
+    if not options.case and envelope_figures.is_envelope(options.result):
+        folder = options.output or options.result.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, canvas in envelope_pictures(options):
+            yield from style.save_all(canvas, folder / f"{options.result.stem}_{name}", formats)
+        return
     with Run(options.result, options.case, options.members) as run:
         folder = options.output or options.result.parent
         folder.mkdir(parents=True, exist_ok=True)
         for name, canvas in figures(run, options):
             yield from style.save_all(canvas, folder / f"{run.path.stem}_{name}", formats)
+
+
+def envelope_pictures(options):
+    """(name, figure) of what is asked for of a file that holds an envelope."""
+    import envelope_figures
+    from results import InputError
+    from view import Look
+
+    envelope = envelope_figures.Envelope(options.result)
+    if options.picture and not set(options.picture) & {"envelope", "along"} or options.curve:
+        cases = ", ".join(envelope.case(i) for i in range(len(envelope.runs)))
+        raise InputError(f"{options.result}: holds the envelope of several runs; --case takes one of them ({cases}); "
+                         "allowed without: --picture envelope, --along")
+    if options.along:
+        yield "along", envelope_figures.along_figure(envelope, options.along, Look())
+    else:
+        yield "envelope", envelope_figures.ranges_figure(envelope)
 
 
 def figures(run, options):
@@ -99,7 +124,9 @@ def figures(run, options):
     chosen = _chosen_steps(run, options.step, run.path)
     view = View(run, chosen, Look(options.view, options.scale, options.moments))
     wanted = [kind for kind in ("along", "curve") if getattr(options, kind)]
-    every = wanted or [kind for kind in KINDS if kind not in ("along", "curve")]
+    if options.picture == ["envelope"]:
+        raise InputError(f"{run.path}: of one run; an envelope is in the file SCENE.h5 beside those of several load cases")
+    every = wanted or [kind for kind in KINDS if kind not in ("along", "curve", "envelope")]
     for kind in options.picture or every:
         yield from _figures(kind, run, view, chosen, options)
 
@@ -127,13 +154,13 @@ def _figures(kind, run, view, chosen, options):
         points = run.critical_points()
         if points:
             yield kind, critical_figures.modes_figure(view, points)
-    elif kind == "curve":
+    elif kind == "curve" and options.curve:
         yield kind, path_figures.curve_figure(view, *options.curve)
     elif kind == "iterations":
         yield kind, path_figures.iteration_figure(view)
     elif len(run.steps) > 1 and kind == "load_path":
         yield kind, path_figures.load_displacement_figure(view)
-    elif len(run.steps) > 1 and all(step.has(field.source) for step in shape_figures.strip_steps(run.steps)):
+    elif kind == "steps" and len(run.steps) > 1 and all(step.has(field.source) for step in shape_figures.strip_steps(run.steps)):
         shown = shape_figures.strip_steps(run.steps)
         yield kind, shape_figures.strip_figure(View(run, shown, view.look), shown, field)
 

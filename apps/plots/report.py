@@ -19,14 +19,21 @@ def main():
     parser.add_argument("--summary", type=Path, metavar="FILE.json", help="of mixbeam run --summary: adds its checks")
     options = parser.parse_args()
     try:
+        from envelope_figures import envelope_beside, is_envelope
         from results import InputError, Run
     except ImportError as error:
         return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
     try:
+        if is_envelope(options.result):
+            print(_write_envelope_page(options))
+            return 0
         with Run(options.result) as run:
             page = Page(run.title)
             page.title(run.title)
             _write_answers(page, run)
+            envelope = envelope_beside(run)
+            if envelope:
+                _write_envelope(page, envelope)
             _write_structure(page, run)
             if options.summary:
                 _write_checks(page, json.loads(options.summary.read_text()))
@@ -34,9 +41,7 @@ def main():
             page.heading("Input and versions")
             page.table(("", ""), sorted(run.properties().items()))
             page.folded("The scene, word for word", run.scene_text())
-            path = options.output or options.result.with_suffix(".html")
-            if path.is_dir():
-                path = path / options.result.with_suffix(".html").name
+            path = _page_path(options)
             view = view_beside(path.parent / options.result.name)
             if view.exists():
                 page.link("The structure in the browser, to turn and to ask", view.name)
@@ -45,6 +50,45 @@ def main():
     except (InputError, OSError, ValueError, KeyError) as error:
         return _fail(str(error))
     return 0
+
+
+def _page_path(options):
+    path = options.output or options.result.with_suffix(".html")
+    return path / options.result.with_suffix(".html").name if path.is_dir() else path
+
+
+def _write_envelope_page(options):
+    """Of all load cases and combinations of a scene together; the path of the page."""
+    from envelope_figures import Envelope
+    from results import Run
+
+    envelope = Envelope(options.result)
+    page, path = Page(options.result.stem), _page_path(options)
+    page.title(f"{options.result.stem}: load cases and combinations")
+    rows = []
+    for file in envelope.files():
+        with Run(file) as run:
+            last = run.steps[-1]
+            rows.append((run.case, last.load_factor, {"false": "NO"}.get(last.stable, last.stable), len(run.critical_points())))
+    page.table(("run", "load factor at its end", "stable", "critical points on the way"), rows)
+    for file in envelope.files():
+        if (path.parent / file.name).with_suffix(".html").exists():
+            page.link(f"Report of {file.stem}", file.with_suffix(".html").name)
+    _write_envelope(page, envelope)
+    if options.summary:
+        _write_checks(page, json.loads(options.summary.read_text()))
+    page.write(path)
+    return path
+
+
+def _write_envelope(page, envelope):
+    import envelope_figures
+    import style
+
+    page.heading("Envelope")
+    page.text(f"Quantities at the ends of {len(envelope.runs)} runs: the smallest and the largest value, and where each is.")
+    page.table(("quantity", "smallest", "in", "largest", "in"), envelope.rows())
+    page.picture(envelope_figures.ranges_figure(envelope), "ranges of the quantities over all runs", style)
 
 
 def _write_answers(page, run):

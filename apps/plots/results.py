@@ -229,7 +229,8 @@ class Run:
         except OSError as error:
             raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
         if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
-            raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
+            what = "the envelope of several load cases, of which --case names one" if "envelope" in self._file else ""
+            raise InputError(f"{path}: HDF5, but {what or 'not a result file of mixbeam'}")
         properties = self._file["properties"].attrs if "properties" in self._file else {}
         self.case = _text(properties.get("load_case", ""))
         if case and case != self.case:

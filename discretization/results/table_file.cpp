@@ -20,7 +20,7 @@ void write_column(hid_t parent, const std::string& name, const std::vector<doubl
 }  // namespace
 
 void write_table_file(const std::filesystem::path& path, const std::vector<TableColumn>& columns,
-                      const std::map<std::string, std::string>& texts) {
+                      const std::map<std::string, std::string>& texts, const std::string& group) {
   const hdf5::QuietScope quiet;
   try {
     Replacement replacement(path);
@@ -30,8 +30,8 @@ void write_table_file(const std::filesystem::path& path, const std::vector<Table
     hdf5::File table(content, hdf5::FileUse::create);
     for (const auto& [name, text] : texts) hdf5::write_text(table, name, text);
     {
-      const hdf5::Handle group = hdf5::create_group(table, "columns");
-      for (const TableColumn& column : columns) write_column(group, column.name, column.values);
+      const hdf5::Handle parent = hdf5::create_group(table, group);
+      for (const TableColumn& column : columns) write_column(parent, column.name, column.values);
     }
     table.close();
     file.reserve(seal.bytes + seal.bytes_behind());

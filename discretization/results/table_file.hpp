@@ -14,8 +14,8 @@ struct TableColumn {
   std::vector<double> values{};
 };
 
-/// Replaces a file of that name. `texts`: datasets beside the group "columns". Throws ResultFileError.
+/// Replaces a file of that name. `texts`: datasets beside `group`, which holds the columns. Throws ResultFileError.
 void write_table_file(const std::filesystem::path& path, const std::vector<TableColumn>& columns,
-                      const std::map<std::string, std::string>& texts);
+                      const std::map<std::string, std::string>& texts, const std::string& group = "columns");
 
 }  // namespace mixbeam

@@ -20,6 +20,7 @@ matplotlib.use("Agg")
 import numpy as np  # noqa: E402
 
 import along_figures  # noqa: E402
+import envelope_figures  # noqa: E402
 import diagram_figures  # noqa: E402
 import fields  # noqa: E402
 import path_figures  # noqa: E402
@@ -63,6 +64,20 @@ def bent():
     return scene(listed("Members", member("first", "a", "b"), member("second", "b", "c")),
                  listed("Supports", support("moved", "a", "{x, y, z}", "{x, y, z}", axes, *moves)),
                  listed("Eigenstrains", strain), points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (1, 1, 0))))
+
+
+def two_cases(push="0.05"):
+    """A console under a case down, one up, and both."""
+    force = lambda name, size: listed(name, entry("Point", "string", "b"), entry("Force", NUMBERS, f"{{0, 0, {size}}}"),
+                                      entry("Case", "string", name))
+    of = lambda name, kind, *more: listed(name, entry("Quantity", "string", kind), *more)
+    text = scene(entry("Load Cases", WORDS, "{down, up}"), listed("Members", member("m", "a", "b"), member("n", "b", "c")),
+                 listed("Supports", support("clamp", "a")), listed("Point Loads", force("down", "-0.1"), force("up", push)),
+                 listed("Combinations", listed("both", entry("down", "double", "1"), entry("up", "double", "1.5"))),
+                 points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (2, 0, 0))))
+    asked = listed("Quantities", of("sag", "displacement", entry("Point", "string", "c"), entry("Component", "string", "z")),
+                   of("lift", "reaction force", entry("Point", "string", "a"), entry("Component", "string", "z")))
+    return text[:-len("</ParameterList>")] + asked + "</ParameterList>"
 
 
 def named(figure, gid):
@@ -266,6 +281,46 @@ class Plots(unittest.TestCase):
         self.assertEqual(view.run.series("load_factor").tolist(), [0.0, 1.0])
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
             path_figures.curve_figure(view, "load_factor", "bb.x")
+
+    def test_envelope(self):
+        folder = Path(self.folder.name) / "cases"
+        folder.mkdir()
+        (folder / "two.xml").write_text(two_cases())
+        mixbeam = lambda *words: subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
+        ended = mixbeam("run", "two.xml", "--output", ".", "--quiet")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        envelope = envelope_figures.Envelope(folder / "two.h5")
+        self.assertEqual([envelope.case(i) for i in range(3)], ["down", "up", "both"])
+        runs = [Run(folder / f"two-{case}.h5") for case in ("down", "up", "both")]
+        sags = [run.quantities()["sag"][-1] for run in runs]
+        self.assertEqual(envelope.rows()[0], ("sag", min(sags), "down", max(sags), "up"))
+        np.testing.assert_allclose(envelope.values[:, 1], (0.1, -0.05, 0.025), rtol=1e-9)  # statics: minus the loads
+        figure = envelope_figures.ranges_figure(envelope)
+        lift = named(figure, "run")
+        np.testing.assert_allclose([line.get_xdata()[1] for line in lift], (1.0, -0.5, 0.25), rtol=1e-9)
+        self.assertIn("-0.05 (up)  to  0.1 (down)", [text.get_text() for text in named(figure, "words")])
+        figure = envelope_figures.along_figure(envelope, ["*"], Look())
+        moment = next(axes for axes in figure.axes if axes.get_ylabel().startswith("$M_2"))
+        ends = [{line.get_gid(): line.get_ydata()[0] for line in moment.lines}[gid] for gid in ("smallest", "largest")]
+        power = ends[np.argmax(np.abs(ends))] / 0.1  # the moment at the clamp is force times arm, on an axis in powers of ten
+        np.testing.assert_allclose(sorted(np.abs(ends)), np.abs(power) * np.array((0.05, 0.1)), rtol=1e-2)  # arms shorten
+        for words in (("plot", "two.h5", "--format", "svg"), ("plot", "two.h5", "--along", "*", "--format", "svg"),
+                      ("plot", "two.h5", "--case", "up", "--picture", "shape", "--format", "svg"), ("report", "two.h5"),
+                      ("report", "two-up.h5"), ("verify", "two.h5")):
+            ended = mixbeam(*words)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertIn("quantities at the ends of 3 runs", (folder / "two_envelope.svg").read_text())
+        for page in ("two", "two-up"):
+            self.assertIn("<h2>Envelope</h2>", (folder / f"{page}.html").read_text())
+        for words, reason in ((("plot", "two.h5", "--picture", "shape"), "--case takes one of them (down, up, both)"),
+                              (("plot", "two-up.h5", "--picture", "envelope"), "of one run"), (("view", "two.h5"), "--case")):
+            ended = mixbeam(*words)
+            self.assertEqual(ended.returncode, 2, ended.stdout)
+            self.assertIn(reason, ended.stderr)
+        self.assertIsNotNone(envelope_figures.envelope_beside(runs[1]))
+        (folder / "two.xml").write_text(two_cases("0.06"))  # a case that changes leaves the envelope behind
+        self.assertEqual(mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up").returncode, 0)
+        self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
 
     def test_report(self):
         evil = "<img src=x onerror=alert(1)>"

@@ -1,0 +1,128 @@
+"""Envelopes over load cases and combinations: quantities at the ends of the runs, section forces along members."""
+
+import h5py
+import numpy as np
+
+import fields
+import style
+from along_figures import draw_borders, path_of, running_length
+from diagram_figures import limits, name_axis, name_extremes
+from results import InputError, Run, _text
+
+MOST_SHOWN = 40  # quantities of a picture
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, style.GREY)
+
+
+class Envelope:
+    """What `mixbeam run` leaves for a scene with load cases: its quantities in every run. `path`: SCENE.h5, beside which
+    the runs have their files."""
+
+    def __init__(self, path):
+        self.path = path
+        with h5py.File(path, "r") as file:
+            self.names = _text(file["quantities"][()]).splitlines()
+            self.runs = _text(file["runs"][()]).splitlines()
+            group = file["envelope"]
+            self.largest, self.smallest = group["largest"][:], group["smallest"][:]
+            self.largest_in, self.smallest_in = (group[name][:].astype(int) for name in ("largest_in", "smallest_in"))
+            self.values = np.array([group[f"values/{i}"][:] for i in range(len(self.runs))])
+
+    def case(self, run):
+        """The name of the load case of a run, by its number."""
+        return self.runs[run][len(self.path.stem) + 1:]
+
+    def rows(self):
+        """(quantity, smallest, in, largest, in)."""
+        return [(name, float(low), self.case(low_in), float(high), self.case(high_in)) for name, low, low_in, high, high_in in
+                zip(self.names, self.smallest, self.smallest_in, self.largest, self.largest_in)]
+
+    def files(self):
+        return [self.path.with_name(f"{run}.h5") for run in self.runs]
+
+
+def is_envelope(path):
+    """Whether a file holds an envelope and no run."""
+    try:
+        with h5py.File(path, "r") as file:
+            return "envelope" in file
+    except OSError:
+        return False
+
+
+def envelope_beside(run):
+    """The Envelope to which a run belongs; None where there is none, or one of other values, made before or after it."""
+    ending = f"-{run.case}"
+    path = run.path.with_name(run.path.stem[:-len(ending)] + run.path.suffix)
+    if not run.case or not run.path.stem.endswith(ending) or not is_envelope(path):
+        return None
+    envelope, quantities = Envelope(path), run.quantities()
+    if run.path.stem not in envelope.runs or any(name not in quantities for name in envelope.names):
+        return None
+    same = envelope.values[envelope.runs.index(run.path.stem)] == [quantities[name][-1] for name in envelope.names]
+    return envelope if same.all() else None
+
+
+def ranges_figure(envelope):
+    """A bar from the smallest to the largest value of each quantity, each in the scale of its own, and a mark for every run."""
+    shown = range(min(MOST_SHOWN, len(envelope.names)))
+    canvas, axes = style.figure(10.5, 1.5 + 0.36 * len(shown))
+    scale = np.maximum(np.abs(envelope.largest), np.abs(envelope.smallest))
+    scale[scale == 0.0] = 1.0
+    axes.barh(shown, ((envelope.largest - envelope.smallest) / scale)[shown], 0.5, (envelope.smallest / scale)[shown],
+              color="#D5E3EE", gid="ranges")
+    for i in range(len(envelope.runs)):
+        look = {"color": COLORS[i], "marker": MARKS[i]} if len(envelope.runs) <= len(MARKS) else {"color": style.GREY, "marker": "."}
+        axes.plot((envelope.values[i] / scale)[shown], shown, linestyle="none", markersize=5.5, gid="run",
+                  label=style.literal(envelope.case(i)), **look)
+    for row, (_, low, low_in, high, high_in) in zip(shown, envelope.rows()):
+        words = f"{low:.4g} ({low_in})  to  {high:.4g} ({high_in})" if low < high else f"{low:.4g} in all"
+        axes.annotate(style.literal(words), (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=9.5, gid="words")
+    axes.axvline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
+    axes.set_yticks(list(shown), [style.literal(envelope.names[i]) for i in shown])
+    axes.set(xlim=(-1.06, 1.06), ylim=(len(shown) - 0.4, -0.6), xlabel="value over the largest size of the row")
+    axes.grid(axis="y", visible=False)
+    if len(envelope.runs) <= len(MARKS):
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.62 / (0.36 * len(shown) + 0.4)), ncol=4)
+    more = f", the first {MOST_SHOWN} of {len(envelope.names)}" if len(envelope.names) > MOST_SHOWN else ""
+    canvas.suptitle(f"{style.literal(envelope.path.stem[:60])}: quantities at the ends of {len(envelope.runs)} runs{more}",
+                    fontsize=13)
+    return canvas
+
+
+def along_figure(envelope, patterns, look):
+    """Section forces over the running length of members in a row: the range over all runs, and each of them in grey."""
+    from view import View
+
+    found = []  # (places, {name: values}) of each run
+    for path in envelope.files():
+        with Run(path) as run:
+            view = View(run, run.steps[-1:], look)
+            row = path_of(run.members_meant(patterns, "--along"), view.size)
+            places, samples, borders = running_length(row)
+            found.append((places, {name: field.values(run.steps[-1], view.size)[samples]
+                                   for name, field in fields.SECTION_FORCES.items()}))
+    exponent = fields.power_of_ten(borders[-1])
+    common = found[0][0]
+    same = all(len(places) == len(common) for places, _ in found)  # runs with an Accuracy have meshes of their own
+    if not same:
+        common = np.unique(np.concatenate([places for places, _ in found]))
+    canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
+    for i, name in enumerate(fields.SECTION_FORCES):
+        axes = panels[i % 3, i // 3]
+        levels = np.array([values[name] if same else np.interp(common, places, values[name]) for places, values in found])
+        power = fields.power_of_ten(np.abs(levels).max(initial=0.0))
+        levels, at = levels / 10.0 ** power, common / 10.0 ** exponent
+        axes.plot(at, levels.T, color="#B0B0B0", linewidth=0.8, gid="run")
+        axes.plot(at, levels.max(axis=0), color=style.BLUE, gid="largest")
+        axes.plot(at, levels.min(axis=0), color=style.RED, gid="smallest")
+        axes.fill_between(at, levels.min(axis=0), levels.max(axis=0), color=(*style.rgb(style.BLUE), 0.12), linewidth=0)
+        axes.axhline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
+        name_axis(axes, view, name, power)
+        limits(axes, levels.ravel())
+        name_extremes(axes, np.tile(at, len(levels)), levels.ravel())
+        if i % 3 == 2:
+            axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
+    draw_borders(panels, row, borders / 10.0 ** exponent)
+    canvas.suptitle(f"{view.scene_words}: largest and smallest of {len(found)} runs, along {', '.join(patterns)[:60]}", fontsize=13)
+    return canvas
