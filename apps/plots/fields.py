@@ -5,6 +5,7 @@ import numpy as np
 import style
 from results import InputError
 
+STRESSES = ("von_mises_stress", "largest_normal_stress", "largest_shear_stress")
 NOISE = 1e-9  # section forces below this share of the largest one in the structure are round-off, drawn as zero
 NO_LOAD = 1e-12  # and so are moments below this share of EI / size, when nothing in the structure is larger
 
@@ -23,7 +24,7 @@ class Field:
         """Of its values, `units` being those of length and force; empty where they are not known or there is none."""
         length, force = units
         kinds = {"material_force": force, "material_moment": f"{force} {length}", "moment_strain": f"1/{length}",
-                 "displacement": length}
+                 "displacement": length, **dict.fromkeys(STRESSES, f"{force}/{length}\u00b2")}
         return kinds.get(self.source, "") if length else ""
 
     def values(self, step, size):
@@ -79,6 +80,7 @@ FIELDS = {
     "curvature": Field(r"bending strain $\sqrt{\kappa_2^2+\kappa_3^2}$", "moment_strain", [1, 2]),
     "displacement": Field("displacement $|u|$", "displacement", [0, 1, 2]),
     "von_mises": StressField(r"von Mises stress, largest of the section", "von_mises_stress"),
+    "utilisation": StressField("utilisation: von Mises stress over strength", "utilisation"),
     "normal_stress": StressField(r"normal stress $\sigma_{11}$, largest of the section", "largest_normal_stress", True),
     "shear_stress": StressField(r"shear stress $|\tau|$, largest of the section", "largest_shear_stress"),
 }

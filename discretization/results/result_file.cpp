@@ -69,6 +69,15 @@ std::uint64_t bytes_of(const std::vector<ResultTable>& tables) {
   return bytes;
 }
 
+/// Of a step in a file that is gone on with.
+std::vector<std::string> stored_stresses(hid_t file, int step) {
+  const hdf5::Handle group = hdf5::open_group(file, "steps/" + step_group_name(step));
+  std::vector<std::string> names(kStressNames.begin(), kStressNames.end());
+  const auto is_missing = [&](const std::string& name) { return !hdf5::has_link(group, name); };
+  names.erase(std::remove_if(names.begin(), names.end(), is_missing), names.end());
+  return names;
+}
+
 }  // namespace
 
 ResultFile::ResultFile(const fs::path& path, ResultHeader header, const Communicator& communicator,
@@ -101,11 +110,12 @@ ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, W
       file_(path_, ranks_, options.durable),
       previous_(run.layout()) {
   take_place();
-  for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor});
+  for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor, {}});
   or_give_up([&] {
     ranks_.on_root([&] {
       SealedFile stored(path_);
       const hdf5::File source(stored.content(), hdf5::FileUse::read);
+      for (StepLabel& label : labels_) label.stresses = stored_stresses(source, label.step);
       file_.begin(stored.is_sealed() ? stored.seal().block : kLargeBlock, [&](GuardedFile& content) {
         hdf5::File target(content, hdf5::FileUse::create);
         copy_steps(source, target, labels_.size(), run.monitor());
@@ -151,7 +161,7 @@ void ResultFile::append_step(const StepRecord& record) {
     check_consistent(record);
   });
   or_give_up([&] { write_step_of(record); });
-  labels_.push_back({record.step, record.load_factor});
+  labels_.push_back({record.step, record.load_factor, stresses_of_step(record)});
   previous_ = without_rows(record);
   ranks_.on_root([&] {
     if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
@@ -234,7 +244,7 @@ void ResultFile::check_consistent(const StepRecord& record) const {
 void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
   for (const auto& label : labels_)
-    steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor});
+    steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor, label.stresses});
   const std::size_t members = previous_.members.size();
   const std::size_t samples = count_samples(previous_.members);
   const bool durable = false;  // it can be made again from the result file

@@ -26,7 +26,8 @@
 ///                               force_energy, moment_energy; position, displacement, force_strain, moment_strain,
 ///                               material_force, material_moment, spatial_force, spatial_moment, triad_1, triad_2,
 ///                               triad_3 (n,3), triad (n,4: w,x,y,z); largest_normal_stress, largest_shear_stress,
-///                               von_mises_stress (n; NaN: section without shape) where asked for; residual_history
+///                               von_mises_stress, utilisation (n; NaN: section without shape, material without
+///                               strength) where asked for and where some material has one; residual_history
 ///                               (iterations,3: attempt, iteration, scaled maximum norm); reactions (supports,6: force,
 ///                               moment), balance (2,6: applied force and moment, those of the reactions) and
 ///                               attributes force_balance_error, moment_balance_error attribute stable: "true",
@@ -113,6 +114,7 @@ class ResultFile {
   struct StepLabel {
     int step = 0;
     double load_factor = 0.0;
+    std::vector<std::string> stresses{};  ///< known to rank 0
   };
 
   void take_place();

@@ -202,12 +202,10 @@ ResultTable scalar_table(const std::string& name, const std::vector<MemberSample
   });
 }
 
-void add_stresses(const std::string& group, const std::vector<MemberSamples>& members,
-                  std::vector<ResultTable>& tables) {
-  tables.push_back(scalar_table(group + "largest_normal_stress", members, &MemberSamples::largest_normal_stress));
-  tables.push_back(scalar_table(group + "largest_shear_stress", members, &MemberSamples::largest_shear_stress));
-  tables.push_back(scalar_table(group + "von_mises_stress", members, &MemberSamples::von_mises_stress));
-}
+/// In the order of kStressNames.
+constexpr std::array<std::vector<double> MemberSamples::*, kStressNames.size()> kStresses = {
+    &MemberSamples::largest_normal_stress, &MemberSamples::largest_shear_stress, &MemberSamples::von_mises_stress,
+    &MemberSamples::utilisation};
 
 void add_state(const std::string& group, const StateShare& state, std::vector<ResultTable>& tables) {
   const StateSnapshot& held = state.held;
@@ -233,6 +231,13 @@ std::string step_group_name(int step) {
   return std::string(digits.size() < 6 ? 6 - digits.size() : 0, '0') + digits;
 }
 
+std::vector<std::string> stresses_of_step(const StepRecord& record) {
+  if (!record.stresses || record.stresses->members.empty()) return {};
+  std::vector<std::string> names(kStressNames.begin(), kStressNames.end());
+  if (!record.stresses->has_strength) names.pop_back();
+  return names;
+}
+
 std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank) {
   const std::string group = "/members/";
   const auto arc_length = [](const MemberSamples& member, std::size_t i, double* row) { *row = member.arc_length[i]; };
@@ -253,7 +258,9 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
     add("/buckling/" + std::to_string(i) + "/mode", record.buckling[i].mode);
   const std::string group = "/steps/" + step_group_name(record.step) + "/";
   add_fields(group, record.members, tables);
-  if (record.stresses && !record.stresses->members.empty()) add_stresses(group, record.members, tables);
+  const std::vector<std::string> stresses = stresses_of_step(record);
+  for (std::size_t i = 0; i < stresses.size(); ++i)
+    tables.push_back(scalar_table(group + stresses[i], record.members, kStresses[i]));
   for (std::size_t i = 0; i < record.critical_points.size(); ++i) {
     const RecordedCriticalPoint& point = record.critical_points[i];
     const std::string inside = group + "critical_points/" + std::to_string(i) + "/";

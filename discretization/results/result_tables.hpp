@@ -6,6 +6,7 @@
 #include "discretization/results/seal.hpp"
 #include "discretization/state/member_samples.hpp"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -67,6 +68,13 @@ std::string step_group_name(int step);
 /// What describes the members, from their first record. The tables refer to `members`, which must outlive them.
 std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank);
 
+/// Stresses at each sample that a step may have.
+inline constexpr std::array<const char*, 4> kStressNames = {"largest_normal_stress", "largest_shear_stress",
+                                                            "von_mises_stress", "utilisation"};
+
+/// Those that a step has: utilisation where some material has a strength.
+std::vector<std::string> stresses_of_step(const StepRecord& record);
+
 /// Those of a step; they refer to `record`, which must outlive them.
 std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank);
 
@@ -75,6 +83,7 @@ struct XdmfStep {
   std::string group;  ///< of the step in the HDF5 file, "/steps/000001"
   int step = 0;       ///< shown as time, because the load factor need not grow
   double load_factor = 0.0;
+  std::vector<std::string> stresses{};  ///< names, as stresses_of_step
 };
 
 /// XDMF text for `steps` of the HDF5 file named `data_file` (as seen from the folder of the XDMF file). Every member is

@@ -60,6 +60,10 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
     text += "        <Attribute Name=\"" + std::string(field) + "\" AttributeType=\"Vector\" Center=\"Node\">" +
             data_item(vectors, real, place + field) + "</Attribute>\n";
   }
+  for (const std::string& field : step.stresses) {
+    text += "        <Attribute Name=\"" + field + "\" AttributeType=\"Scalar\" Center=\"Node\">" +
+            data_item(std::to_string(samples), real, place + field) + "</Attribute>\n";
+  }
   text += "        <Attribute Name=\"load_factor\" AttributeType=\"Scalar\" Center=\"Grid\"><DataItem Format=\"XML\" " +
           real + " Dimensions=\"1\">" + number(step.load_factor) + "</DataItem></Attribute>\n";
   return text + "      </Grid>\n";

@@ -47,6 +47,7 @@ struct MemberSamples : SampledMember {
   /// Of the section at each sample, where they are asked for (else empty): normal with its sign. NaN: a section that is
   /// not given by its shape.
   std::vector<double> largest_normal_stress, largest_shear_stress, von_mises_stress;
+  std::vector<double> utilisation;  ///< likewise: von Mises stress over strength. NaN: no strength is given
 
   /// Samples that are held here.
   std::size_t size() const { return arc_length.size(); }
@@ -74,7 +75,7 @@ struct MemberSamples : SampledMember {
                               &material_force, &material_moment}) {
       if (field->size() != size()) return false;
     }
-    for (const auto* stress : {&largest_normal_stress, &largest_shear_stress, &von_mises_stress})
+    for (const auto* stress : {&largest_normal_stress, &largest_shear_stress, &von_mises_stress, &utilisation})
       if (!stress->empty() && stress->size() != size()) return false;
     return element.size() == size() && triad.size() == size();
   }
@@ -181,7 +182,8 @@ struct LargestAlong {
 struct StressSummary {
   std::vector<StressedMember> members{};  ///< at most kMostStressed, the largest von Mises stress first
   LargestAlong strain{};                  ///< the largest over its limit, see Section::largest_strain
-  LargestAlong curvature{};  ///< see SectionStresses::curvature_error; of the members whose section has a shape
+  LargestAlong curvature{};   ///< see SectionStresses::curvature_error; of the members whose section has a shape
+  bool has_strength = false;  ///< the material of some section has
 };
 
 /// How a converged configuration was reached, and its numbers: the same on every rank.

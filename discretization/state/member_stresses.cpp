@@ -95,11 +95,13 @@ SampleNumbers fill_sample(const SectionAlong& along, const ReferenceCurve& curve
   SampleNumbers numbers;
   numbers.strain = largest_strain(section, member.force_strain[i], member.moment_strain[i]);
   member.largest_normal_stress[i] = member.largest_shear_stress[i] = member.von_mises_stress[i] = kNoStress;
+  member.utilisation[i] = kNoStress;
   if (!section.stresses) return numbers;
   const LargestStresses largest = section.stresses->largest(forces_at(member, i));
   member.largest_normal_stress[i] = largest.normal.value;
   member.largest_shear_stress[i] = largest.shear.value;
   member.von_mises_stress[i] = largest.von_mises.value;
+  if (section.strength) member.utilisation[i] = largest.von_mises.value / *section.strength;
   const auto kappa = curve.curvature(s);
   numbers.curvature = section.stresses->curvature_error(kappa[1], kappa[2]);
   return numbers;
@@ -125,7 +127,8 @@ bool more_stressed(const StressedMember& a, const StressedMember& b) {
 void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberSamples& member,
                  StressSummary& summary) {
   const std::size_t count = member.size();
-  for (auto* field : {&member.largest_normal_stress, &member.largest_shear_stress, &member.von_mises_stress})
+  for (auto* field :
+       {&member.largest_normal_stress, &member.largest_shear_stress, &member.von_mises_stress, &member.utilisation})
     field->resize(count);
   std::vector<SampleNumbers> numbers(count);
   const auto fill = [&](std::size_t i) { numbers[i] = fill_sample(along, curve, i, member); };
@@ -216,7 +219,9 @@ StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Commun
   StressSummary summary;
   for (std::size_t m = 0; m < members.size(); ++m)
     fill_member(sections.of(m), mesh.members[m].curve, members[m], summary);
-  return comm->getSize() == 1 ? summary : over_ranks(*comm, members, summary);
+  if (comm->getSize() > 1) summary = over_ranks(*comm, members, summary);
+  for (const Section& section : scene.sections) summary.has_strength |= strength_of(section).has_value();
+  return summary;
 }
 
 }  // namespace mixbeam

@@ -46,7 +46,7 @@ constexpr double kSecondsOfIteratedJunction = 2e-4;
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
 /// Stresses of a sample, in memory and in a step of the file. [byte]
-constexpr double kStressBytes = 3.0 * sizeof(double);
+constexpr double kStressBytes = 4.0 * sizeof(double);
 /// HDF5's own. [byte]
 constexpr double kFileBytesOfMember = 250.0, kFileBytesOfStep = 12000.0;
 

@@ -82,6 +82,26 @@ TEST_F(StressReport, NamesTheMostStressedMembers) {
   EXPECT_EQ(file.count("steps/000000/von_mises_stress"), 0u);  // of the end of the path only
 }
 
+/// What ParaView shows: stresses where the file has them, of runs that are gone on with too.
+TEST_F(StressReport, StandInTheXdmfFile) {
+  const std::string strong = parameter("Strength", "double", "1e8");
+  ASSERT_EQ(run(cantilever(with_material(kCircle, strong), force_z("-10"))).exit_code, 0);
+  const std::vector<double> von_mises = numbers(contents().at("steps/000001/von_mises_stress"));
+  const std::vector<double> utilisation = numbers(contents().at("steps/000001/utilisation"));
+  ASSERT_EQ(utilisation.size(), von_mises.size());
+  for (std::size_t i = 0; i < von_mises.size(); ++i) EXPECT_DOUBLE_EQ(utilisation[i], von_mises[i] / 1e8);
+  const fs::path xdmf = folder_ / "results" / "scene.xdmf";
+  const std::string text = text_of(xdmf);
+  expect_in(text, {"scene.h5:/steps/000001/utilisation", "scene.h5:/steps/000001/von_mises_stress"});
+  EXPECT_EQ(text.find("/steps/000000/von_mises_stress"), std::string::npos);  // of the end of the path only
+  fs::remove(xdmf);
+  ASSERT_EQ(run_process(program("mixbeam"), {"resume", "results/scene.h5"}, folder_).exit_code, 0);
+  EXPECT_EQ(text_of(xdmf), text);
+  ASSERT_EQ(run(cantilever(with_material(kCircle), force_z("-10"), stresses("every step"))).exit_code, 0);
+  expect_in(text_of(xdmf), {"/steps/000000/von_mises_stress", "/steps/000001/von_mises_stress"});
+  EXPECT_EQ(text_of(xdmf).find("utilisation"), std::string::npos);  // no strength is given
+}
+
 TEST_F(StressReport, EveryStepOrNone) {
   EXPECT_EQ(run(cantilever(with_material(kCircle), force_z("-10"), stresses("every step"))).exit_code, 0);
   EXPECT_EQ(contents().count("steps/000000/von_mises_stress"), 1u);
