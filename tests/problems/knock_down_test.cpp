@@ -1,5 +1,5 @@
 /// Knock-down of imperfect structures over the amplitude, both signs, against shooting: a frame of two beams pressed at
-/// its corner (Roorda's, and a shallow one), a bowed column.
+/// its corner (Roorda's, and a shallow one), a shallow arch, a bowed column.
 #include "discretization/parameters/xml_reader.hpp"
 #include "discretization/reading/read_scene.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
@@ -270,6 +270,56 @@ TEST(KnockDown, ShallowFrameOverTheAmplitude) {
     }
     EXPECT_LT(shot, before);
     before = shot;
+  }
+}
+
+/// An arch of the rise 0.2 of half its span, pressed at its crown: a half sine, on which a whole sine is laid. The path
+/// of the perfect one bifurcates; the imperfection, whatever its sign, makes of that a limit point of a lower load.
+TEST(KnockDown, ShallowArchOverTheAmplitude) {
+  constexpr double kRise = 0.2, kStretch = 1e4, kLoad = 10.0;
+  const auto arch = [](double amplitude) {
+    const auto half = [amplitude](double first) {
+      return Beam(kStretch, [=](double t) {
+        const double x = first + t;  // from -1 to 1
+        const double slope = -0.5 * kPi * kRise * std::sin(0.5 * kPi * x) + kPi * amplitude * std::cos(kPi * x);
+        return Plane{std::atan(slope), std::hypot(1.0, slope)};
+      });
+    };
+    CornerFrame frame{{-1, 0}, {0, kRise}, {1, 0}, kStretch};
+    frame.first = half(-1.0);
+    frame.second = half(0.0);
+    return frame;
+  };
+  const auto scene = [](double amplitude) {
+    std::ostringstream height;
+    height << std::setprecision(17) << kRise << "*cos(0.5*pi*t)+(" << amplitude << ")*sin(pi*t)";
+    const auto curve = [&](const std::string& range) {
+      return list("Curve", parameter("Shape", "string", "parametric") +
+                               parameter("Formula", "Array(string)", "{t, " + height.str() + ", 0}") +
+                               parameter("Range", "Array(double)", range));
+    };
+    return read(section(kStretch) +
+                list("Points", parameter("foot", "Array(double)", vector(-1, 0)) +
+                                   parameter("corner", "Array(double)", vector(0, kRise))) +
+                list("Members", list("a", member("foot", "corner", curve("{-1, 0}"))) +
+                                    list("b", member("corner", "end", curve("{0, 1}")))) +
+                list("Supports", pin("foot", "{x, y, z}") + pin("end", "{x, y, z}")) +
+                list("Point Loads", list("p", parameter("Point", "string", "corner") +
+                                                  parameter("Force", "Array(double)", vector(0.0, -kLoad)))));
+  };
+  double before = 1.0;
+  for (const double amplitude : {1e-3, 0.01, 0.02}) {
+    for (const double signed_amplitude : {amplitude, -amplitude}) {
+      const Path path = path_of(scene(signed_amplitude));
+      ASSERT_FALSE(path.limits.empty()) << signed_amplitude;
+      const double shot = arch(signed_amplitude).limit(path.corner_angle > 0.0 ? 1.0 : -1.0)[1] / kLoad;
+      EXPECT_NEAR(path.limits[0], shot, kAgreement) << signed_amplitude;
+      EXPECT_GT(std::abs(path.limits[0] -
+                         arch(1.1 * signed_amplitude).limit(path.corner_angle > 0.0 ? 1.0 : -1.0)[1] / kLoad),
+                1e3 * kAgreement);  // the twin: another amplitude
+      EXPECT_LT(path.limits[0], before) << signed_amplitude;
+    }
+    before = arch(amplitude).limit(1.0)[1] / kLoad;
   }
 }
 
