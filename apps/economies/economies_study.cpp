@@ -76,6 +76,16 @@ Scene with_matrix(Scene scene) {
   return scene;
 }
 
+/// The same stiffnesses from a shape, so that stresses are known.
+Scene with_shape(Scene scene) {
+  SectionShape shape;
+  shape.kind = SectionShapeKind::rectangle;
+  shape.size2 = shape.size3 = 0.01;
+  shape.youngs_modulus = 1.0;
+  scene.sections.at(0).shape = shape;
+  return scene;
+}
+
 Scene with_inner_points(Scene scene, bool loaded) {
   for (int i = 1; i <= kInnerPoints; ++i) {
     const std::string name = "inner " + std::to_string(i);
@@ -149,6 +159,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
   const auto solver = changed(given, [](auto& s) { s.analysis.stability = false; });
   const auto in_space = changed(solver, [](auto& s) { s.planar = false; });
   const auto counting = changed(solver, [](auto& s) { s.analysis.stability = true; });
+  const auto without_stresses = changed(solver, [](auto& s) { s.analysis.stresses = StressesOf::none; });
   const auto sparse = changed(solver, [](auto& s) { s.linear.method = "KLU2"; });
   const auto loose = changed(solver, [](auto& s) { s.linear.residual_tolerance = 1e-3; });
   const auto steps = with_fixed_steps(solver, kLoadSteps);
@@ -188,6 +199,12 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
       {"quantities",
        {"no quantities asked for, result file written", rod, solver, false, true},
        {"100 quantities, 25 of them extremes along the rod", rod, solver, false, true, hundred_quantities(rod)}},
+      {"stresses",
+       {"stresses along members off, result file written", with_shape(rod), without_stresses, false, true},
+       {"stresses at the end, of a rectangle", with_shape(rod), solver, false, true}},
+      {"no_stresses",
+       {"stresses off, section given by its stiffnesses", rod, without_stresses, false, true},
+       {"stresses where they are known, which is nowhere", rod, solver, false, true}},
       {"mesh_by_member",
        {"overhang without load: one element of order 1", with_overhang(rod, 1, 1), solver},
        {"overhang divided like the rest", with_overhang(rod, order, elements / 2), solver}},
