@@ -104,7 +104,8 @@ void RunReport::follow(int step, double load_factor, const double* values) {
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     Followed& one = followed_[i];
     one.last = values[i];
-    if (std::abs(values[i]) <= one.size) continue;  // keeps what is not a number
+    if (step == 0 && !std::isfinite(values[i])) continue;  // a ratio of what is zero without loads
+    if (std::abs(values[i]) <= one.size) continue;         // keeps what is not a number
     if (std::isnan(one.size)) continue;
     one.size = std::abs(values[i]);
     one.at_size = values[i];
@@ -152,7 +153,9 @@ void RunReport::print_buckling(std::ostream& out) const {
   out << "  linear buckling of the undeformed structure at load factors";
   for (const RecordedBucklingMode& mode : buckling_)
     out << text_of(" %.8g (residual %.0e%s)", mode.load_factor, mode.residual, mode.confirmed ? "" : ", not confirmed");
-  out << '\n';
+  const auto is_negative = [](const RecordedBucklingMode& mode) { return mode.load_factor < 0.0; };
+  out << (std::any_of(buckling_.begin(), buckling_.end(), is_negative) ? "; negative: under the reversed loads\n"
+                                                                       : "\n");
 }
 
 void RunReport::print_critical_points(std::ostream& out) const {

@@ -1,7 +1,5 @@
 """Section forces and moments: over the arc length of each member, and drawn on the structure as engineers do."""
 
-import textwrap
-
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 
@@ -15,6 +13,7 @@ LETTERS_PER_INCH = 12  # of a title
 HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the structure
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
+SAME_SPOT = 0.06         # of the extent: two values nearer to each other share a label
 ROUND_OFF = 1e-6         # share of the largest value that a title with four digits calls zero
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, "#7F6000")
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), "-.")
@@ -135,7 +134,7 @@ def on_structure_figure(view, step):
     moments = "moments too" if view.look.moments == "left" else f"moments on the {view.look.moments} side"
     caption = (f"blue: positive, orange: negative; positive forces stand left of the direction of $s$, {moments}; "
                f"{view.scale_words()}")
-    caption = "\n".join(textwrap.wrap(caption, int(LETTERS_PER_INCH * canvas.get_size_inches()[0])))
+    caption = "\n".join(style.wrapped(caption, int(LETTERS_PER_INCH * canvas.get_size_inches()[0])))
     canvas.suptitle(f"{view.title(step)}\n{caption}", fontsize=12)
     return canvas
 
@@ -194,12 +193,14 @@ def _name_values(axes, nodes, tips, level, largest):
         return
     ends = {np.unravel_index(choose(level), level.shape) for choose in (np.argmax, np.argmin)}
     flat = level.max() - level.min() < ROUND_OFF
-    for at in sorted(ends)[:1] if flat else sorted(ends):
-        if abs(level[at]) < ROUND_OFF:
-            continue
+    named = [at for at in (sorted(ends)[:1] if flat else sorted(ends)) if abs(level[at]) >= ROUND_OFF]
+    words = [f"{largest * level[at]:.4g}" for at in named]
+    if len(named) == 2 and np.linalg.norm(tips[named[0]] - tips[named[1]]) < SAME_SPOT * np.ptp(nodes.reshape(-1, 2), axis=0).max():
+        named, words = named[:1], [", ".join(words)]
+    for at, word in zip(named, words):
         away = tips[at] - nodes[at]
         away = away / (np.linalg.norm(away) or 1.0)
-        axes.annotate(f"{largest * level[at]:.4g}", tips[at], xytext=8 * away, textcoords="offset points", fontsize=9.5,
+        axes.annotate(word, tips[at], xytext=8 * away, textcoords="offset points", fontsize=9.5,
                       ha="center", va="center", zorder=7, annotation_clip=False, gid="value")
 
 

@@ -49,7 +49,7 @@ class Page:
 
     def picture(self, canvas, words, style):
         data = io.BytesIO()
-        canvas.savefig(data, format="png", dpi=DOTS_PER_INCH)
+        canvas.savefig(data, format="png", dpi=DOTS_PER_INCH, bbox_inches=style.lay_out(canvas))
         style.plt.close(canvas)
         code = base64.b64encode(data.getvalue()).decode()
         self._parts.append(f"<p><img alt=\"{html.escape(words, quote=True)}\" src=\"data:image/png;base64,{code}\"></p>")

@@ -5,23 +5,25 @@ import numpy as np
 import fields
 import style
 
-MOST_QUANTITIES, MOST_DISPLACEMENTS = 9, 6
+MOST_QUANTITIES, MOST_DISPLACEMENTS, MOST_ASKED = 9, 6, 6
 MOST_TRACKED = 200  # steps at which the farthest point is looked up when nothing is monitored
 MOST_HISTORIES = 60
 MOST_NAMED = 6      # critical points with their load factor beside them
+JUMP = {"color": style.RED, "linestyle": (0, (1, 1.5)), "linewidth": 1.2, "marker": "*", "markersize": 9, "markevery": [1], "zorder": 6}
 MARKERS = {"limit point": ("o", style.ORANGE), "bifurcation": ("D", style.PURPLE)}
-NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2))}  # dashes
+NOT_STABLE = {"false": (0, (4, 2)), "neutral": (0, (4, 1.5, 1, 1.5)), "unknown": (0, (1, 1.2)), "jump": "none"}  # dashes
+OF_JUMPS = ("jump.energy_released", "jump.motion", "jump.largest_displacement")  # zero between: no curves
 STILL = 1e-9        # what changed less than this share of its scale (size, largest force) stood still
 
 
 def load_displacement_figure(view):
-    """Monitored quantities over the load factor; without any, the displacement of the point that moved farthest.
+    """Quantities that the scene asks for and what is monitored, over the load factor; without any, the displacement of the point that moved farthest.
 
     A path with critical points turns back: there the load factor stands over the quantities.
     """
     if view.run.critical_points() and _monitored(view):
         return _critical_path_figure(view)
-    curves = _monitored(view) or _farthest(view)
+    curves = (_asked_for(view) + _monitored(view))[:MOST_QUANTITIES] or _farthest(view)
     columns = min(3, len(curves))
     rows = -(-len(curves) // columns)
     canvas, panels = style.figure(max(4.3 * columns, 6.2), 3.5 * rows + 0.4, rows, columns, squeeze=False)
@@ -31,17 +33,20 @@ def load_displacement_figure(view):
         exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
         values = values.reshape(len(values), -1) / 10.0 ** exponent
         marker = "o" if len(factor) <= 30 else None
+        jumps = _jumps(view) if len(factor) == len(view.run.steps) else []
         for i in range(values.shape[1]):
-            axes.plot(factor, values[:, i], marker=marker, markersize=3.5, color=style.COMPONENT_COLORS[i % 3],
+            axes.plot(np.insert(factor, jumps, np.nan), np.insert(values[:, i], jumps, np.nan), marker=marker, markersize=3.5, color=style.COMPONENT_COLORS[i % 3],
                       linestyle=style.COMPONENT_DASHES[i % 3], label=f"${symbol}_{'xyz'[i]}$" if values.shape[1] > 1 else None)
+        for at in jumps:
+            _mark_jump(axes, factor[at - 1:at + 1, None], values[at - 1:at + 1])
         axes.set_title(name if len(name) < 44 else name[:41] + "...")
         axes.set_xlabel("load factor")
         axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
         if exponent:
             axes.set_ylabel(fields.times(exponent))
-        if values.shape[1] > 1:
+        if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="best", ncol=1)
-    canvas.suptitle(f"{view.scene_words}: load path of {len(curves[0][1])} steps{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}{_end(view)}", fontsize=13)
     return canvas
 
 
@@ -56,16 +61,39 @@ def curve_figure(view, ordinate, abscissa):
         series /= 10.0 ** exponent
         labels.append(style.literal(name) + fields.times(exponent))
     y, x = values
-    stable = [step.stable for step in run.steps]
+    stable, jumps = [step.stable for step in run.steps], _jumps(view)
+    for at in jumps:
+        stable[at - 1] = "jump"
     for first, last in _runs(stable):
         axes.plot(x[first:last + 1], y[first:last + 1], color=style.BLUE, linestyle=NOT_STABLE.get(stable[first], "solid"),
                   gid=f"piece {stable[first]}")
     axes.plot(x, y, linestyle="none", marker="o", markersize=3.5, color=style.BLUE, gid="steps")
+    for at in jumps:
+        _mark_jump(axes, x[at - 1:at + 1, None], y[at - 1:at + 1, None])
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="best")
     axes.set(xlabel=labels[1], ylabel=labels[0])
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     axes.axvline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
     canvas.suptitle(f"{view.scene_words}: {style.literal(ordinate)} over {style.literal(abscissa)}{_end(view)}", fontsize=13)
     return canvas
+
+
+def _jumps(view):
+    """Numbers of the steps that a jump leads to, among those of the run."""
+    return [at for at, step in enumerate(view.run.steps) if step.jump and at > 0]
+
+
+def _mark_jump(axes, x, y):
+    """A star where it leads to, and a dotted line from the state before; a column for each curve."""
+    for i in range(max(x.shape[1], y.shape[1])):
+        label = None if "jump" in axes.get_legend_handles_labels()[1] else "jump"
+        axes.plot(x[:, min(i, x.shape[1] - 1)], y[:, min(i, y.shape[1] - 1)], gid="jump", label=label, **JUMP)
+
+
+def _steps(view):
+    count = len(view.run.steps) - 1
+    return "1 step" if count == 1 else f"{count} steps"
 
 
 def _end(view):
@@ -84,12 +112,16 @@ def _critical_path_figure(view):
         axes.set_visible(False)
     for axes, (title, _, values, symbol) in zip(panels.flat, curves):
         _draw_critical_path(axes, view, title, values, symbol)
-    canvas.suptitle(f"{view.scene_words}: load path of {len(view.run.steps)} steps; dashed: unstable{_end(view)}", fontsize=13)
+    canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}; dashed: unstable{_end(view)}", fontsize=13)
     return canvas
 
 
 def _draw_critical_path(axes, view, title, values, symbol):
     factor, path, stable, points = _through_critical_points(view, title, values)
+    steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
+    jumps = steps[_jumps(view)]
+    for at in jumps:
+        stable[at - 1] = "jump"
     exponent = fields.power_of_ten(np.nanmax(np.abs(path), initial=0.0))
     path = path / 10.0 ** exponent
     moving = [i for i in range(path.shape[1]) if np.ptp(path[:, i]) > 1e-6 * np.ptp(path, axis=0).max()]
@@ -98,8 +130,9 @@ def _draw_critical_path(axes, view, title, values, symbol):
         for first, last in _runs(stable):
             axes.plot(path[first:last + 1, i], factor[first:last + 1], color=color, linestyle=NOT_STABLE.get(stable[first], "-"))
         axes.plot([], [], color=color, label=f"${symbol}_{'xyz'[i]}$")
-        steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
         axes.plot(path[steps, i], factor[steps], ".", color=color, markersize=4)
+    for at in jumps:
+        _mark_jump(axes, path[at - 1:at + 1, moving], factor[at - 1:at + 1, None])
     for number, (at, point) in enumerate(points):
         marker, color = MARKERS[point.kind]
         axes.plot(path[at, moving], np.full(len(moving), factor[at]), marker, color=color, markersize=6.5, zorder=5,
@@ -152,24 +185,36 @@ def _monitored(view):
     """[(title, load factors, values, symbol)] of monitored quantities that change, the largest first where many."""
     monitor = view.run.monitor()
     factor = monitor.get("load_factor", np.array([]))
+    if len(factor) < 2:
+        return []
     step = view.run.steps[-1]
     force = np.abs(step.field("material_force")).max(initial=0.0)
     moment = np.abs(step.field("material_moment")).max(initial=0.0)
     scale = {"u": view.size, r"\theta": 1.0, "R": max(force, moment / view.size), "M": max(moment, force * view.size)}
     curves = []
     for name, values in monitor.items():
-        if "." not in name or len(values) != len(factor) or not np.isfinite(values).any():
+        if "." not in name or name in OF_JUMPS or len(values) != len(factor) or not np.isfinite(values).any():
             continue  # names without a point are what every file has, like the residual
         kind = name.rsplit(".", 1)[-1]
         symbol = {"rotation": r"\theta", "reaction_force": "R", "reaction_moment": "M"}.get(kind, "u")
         if np.ptp(values, axis=0).max() > STILL * scale[symbol]:
             curves.append((_title(name), factor, values, symbol))
-    if len(factor) < 2:
-        return []
     largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max() / (scale[curve[3]] or 1.0))
     kept = [curve[0] for curve in largest if curve[3] == "u"][:MOST_DISPLACEMENTS]
     kept += [curve[0] for curve in largest if curve[3] != "u"][:MOST_QUANTITIES - len(kept)]
     return sorted((curve for curve in curves if curve[0] in kept), key=lambda curve: curve[3] != "u")
+
+
+def _asked_for(view):
+    """Quantities of the scene that change, as _monitored; without the places of extremes."""
+    quantities, curves = view.run.quantities(), []
+    factor = np.array([step.load_factor for step in view.run.steps])
+    for name, values in quantities.items():
+        is_place = name.rpartition(".")[2] in ("member", "arc_length", "side") and name.rpartition(".")[0] in quantities
+        known = values[np.isfinite(values)]
+        if not is_place and len(values) == len(factor) and len(known) > 1 and np.ptp(known) > STILL * np.abs(known).max():
+            curves.append((style.literal(name), factor, np.where(np.isfinite(values), values, np.nan), ""))
+    return curves[:MOST_ASKED]
 
 
 def _farthest(view):

@@ -7,8 +7,11 @@ import json
 import sys
 from pathlib import Path
 
+import numpy as np
+
 from html_page import MOST_ROWS, Page, cell_text, view_beside
 
+NOISE = 1e-12  # of the largest: what rounding leaves of numbers that are zero
 BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
@@ -37,9 +40,11 @@ def main():
             _write_structure(page, run)
             if options.summary:
                 _write_checks(page, json.loads(options.summary.read_text()))
+            else:
+                page.text("Checks and limits: mixbeam run --summary FILE.json writes them, report --summary FILE.json adds them here.")
             _write_pictures(page, run)
             page.heading("Input and versions")
-            page.table(("", ""), sorted(run.properties().items()))
+            page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items()) if words])
             page.folded("The scene, word for word", run.scene_text())
             path = _page_path(options)
             view = view_beside(path.parent / options.result.name)
@@ -103,6 +108,13 @@ def _write_answers(page, run):
     if points:
         page.table(("critical point", "load factor", "negative eigenvalues before", "after"),
                    [(point.kind, point.load_factor, point.negative_before, point.negative_after) for point in points])
+    jumps = [(step.number, step.jump) for step in run.steps if step.jump]
+    if jumps:
+        page.text(f"{len(jumps)} jump{'s' * (len(jumps) > 1)} from a stable state to the next:")
+        page.table(("jump in step", "load factor from", "to", "energy released", "mean motion over length",
+                    "largest displacement", "at"),
+                   [(number, *(float(jump[name]) for name in ("from", "to", "released", "motion", "largest")),
+                     jump["place"]) for number, jump in jumps])
     quantities = run.quantities()
     members = [member.name for member in run.members]
     shown = [name for name in quantities if name.rpartition(".")[2] not in ("member", "arc_length", "side") or
@@ -113,9 +125,13 @@ def _write_answers(page, run):
                 return ""
             return f"{members[int(quantities[f'{name}.member'][-1])]} at s = {quantities[f'{name}.arc_length'][-1]:.4g}"
 
+        def extremes(series):
+            """Without what is undefined in the state before any load, as a ratio of zeros."""
+            known = series if np.isfinite(series[0]) or len(series) < 2 else series[1:]
+            return float(known.min()), float(known.max())
+
         page.table(("quantity", "at the end", "smallest", "largest", "where, at the end"),
-                   [(name, float(quantities[name][-1]), float(quantities[name].min()), float(quantities[name].max()), place(name))
-                    for name in shown])
+                   [(name, float(quantities[name][-1]), *extremes(quantities[name]), place(name)) for name in shown])
     moved = [(name[:-len(".displacement")], *map(float, values[-1])) for name, values in run.monitor().items()
              if name.endswith(".displacement") and values[-1].any()]
     if moved:
@@ -126,7 +142,9 @@ def _write_answers(page, run):
 
 def _write_reactions(page, run, step):
     points = run.supported_points()
-    rows = step.rows("reactions", slice(None))
+    rows = step.rows("reactions", slice(None)).copy()
+    for part in (rows[:, :3], rows[:, 3:]):
+        part[np.abs(part) < NOISE * np.abs(part).max(initial=0.0)] = 0.0
     table = [(point, *map(float, row)) for point, row in zip(points, rows)]
     if len(table) > 1:
         table.insert(0, ("all together", *map(float, rows[:, :3].sum(axis=0)), "", "", ""))
@@ -134,8 +152,6 @@ def _write_reactions(page, run, step):
 
 
 def _write_stresses(page, run, step):
-    import numpy as np
-
     if not step.has("von_mises_stress"):
         return
     rows = []
@@ -143,24 +159,26 @@ def _write_stresses(page, run, step):
         stress = step.field("von_mises_stress", member)
         if np.isfinite(stress).any():
             at = int(np.nanargmax(stress))
-            rows.append((member.name, float(stress[at]), float(member.arc_length[at])))
+            used = float(step.field("utilisation", member)[at]) if step.has("utilisation") else np.nan
+            rows.append((member.name, float(stress[at]), float(member.arc_length[at]), used if np.isfinite(used) else ""))
     if rows:
-        page.table(("most stressed member", "von Mises", "at s"), sorted(rows, key=lambda row: -row[1])[:5])
+        page.table(("most stressed member", "von Mises", "at s", "utilisation"), sorted(rows, key=lambda row: -row[1])[:5])
 
 
 def _write_structure(page, run):
     page.heading("Structure")
-    low, high = run.reference().min(axis=0), run.reference().max(axis=0)
+    corners = np.array([run.reference().min(axis=0), run.reference().max(axis=0)])
+    low, high = np.where(np.abs(corners) < NOISE * np.abs(corners).max(), 0.0, corners)
     box = " to ".join("(" + ", ".join(f"{x:.6g}" for x in corner) + ")" for corner in (low, high))
     units = ", units " + ", ".join(run.units) if run.units[0] else ""
-    page.text(f"{len(run.members)} members, {len(run.supported_points())} supports, box {box}{units}.")
+    numbers = [(len(run.members), "member"), (len(run.supported_points()), "support")]
+    for kind, words in (("point_loads", "point load"), ("line_loads", "line load"), ("eigenstrains", "eigenstrain"), ("joints", "joint")):
+        table = run.acting().get(kind, {})
+        numbers.append((max((len(column) for column in table.values()), default=0), words))
+    counted = ", ".join(f"{count} {word}{'s' * (count != 1)}" for count, word in numbers if count)
+    page.text(f"{counted}; box {box}{units}.")
     page.table(("member", "elements", "length"),
                [(member.name, len(member.vertices()) - 1, float(member.arc_length[-1])) for member in run.members[:MOST_ROWS + 1]])
-    for kind, words in (("point_loads", "point loads"), ("line_loads", "line loads"), ("joints", "joints")):
-        table = run.acting().get(kind, {})
-        count = max((len(column) for column in table.values()), default=0)
-        if count:
-            page.text(f"{count} {words}.")
 
 
 def _write_checks(page, summary):

@@ -184,6 +184,12 @@ class Step:
         group = self._group.get("critical_points", {})
         return [CriticalPoint(group[name], self._selection) for name in sorted(group, key=int)]
 
+    @property
+    def jump(self):
+        """With which the step was made: {"from", "to", "released", "motion", "largest", "place", ...}; None where it was not."""
+        attributes = self._group["jump"].attrs if "jump" in self._group else {}
+        return {**attributes, "place": _text(attributes["place"])} if attributes else None
+
     def field(self, name, member=None):
         values = self._selection.of(self._group[name])
         return values[member.samples] if member is not None else values

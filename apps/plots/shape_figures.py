@@ -1,7 +1,5 @@
 """Pictures of the deformed structure: one step in space and in its best plane, coloured by a field, and several steps."""
 
-import textwrap
-
 import numpy as np
 
 import fields
@@ -48,7 +46,7 @@ def shape_figure(view, step, field, triads=False):
     label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
     canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
     caption = ["grey: undeformed, on the right only" if shrunk else "grey: undeformed", *marked, view.scale_words()]
-    words = textwrap.wrap("; ".join(caption), int(CAPTION_WIDTH / inch))
+    words = style.wrapped("; ".join(caption), int(CAPTION_WIDTH / inch))
     raised = 0.045 * (len(words) - 1)  # a second line must not meet the box in space
     canvas.suptitle(view.title(step), y=0.985 + raised, fontsize=13)
     canvas.text(0.5, 0.925 + raised, "\n".join(words), ha="center", va="top", fontsize=11, color="#444444")

@@ -1,6 +1,7 @@
 """The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
 
 import sys
+import textwrap
 
 import matplotlib
 import matplotlib.colors
@@ -67,17 +68,26 @@ def save(canvas, path):
     return save_all(canvas, path.with_suffix(""), [path.suffix[1:]])[0]
 
 
-def save_all(canvas, path, formats):
-    """The picture as `path` with each of these endings; closes the figure and returns the paths."""
+def lay_out(canvas):
+    """Lays out a figure for good, and returns the box that holds all that is drawn: what `savefig` takes as bbox_inches."""
+    if canvas.get_layout_engine() is not None:
+        canvas.get_layout_engine().execute(canvas)  # twice: room for titles depends on panels that keep their aspect
     canvas.draw_without_rendering()
     extras = canvas.get_default_bbox_extra_artists()
     for axes in canvas.axes:
         if axes.name == "3d":
             extras += _finish_3d(axes)
     box = canvas.get_tightbbox(canvas._get_renderer(), bbox_extra_artists=extras).padded(0.08)
-    paths = [path.parent / f"{path.name}.{ending}" for ending in formats]
     with plt.rc_context({"figure.constrained_layout.use": False}):
         canvas.set_layout_engine(None)  # what was laid out once need not be laid out again for each format
+    return box
+
+
+def save_all(canvas, path, formats):
+    """The picture as `path` with each of these endings; closes the figure and returns the paths."""
+    box = lay_out(canvas)
+    paths = [path.parent / f"{path.name}.{ending}" for ending in formats]
+    with plt.rc_context({"figure.constrained_layout.use": False}):
         for file in paths:
             canvas.savefig(file, bbox_inches=box)
     plt.close(canvas)
@@ -122,6 +132,13 @@ def line_3d(axes, points, **options):
 
 def rgb(color):
     return matplotlib.colors.to_rgb(color)
+
+
+def wrapped(text, letters):
+    """Lines of at most so many letters, about equally long."""
+    count = len(textwrap.wrap(text, letters))
+    return next(lines for width in range(len(text) // max(count, 1), letters + 1)
+                if len(lines := textwrap.wrap(text, width)) <= count) if count > 1 else [text]
 
 
 def literal(name):

@@ -88,7 +88,7 @@ class View:
 
     @property
     def scene_words(self):
-        return style.literal(self.run.scene_name[:60])
+        return style.literal((self.run.scene_name + (f", {self.run.case}" if self.run.case else ""))[:60])
 
     def title(self, step):
         return f"{self.scene_words}: step {step.number}, load factor {step.load_factor:.6g}"

@@ -231,7 +231,8 @@ std::string point_moved_most(const RigidMotion& motion, const RigidPart& part) {
     // The first one of equals, whatever the rounding.
     if (distance > largest * (1.0 + kPrintedZero)) largest = distance, moved = &part.points[i];
   }
-  if (moved == nullptr) return "all its points lie on this axis and only turn";
+  if (moved == nullptr)
+    return "all its points lie on this axis and only turn; a hinge in place of a ball, or a fixed rotation, holds it";
   return "point \"" + excerpt(*moved) + "\" moves most";
 }
 

@@ -322,6 +322,29 @@ class Plots(unittest.TestCase):
         self.assertEqual(mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up").returncode, 0)
         self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
 
+    def test_jumps(self):
+        folder = Path(self.folder.name)
+        arch = Path(__file__).resolve().parents[2] / "apps" / "gallery" / "snapping_arch.xml"
+        for command in (("run", str(arch), "--output", ".", "--quiet"), ("report", "snapping_arch.h5")):
+            ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+        view, _ = self.view("snapping_arch")
+        crown, = [panel for panel in path_figures.load_displacement_figure(view).axes if panel.get_title() == "crown: displacement"]
+        at, = [at for at, step in enumerate(view.run.steps) if step.jump]
+        down = view.run.series("crown.z")
+        self.assertGreater(down[at - 1] - down[at], 5 * np.ptp(down[:at]))  # it snaps
+        star, = [line for line in crown.lines if line.get_gid() == "jump" and np.ptp(line.get_ydata()) > 10]
+        np.testing.assert_array_equal(star.get_ydata(), down[at - 1:at + 1])
+        curve = path_figures.curve_figure(view, "load_factor", "crown.z")
+        star, = named(curve, "jump")
+        np.testing.assert_array_equal(star.get_xdata(), down[at - 1:at + 1])
+        self.assertEqual(len(named(curve, "piece true")), 2)  # the path stops before the jump, and goes on behind it
+        self.assertEqual(named(path_figures.curve_figure(self.view("portal")[0], "load_factor", "b.x"), "jump"), [])
+        page = (folder / "snapping_arch.html").read_text()
+        jump = view.run.steps[at].jump
+        self.assertIn(f"<td>{jump['released']:.6g}</td>", page)
+        self.assertIn("point &quot;crown&quot;", page)
+
     def test_report(self):
         evil = "<img src=x onerror=alert(1)>"
         text = cantilever("{0, -1, 0}").replace('"b"', f'"{evil.replace("<", "&lt;").replace(">", "&gt;")}"')
