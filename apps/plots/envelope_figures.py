@@ -124,5 +124,5 @@ def along_figure(envelope, patterns, look):
         if i % 3 == 2:
             axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
     draw_borders(panels, row, borders / 10.0 ** exponent)
-    canvas.suptitle(f"{view.scene_words}: largest and smallest of {len(found)} runs, along {', '.join(patterns)[:60]}", fontsize=13)
+    canvas.suptitle(f"{style.literal(envelope.path.stem[:60])}: largest and smallest of {len(found)} runs, along {', '.join(patterns)[:60]}", fontsize=13)
     return canvas

@@ -9,6 +9,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <string>
+#include <tuple>
+#include <utility>
 
 namespace mixbeam {
 
@@ -47,30 +50,52 @@ struct ElementSamples {
   const MemberSamples* record = nullptr;
   std::size_t first = 0;
   std::vector<PointSample> points{};
-  bool has_points = false;  ///< whether `points` are those of this element
+  bool has_points = false;       ///< whether `points` are those of this element
+  std::vector<double> values{};  ///< of the field that is looked at, and what searches ask of them
+  double highest = 0.0, lowest = 0.0, second_difference = 0.0;
+  bool has_nan = false;
 
   void build() {
     for (std::size_t i = 0; i < points.size() && !has_points; ++i) points[i] = sample_in(*record, first + i);
     has_points = true;
   }
+  void look_at(const FieldAlongMember& field, int member) {
+    values.resize(points.size());
+    if (record != nullptr && field.recorded != nullptr) {
+      const Vector3* const vectors = (record->*field.recorded).data() + first;
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = vectors[i][field.component];
+    } else {
+      build();
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = field.at(points[i], member);
+    }
+    highest = -HUGE_VAL, lowest = HUGE_VAL, second_difference = 0.0, has_nan = false;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      has_nan = has_nan || std::isnan(values[i]);
+      highest = std::max(highest, values[i]), lowest = std::min(lowest, values[i]);
+      if (i > 0 && i + 1 < values.size())
+        second_difference = std::max(second_difference, std::abs(values[i - 1] - 2.0 * values[i] + values[i + 1]));
+    }
+  }
 };
 
 class Search {
  public:
-  Search(const Model& model, const State& state, const FieldAlongMember& field)
-      : model_(model), state_(state), field_(field) {}
+  Search(const Model& model, const State& state, const ExtremeRequest& request)
+      : model_(model), state_(state), request_(request) {}
 
-  /// `samples`: equidistant ones along an element, both ends included.
-  void look_at(int member, int element, ElementSamples& samples) {
-    values_.resize(samples.points.size());
-    if (samples.record != nullptr && field_.recorded != nullptr) {
-      const Vector3* const vectors = (samples.record->*field_.recorded).data() + samples.first;
-      for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = field_.sign * vectors[i][field_.component];
-    } else {
-      samples.build();
-      for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = field_.at(samples.points[i], member);
-    }
-    look_at_values(member, element);
+  const ExtremeRequest& request() const { return request_; }
+
+  /// Keeps the best sample, and the element where its peaks may be higher. `samples`: equidistant ones along an
+  /// element, both ends included, whose values are those of the field.
+  void look_at(int member, int element, const ElementSamples& samples) {
+    if (samples.has_nan) return take(std::numeric_limits<double>::quiet_NaN(), member, element, 0.0);
+    const std::size_t points = samples.values.size();
+    const double highest = request_.sign > 0.0 ? samples.highest : -samples.lowest;
+    for (std::size_t i = 0; i < points && !(highest <= best_.value); ++i)
+      take(request_.sign * samples.values[i], member, element,
+           -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1));
+    const double bound = highest + kPeakOverSecondDifference * samples.second_difference;
+    if (may_raise_best(bound)) candidates_.push_back({member, element, bound});
   }
 
   MemberExtreme result() {
@@ -89,22 +114,6 @@ class Search {
     double bound = 0.0;           ///< no value in it is larger
   };
 
-  /// Keeps the best sample, and the element where its peaks may be higher.
-  void look_at_values(int member, int element) {
-    const std::size_t points = values_.size();
-    double highest = -HUGE_VAL, second = 0.0;
-    for (std::size_t i = 0; i < points; ++i) {
-      if (std::isnan(values_[i])) return take(values_[i], member, element, 0.0);
-      highest = std::max(highest, values_[i]);
-      if (i > 0 && i + 1 < points)
-        second = std::max(second, std::abs(values_[i - 1] - 2.0 * values_[i] + values_[i + 1]));
-    }
-    for (std::size_t i = 0; i < points && !(highest <= best_.value); ++i)
-      take(values_[i], member, element, -1.0 + 2.0 * static_cast<double>(i) / static_cast<double>(points - 1));
-    const double bound = highest + kPeakOverSecondDifference * second;
-    if (may_raise_best(bound)) candidates_.push_back({member, element, bound});
-  }
-
   bool may_raise_best(double bound) const { return bound > best_.value + kNegligible * std::abs(best_.value); }
 
   void take(double value, int member, int element, double xi) {
@@ -118,7 +127,8 @@ class Search {
   double at(const Candidate& place, double xi) const {
     const int element = model_.mesh().members[place.member].first_element + place.element;
     const int local = model_.structure().mesh_element_to_local[element];
-    return field_.at(sample_element(model_.structure(), model_.mesh(), state_, local, xi), place.member);
+    return request_.sign *
+           request_.field.at(sample_element(model_.structure(), model_.mesh(), state_, local, xi), place.member);
   }
 
   /// Every peak among samples twice as dense as the coarse ones, to the last digits.
@@ -171,9 +181,8 @@ class Search {
 
   const Model& model_;
   const State& state_;
-  const FieldAlongMember& field_;
+  const ExtremeRequest& request_;
   MemberExtreme best_{-HUGE_VAL};
-  std::vector<double> values_;
   std::vector<Candidate> candidates_;
 };
 
@@ -248,21 +257,32 @@ std::vector<MemberExtreme> largest_along_members(const Model& model, const State
                                                  const std::vector<ExtremeRequest>& requests,
                                                  const std::vector<MemberSamples>* samples) {
   std::vector<Search> searches;
-  std::map<int, std::vector<std::size_t>> of_member;  // in the order of the scene
+  std::vector<std::size_t> search_of;  // (request)
+  std::map<std::tuple<std::string, double, std::vector<int>>, std::size_t> known;
+  std::map<int, std::map<std::string, std::vector<std::size_t>>> of_member;  // in the order of the scene, by fields
   for (const ExtremeRequest& request : requests) {
-    for (const int member : request.members) of_member[member].push_back(searches.size());
-    searches.emplace_back(model, state, request.field);
+    const auto [found, is_new] =
+        known.emplace(std::make_tuple(request.field.name, request.sign, request.members), searches.size());
+    search_of.push_back(found->second);
+    if (!is_new) continue;
+    for (const int member : request.members) of_member[member][request.field.name].push_back(searches.size());
+    searches.emplace_back(model, state, request);
   }
   ElementWalk walk(model, state, samples);
   for (const auto& [member, wanted] : of_member)
-    walk(member, [&, m = member, &interested = wanted](int element, ElementSamples& points) {
-      for (const std::size_t i : interested) searches[i].look_at(m, element, points);
+    walk(member, [&, m = member, &of_field = wanted](int element, ElementSamples& points) {
+      for (const auto& [name, interested] : of_field) {
+        points.look_at(searches[interested.front()].request().field, m);
+        for (const std::size_t i : interested) searches[i].look_at(m, element, points);
+      }
     });
-  std::vector<MemberExtreme> extremes;
+  std::vector<MemberExtreme> found;
   for (Search& search : searches) {
-    extremes.push_back(best_of_ranks(*model.map()->getComm(), search.result()));
-    if (extremes.back().member < 0) extremes.back().value = std::numeric_limits<double>::quiet_NaN();
+    found.push_back(best_of_ranks(*model.map()->getComm(), search.result()));
+    if (found.back().member < 0) found.back().value = std::numeric_limits<double>::quiet_NaN();
   }
+  std::vector<MemberExtreme> extremes;
+  for (const std::size_t i : search_of) extremes.push_back(found[i]);
   return extremes;
 }
 

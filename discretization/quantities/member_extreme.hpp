@@ -4,17 +4,18 @@
 #include "discretization/state/sampling.hpp"
 
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace mixbeam {
 
 /// A number made of the fields at one point of a member (index in the scene of the model). Where it is the component of
-/// a field that records hold, times a sign, that is read from them.
+/// a field that records hold, that is read from them.
 struct FieldAlongMember {
+  std::string name{};  ///< fields of one name are the same, and looked at once however many ask for them
   std::function<double(const PointSample& sample, int member)> at{};
   std::vector<Vector3> MemberSamples::*recorded = nullptr;
   std::size_t component = 0;
-  double sign = 1.0;
 };
 
 struct MemberExtreme {
@@ -28,11 +29,12 @@ struct MemberExtreme {
 struct ExtremeRequest {
   std::vector<int> members{};
   FieldAlongMember field{};
+  double sign = 1.0;  ///< by which the field is multiplied
 };
 
-/// The largest value of each field along its members, to rounding where the field is as smooth as the polynomials of
-/// its elements. `samples`: of all members of this rank as in a record, which spares taking them; null: there are none.
-/// Collective.
+/// The largest value of each field, times its sign, along its members, to rounding where the field is as smooth as the
+/// polynomials of its elements. `samples`: of all members of this rank as in a record, which spares taking them; null:
+/// there are none. Collective.
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
                                                  const std::vector<MemberSamples>* samples = nullptr);

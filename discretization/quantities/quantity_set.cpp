@@ -238,21 +238,20 @@ void ask_for_extremes(const QuantityState& at, const Quantity& quantity, const s
                       int number, std::vector<ExtremeRequest>& requests) {
   ExtremeRequest request;
   for (const int member : members) request.members.push_back(at.first_member + member);
-  const auto field_times = [&at, &mesh = at.model.mesh(), &quantity, field, number](double sign) {
-    FieldAlongMember along;
-    along.at = [&at, &quantity, &mesh, field, number, sign](const PointSample& sample, int member) {
-      if (field == nullptr) return sign * at.stresses->of(quantity.kind, sample, member);
-      return sign * picked(numbers_from(field(sample, mesh.members[member])), number);
-    };
-    const auto recorded = recorded_field(quantity.kind);
-    if (number == kNorm || recorded == nullptr) return along;
-    along.recorded = recorded;
-    along.component = static_cast<std::size_t>(number);
-    along.sign = sign;
-    return along;
+  request.field.name = quantity.kind + " " + std::to_string(number);
+  request.field.at = [&at, &quantity, &mesh = at.model.mesh(), field, number](const PointSample& sample, int member) {
+    if (field == nullptr) return at.stresses->of(quantity.kind, sample, member);
+    return picked(numbers_from(field(sample, mesh.members[member])), number);
   };
-  if (quantity.take != Take::smallest) requests.push_back({request.members, field_times(1.0)});
-  if (quantity.take != Take::largest) requests.push_back({request.members, field_times(-1.0)});
+  if (number != kNorm) {
+    request.field.recorded = recorded_field(quantity.kind);
+    request.field.component = static_cast<std::size_t>(number);
+  }
+  for (const double sign : {1.0, -1.0}) {
+    if (quantity.take == (sign > 0.0 ? Take::smallest : Take::largest)) continue;
+    request.sign = sign;
+    requests.push_back(request);
+  }
 }
 
 }  // namespace
