@@ -14,6 +14,7 @@ HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the str
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
 SAME_SPOT = 0.06         # of the extent: two values nearer to each other share a label
+SAME_DIGITS = 5e-4       # of the largest value
 ROUND_OFF = 1e-6         # share of the largest value that a title with four digits calls zero
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, "#7F6000")
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), "-.")
@@ -183,17 +184,18 @@ def _hedgehog(axes, view, step, values, sides):
                                            rasterized=len(level) > RASTER_PIECES, gid="positive" if sign > 0 else "negative"))
     add_lines(axes, np.stack([nodes[:, :-1], nodes[:, 1:]], axis=2).reshape(-1, 2, 2), color=style.BLACK,
               width=0.5 * line_width(view.structure), zorder=4)
-    _name_values(axes, nodes, nodes + level[..., None] * spine, level, largest)
+    _name_values(axes, nodes, nodes + level[..., None] * spine, level, largest, (values.min() / largest, values.max() / largest))
     _frame(axes, view, np.concatenate([nodes, nodes + level[..., None] * spine]).reshape(-1, 2))
 
 
-def _name_values(axes, nodes, tips, level, largest):
-    """The largest and the smallest value, each at the tip of its spine."""
+def _name_values(axes, nodes, tips, level, largest, extremes):
+    """The largest and the smallest value, each at the tip of its spine; not where the view hides it."""
     if not np.any(level):
         return
     ends = {np.unravel_index(choose(level), level.shape) for choose in (np.argmax, np.argmin)}
     flat = level.max() - level.min() < ROUND_OFF
     named = [at for at in (sorted(ends)[:1] if flat else sorted(ends)) if abs(level[at]) >= ROUND_OFF]
+    named = [at for at in named if np.abs(level[at] - extremes).min() < SAME_DIGITS]
     words = [f"{largest * level[at]:.4g}" for at in named]
     if len(named) == 2 and np.linalg.norm(tips[named[0]] - tips[named[1]]) < SAME_SPOT * np.ptp(nodes.reshape(-1, 2), axis=0).max():
         named, words = named[:1], [", ".join(words)]

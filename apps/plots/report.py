@@ -11,7 +11,7 @@ import numpy as np
 
 from html_page import MOST_ROWS, Page, cell_text, view_beside
 
-NOISE = 1e-12  # of the largest: what rounding leaves of numbers that are zero
+NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
 BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
@@ -128,6 +128,7 @@ def _write_answers(page, run):
         def extremes(series):
             """Without what is undefined in the state before any load, as a ratio of zeros."""
             known = series if np.isfinite(series[0]) or len(series) < 2 else series[1:]
+            known = np.where(np.abs(known) < ROUNDING * np.abs(known).max(), 0.0, known)
             return float(known.min()), float(known.max())
 
         page.table(("quantity", "at the end", "smallest", "largest", "where, at the end"),
@@ -147,7 +148,9 @@ def _write_reactions(page, run, step):
         part[np.abs(part) < NOISE * np.abs(part).max(initial=0.0)] = 0.0
     table = [(point, *map(float, row)) for point, row in zip(points, rows)]
     if len(table) > 1:
-        table.insert(0, ("all together", *map(float, rows[:, :3].sum(axis=0)), "", "", ""))
+        total = rows[:, :3].sum(axis=0)
+        total[np.abs(total) < NOISE * np.abs(rows[:, :3]).max()] = 0.0
+        table.insert(0, ("all together", *map(float, total), "", "", ""))
     page.table(("reaction at", "force x", "y", "z", "moment x", "y", "z"), table)
 
 
@@ -168,7 +171,7 @@ def _write_stresses(page, run, step):
 def _write_structure(page, run):
     page.heading("Structure")
     corners = np.array([run.reference().min(axis=0), run.reference().max(axis=0)])
-    low, high = np.where(np.abs(corners) < NOISE * np.abs(corners).max(), 0.0, corners)
+    low, high = np.where(np.abs(corners) < ROUNDING * np.abs(corners).max(), 0.0, corners)
     box = " to ".join("(" + ", ".join(f"{x:.6g}" for x in corner) + ")" for corner in (low, high))
     units = ", units " + ", ".join(run.units) if run.units[0] else ""
     numbers = [(len(run.members), "member"), (len(run.supported_points()), "support")]

@@ -228,15 +228,19 @@ class Run:
         if case and file_of_case(path, case).is_file():
             path = file_of_case(path, case)
         if not path.is_file():
-            raise InputError(f"{path}: no such file")
+            beside = ", ".join(sorted(file.name for file in path.parent.glob(f"{path.stem}-*{path.suffix}"))[:6])
+            raise InputError(f"{path}: no such file" + (f"; of load cases there are {beside}" if beside else ""))
         self.path = path
         try:
             self._file = h5py.File(path, "r")
         except OSError as error:
             raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
         if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
-            what = "the envelope of several load cases, of which --case names one" if "envelope" in self._file else ""
-            raise InputError(f"{path}: HDF5, but {what or 'not a result file of mixbeam'}")
+            if "envelope" not in self._file:
+                raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
+            cases = ", ".join(name[len(path.stem) + 1:] for name in _text(self._file["runs"][()]).splitlines())
+            raise InputError(f"{path}: the envelope of several load cases, of which --case names one ({cases})"
+                             + (f"; there is no {case}" if case else ""))
         properties = self._file["properties"].attrs if "properties" in self._file else {}
         self.case = _text(properties.get("load_case", ""))
         if case and case != self.case:
