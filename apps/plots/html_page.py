@@ -3,7 +3,6 @@
 import base64
 import html
 import io
-import json
 
 MOST_ROWS = 40      # of a table; the result file has all
 DOTS_PER_INCH = 90  # of pictures, so that a page stays below 2 MB
@@ -57,15 +56,10 @@ class Page:
     def folded(self, title, text):
         self._parts.append(f"<details><summary>{html.escape(title)}</summary><pre>{html.escape(text)}</pre></details>")
 
-    def data(self, name, value):
-        """A value that scripts of the page read: JSON whose text cannot end the element it stands in. Its numbers are
-        finite."""
-        text = json.dumps(value, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-        self._parts.append(f"<script type=\"application/json\" id=\"{html.escape(name, quote=True)}\">{text}</script>")
-
-    def numbers(self, name, values):
-        """An array for scripts of the page: base64 of its bytes, which the browser does not look at until they are asked for."""
-        code = base64.b64encode(values.tobytes()).decode()
+    def packed(self, name, data):
+        """Deflated bytes that scripts of the page read: letters and digits, which the browser does not look at until they are
+        asked for."""
+        code = base64.b64encode(data).decode()
         self._parts.append(f"<script type=\"application/octet-stream\" id=\"{html.escape(name, quote=True)}\">{code}</script>")
 
     def add_own(self, markup="", script=""):

@@ -1,31 +1,26 @@
 """What the page of `mixbeam view` draws: samples, sections, fields, path and modes of a run, as arrays for a browser.
 
-Positions are relative to the middle of the structure and all arrays are float32: seven digits, for drawing and reading
-off. A structure of more than MOST_SAMPLES samples is thinned, and so are steps of a page above MOST_BYTES.
+Positions are relative to the middle of the structure. Numbers are packed (packed.py) for drawing and reading off. A structure
+of more than MOST_SAMPLES samples is thinned, and so are steps that would make the page too large (view_steps.py).
 """
 
 import numpy as np
 
 import fields
 from fields import Field
+from packed import FOR_DRAWING, FOR_PLACES, FOR_READING, Packed, deflated_text
 from scene_marks import Marks
 from structure import best_view
 from view import CAMERAS, PLANES
+from view_steps import MOST_BYTES, STEP_ARRAYS, HeldStep, packed_steps, places_read, taken_out
 
 MOST_SAMPLES = 100000
-MOST_BYTES = 48e6      # of numbers in a page; a browser opens it in a few seconds
 MOST_SERIES = 1200     # numbers followed along the path that can be chosen
-NO_VALUE = np.float32(1e30)  # in place of nan, which processors of graphics need not know
 FLAT = 1e-6            # a structure this thin over its size lies in a plane
 THIN_ROD = 1 / 110     # diameter over size of members that have no shape,
 SLENDER_ROD = 1 / 10   # and at most this share of the median length of members
+ROUND = {"circle", "tube", "none"}  # sections
 DIRECTIONS = 120       # in which the corners of the path's hull are looked for
-
-FORCES = ("material_force", "material_moment")
-COMPONENTS = ("displacement", *FORCES, "force_strain", "moment_strain")
-STRESSES = ("largest_normal_stress", "largest_shear_stress", "von_mises_stress")
-STEP_ARRAYS = ("triad", *COMPONENTS, *STRESSES, "utilisation")
-NUMBERS_OF_SAMPLE = 3 * len(COMPONENTS) + 4  # in a step without stresses
 FIELDS = {
     **fields.FIELDS,
     **{f"displacement_{axis}": Field(f"displacement {axis}", "displacement", [i]) for i, axis in enumerate("xyz")},
@@ -35,37 +30,8 @@ FIELDS = {
 }
 
 
-class HeldStep:
-    """The fields of a step, each read once, round-off being zero; stresses divided by the strength are one of them."""
-
-    def __init__(self, step, strength, size):
-        self._step, self._strength, self._held = step, strength, {}
-        self.number = step.number
-        for name in COMPONENTS:
-            self._held[name] = step.field(name)
-        floors = {name: Field("", name, [0]).floor(self, size) for name in COMPONENTS}
-        self.force_floors = [floors[name] for name in FORCES]
-        self._is_loaded = any(np.abs(self._held[name]).max(initial=0.0) > floors[name] for name in FORCES)
-        for name, floor in floors.items():
-            self._held[name][np.abs(self._held[name]) <= floor] = 0.0
-
-    def has(self, name):
-        if name == "utilisation":
-            return self._step.has("von_mises_stress") and np.isfinite(self._strength).any()
-        return self._step.has(name)
-
-    def field(self, name):
-        if name == "utilisation":
-            return self.field("von_mises_stress") / self._strength
-        if name not in self._held:
-            self._held[name] = self._step.field(name)
-            if name in STRESSES and not self._is_loaded:
-                self._held[name] = np.where(np.isfinite(self._held[name]), 0.0, np.nan)
-        return self._held[name]
-
-
 class ViewData:
-    """`description`: what is said in words and single numbers; `arrays`: {name: float32 or uint32 array}."""
+    """`description`: what is said in words and single numbers, with the units of `arrays`; these are {name: bytes}, itself among them."""
 
     def __init__(self, run):
         self._run = run
@@ -75,13 +41,16 @@ class ViewData:
         self._center, self._size = (low + high) / 2, float(np.linalg.norm(high - low)) or 1.0
         self.arrays = {}
         self.description = {"title": run.title, "units": run.units, "version": run.properties()["version"],
-                            "center": self._center.tolist(), "notes": [], "samples": len(self._kept)}
+                            "center": self._center.tolist(), "notes": [], "samples": len(self._kept), "units_of": {}}
         self._describe_members()
         self._add_sections()
-        self._add_steps()
+        self._add("rest_triad", run.steps[0].field("triad")[self._kept], FOR_DRAWING)
         self._add_modes()
-        self._add_series()
         self._add_marks()
+        steps = self._read_steps()
+        self._add_series()
+        self._add_steps(*steps)
+        self.arrays["description"] = deflated_text(self.description)
 
     def _describe_members(self):
         whole = len(self._reference)
@@ -93,11 +62,9 @@ class ViewData:
         self.description["all_members"] = len(self._run.members)
         ends = np.append(self._firsts[1:], len(self._kept)) - 1
         self.description["first_sample"] = self._firsts.tolist()
-        where = np.zeros((len(self._kept), 1))  # 1: first, 2: last sample of its member
-        where[self._firsts], where[ends] = 1, 2
-        self.arrays["reference"] = _single(np.hstack([self._reference[self._kept] - self._center, where]))
+        self._add("reference", self._reference[self._kept] - self._center, FOR_PLACES)
         arc = np.concatenate([member.arc_length for member in self._members])
-        self.arrays["arc_length"] = _single(arc[_kept_of_members(self._members, self._kept)])
+        self._add("arc_length", arc[_kept_of_members(self._members, self._kept)], FOR_PLACES)
         self._ends = ends
 
     def _add_sections(self):
@@ -122,7 +89,7 @@ class ViewData:
             known = shapes["strength"][row]  # 0: not given
             strength[self._kept[own]] = _along(np.where(known > 0, known, np.nan).reshape(-1, 1), x)[:, 0]
         self._strength = strength
-        self.arrays["dimensions"] = _single(dimensions)
+        self._add("dimensions", dimensions, FOR_READING)
         self.description.update(kinds=kinds, sections=names)
         if "none" in kinds:
             which = "Members are" if set(kinds) == {"none"} else "Members without a Shape are"
@@ -130,43 +97,56 @@ class ViewData:
                 f"{which} drawn as round rods of diameter {rod:.3g}" +
                 (f" {self._run.units[0]}." if self._run.units[0] else "."))
 
-    def _add_steps(self):
-        shown = self._shown_steps()
-        described = []
+    def _read_steps(self):
+        """([what is said of a step], [its arrays]) of those that there is memory for; the path in short."""
+        read = places_read(len(self._run.steps), len(self._kept))
+        names = (*STEP_ARRAYS, "triad") if self._shows_directions() else STEP_ARRAYS
+        described, arrays = [], []
         self._largest = np.zeros(len(self._run.steps))
         hull = [_corners(self._reference - self._center)]
-        extremes = {name: [] for name in FIELDS}
         for number, step in enumerate(self._run.steps):
             held = HeldStep(step, self._strength, self._size)
-            displacement = held.field("displacement")
-            self._largest[number] = np.linalg.norm(displacement, axis=1).max(initial=0.0)
+            self._largest[number] = np.linalg.norm(held.field("displacement"), axis=1).max(initial=0.0)
             self._force_floors = held.force_floors
-            if number not in shown:
+            if number not in read:
                 continue
             hull.append(_corners(held.field("position") - self._center))
-            at = len(described)
-            described.append({"number": step.number, "factor": step.load_factor, "stable": step.stable, "place": number})
-            for name in STEP_ARRAYS:
-                if held.has(name):
-                    self.arrays[f"{name}-{at}"] = _single(held.field(name)[self._kept])
-            for name, field in FIELDS.items():
-                extremes[name].append(self._extremes(field, held))
-        self.description["steps"] = described
-        self.description["fields"] = [self._described_field(name, field, extremes[name]) for name, field in FIELDS.items()
-                                      if any(extremes[name])]
+            described.append({"number": step.number, "factor": step.load_factor, "stable": step.stable, "place": number,
+                              "extremes": [self._extremes(field, held) for field in FIELDS.values()]})
+            arrays.append(held.arrays(self._kept, names))
         points = np.vstack(hull)
         self.description["hull"] = _corners(points).round(9).tolist()
         self.description["camera"] = self._camera(points)
         self.description["size"] = self._size
+        return described, arrays
 
-    def _shown_steps(self):
-        """Numbers of the steps that the page holds: the last one, and as many others as there is room for, evenly."""
-        count = len(self._run.steps)
-        room = max(2, int(MOST_BYTES / (4 * NUMBERS_OF_SAMPLE * len(self._kept))))
-        if room >= count:
-            return set(range(count))
-        self.description["notes"].append(f"{room} of {count} steps are drawn; the load path has all.")
-        return set(np.linspace(0, count - 1, room).round().astype(int).tolist())
+    def _add_steps(self, described, arrays):
+        names = sorted(set(self.description["sections"]))
+        counts = np.diff(np.append(self._firsts, len(self._kept)))
+        groups = np.repeat([names.index(name) for name in self.description["sections"]], counts)
+        self.description["compliance"] = taken_out(arrays, groups, names)
+        shown, packed = packed_steps(arrays, MOST_BYTES - sum(map(len, self.arrays.values())))
+        for name, values in packed.items():
+            self._hold(name, values)
+        steps = [described[i] for i in shown]
+        if len(steps) < len(self._run.steps):
+            self.description["notes"].append(f"{len(steps)} of {len(self._run.steps)} steps are drawn; the load path has all.")
+        extremes = list(zip(*(step.pop("extremes") for step in steps)))
+        self.description["steps"] = steps
+        self.description["fields"] = [self._described_field(name, field, list(own))
+                                      for (name, field), own in zip(FIELDS.items(), extremes) if any(own)]
+
+    def _shows_directions(self):
+        """Whether something drawn turns with the sections: round ones follow their line."""
+        arrows = [arrow[2] for kind in ("forces", "moments") for arrow in self.description[kind]]
+        return not ROUND.issuperset(self.description["kinds"]) or any(arrows) or any(load[2] for load in self.description["line_loads"])
+
+    def _add(self, name, values, bits):
+        self._hold(name, Packed(values, bits))
+
+    def _hold(self, name, packed):
+        self.arrays[name] = packed.bytes
+        self.description["units_of"][name] = packed.units.tolist()
 
     def _extremes(self, field, step):
         """Smallest and largest value, round-off being zero; nothing where the step does not have the field."""
@@ -195,7 +175,7 @@ class ViewData:
                 at = len(described)
                 described.append({"kind": point.kind, "factor": point.load_factor, "step": step_number, "modes": point.modes,
                                   "before": point.negative_before, "after": point.negative_after})
-                self.arrays[f"critical-displacement-{at}"] = _single(point.field("displacement")[self._kept])
+                self._add(f"critical-displacement-{at}", point.field("displacement")[self._kept], FOR_READING)
                 self._add_mode(f"mode-{at}", point.field("mode"))
         for factor, mode in self._run.buckling_modes():
             at = len(described)
@@ -205,7 +185,7 @@ class ViewData:
 
     def _add_mode(self, name, mode):
         largest = np.linalg.norm(mode, axis=1).max(initial=0.0) or 1.0
-        self.arrays[name] = _single(mode[self._kept] / largest)
+        self._add(name, mode[self._kept] / largest, FOR_DRAWING)
 
     def _add_series(self):
         """What can be drawn over the path: a row for each step, then one for each critical point."""
@@ -230,7 +210,7 @@ class ViewData:
         if energy is not None and len(energy) == len(run.steps):
             columns["strain energy"] = (energy, unknown)
         rows = [np.concatenate(column) for column in columns.values()]
-        self.arrays["series"] = _single(np.array(rows))
+        self._add("series", np.array(rows).T, FOR_PLACES)
         self.description["series_names"] = list(columns)
         self.description["stable"] = [step.stable for step in run.steps]
         self.description["abscissa"] = self._telling_series(columns)
@@ -332,8 +312,3 @@ def _kind(name):
 def _finite(begins):
     """Load factor from which something acts; before any where a formula says it."""
     return float(begins) if np.isfinite(begins) else -1e30
-
-
-def _single(values):
-    values = np.asarray(values, dtype=float)
-    return np.where(np.isfinite(values) & (np.abs(values) < NO_VALUE), values, NO_VALUE).astype("<f4")

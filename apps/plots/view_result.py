@@ -10,7 +10,7 @@ from html_page import Page, view_beside
 
 BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 PARTS = Path(__file__).resolve().parent / "viewer"
-SCRIPTS = ("numbers", "result", "camera", "shapes", "shaders", "painter", "marks", "curve", "picking", "panel", "main", "input")
+SCRIPTS = ("numbers", "packed", "result", "camera", "shapes", "shaders", "painter", "marks", "curve", "picking", "panel", "main", "input")
 
 
 def main():
@@ -39,9 +39,8 @@ def view_page(data):
     """The page of a ViewData."""
     page = Page(data.description["title"], (PARTS / "viewer.css").read_text(encoding="utf-8"), has_scripts=True)
     page.add_own(markup=(PARTS / "page.html").read_text(encoding="utf-8"))
-    page.data("description", data.description)
-    for name, values in data.arrays.items():
-        page.numbers(name, values)
+    for name, packed in data.arrays.items():
+        page.packed(name, packed)
     texts = [(PARTS / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
     page.add_own(script='(() => {\n"use strict";\n' + "\n".join(texts) + "\n})();")
     return page

@@ -42,6 +42,42 @@ const probe = {
     return hover.hidden ? "" : hover.innerText;
   },
 
+  /** Mouse or finger: presses, moves along places [x, y] and lets go, unless it `stays`. */
+  pointer(places, { id = 1, kind = "mouse", stays = false, ...more } = {}) {
+    const stage = document.getElementById("stage");
+    const box = stage.getBoundingClientRect();
+    stage.setPointerCapture = () => {}; // no pointer of these events exists
+    const send = (name, [x, y]) => stage.dispatchEvent(new PointerEvent(name, { pointerId: id, pointerType: kind, clientX: box.left + x,
+      clientY: box.top + y, bubbles: true, ...more }));
+    send("pointerdown", places[0]);
+    places.slice(1).forEach((place) => send("pointermove", place));
+    if (!stays) send("pointerup", places[places.length - 1]);
+    return () => send("pointerup", places[places.length - 1]);
+  },
+
+  wheel([x, y], turn) {
+    const box = document.getElementById("stage").getBoundingClientRect();
+    const event = new WheelEvent("wheel", { clientX: box.left + x, clientY: box.top + y, deltaY: turn, bubbles: true, cancelable: true });
+    return !document.getElementById("stage").dispatchEvent(event); // whether the page keeps it from scrolling
+  },
+
+  key(key) {
+    document.body.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true, cancelable: true }));
+    return this.app.shape.step;
+  },
+
+  /** { name, width, height } of the file that a button saves. */
+  saved(selector) {
+    let link = null;
+    const { click } = HTMLAnchorElement.prototype;
+    HTMLAnchorElement.prototype.click = function keep() { link = this; };
+    this.click(selector);
+    HTMLAnchorElement.prototype.click = click;
+    const bytes = Uint8Array.from(atob(link.href.split("data:image/png;base64,")[1]), (letter) => letter.charCodeAt(0));
+    const header = new DataView(bytes.buffer); // of a PNG: signature, length and name of IHDR, then its numbers
+    return { name: link.download, width: header.getUint32(16), height: header.getUint32(20), color: this.color(5, 600) };
+  },
+
   /** Share of the picture that is not background. */
   covered() {
     const { gl, canvas } = this.app.painter;

@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+from functools import cache
 from pathlib import Path
 
 PROGRAM = str(Path(sys.argv.pop(1)).resolve())
@@ -34,7 +35,8 @@ FIRST_PICTURE = 3000      # milliseconds that a page may take where no other pro
 LARGEST_PAGE = 1.5e6      # bytes, of a scene of the gallery
 BACKGROUND = [255, 255, 255]
 SAME_HUE = 0.07           # light changes brightness, and its shine adds a little white
-READ_OFF = 2e-4           # five digits are shown
+READ_OFF = 2e-4           # four digits are shown
+KEPT = 0.51 / 16383       # of the largest of a component in a step: half a unit of 15 bits, and a little for float32
 SHEET = 36                # points along the side of a sheet with about 1e5 samples
 # Collects errors of scripts before any of them runs.
 WATCH = ('<script>window.problems = []; window.addEventListener("error", (e) => problems.push(e.message));'
@@ -209,15 +211,41 @@ class Viewer(unittest.TestCase):
 
     # the path
 
+    @classmethod
+    @cache
+    def snap_back(cls):
+        """(page, result) of a path of many steps, with critical points."""
+        result = solve(PROGRAM, cls.folder, "snap", (REPOSITORY / "apps/gallery/snap_back.xml").read_text())
+        return cls.view(result), result
+
+    def test_numbers_of_all_steps_are_those_of_the_result(self):
+        names = ("displacement", "material_force", "material_moment", "force_strain", "moment_strain")  # strains: not in the page
+        page, result = self.snap_back()
+        ask = "probe.app.result.steps.map((step, i) => [step.number, ...NAMES.map((name) => [...probe.app.result.ofStep(name, i)])])"
+        steps = self.values(page, ask.replace("NAMES", json.dumps(names)))[0]
+        with Run(result) as run:
+            self.assertEqual(len(steps), len(run.steps))
+            off = lambda read, step, name: self.off(np.array(read).reshape(-1, 3), step.field(name))
+            for (number, *arrays), step in zip(steps, run.steps):
+                self.assertEqual(number, step.number)
+                for name, read in zip(names, arrays):
+                    self.assertLess(off(read, step, name), KEPT, (number, name))
+            self.assertGreater(off(steps[5][1], run.steps[6], names[0]), KEPT)  # another step is told apart
+
+    @staticmethod
+    def off(read, meant):
+        """Largest difference over the largest of each component."""
+        largest = np.abs(meant).max(axis=0)
+        return (np.abs(read - meant)[:, largest > 0].max(axis=0) / largest[largest > 0]).max(initial=0.0)
+
     def test_critical_points_and_modes(self):
-        page = self.view(solve(PROGRAM, self.folder, "snap", (REPOSITORY / "apps/gallery/snap_back.xml").read_text()))
-        self.assertLess(page.stat().st_size, LARGEST_PAGE)
+        page, result = self.snap_back()
         half = "Math.floor(probe.app.result.samples / 2)"
         told = self.values(page, "document.getElementById('modes').textContent", "document.querySelectorAll('#curve .critical').length",
                            "probe.click('[data-mode=\"0\"]')", f"window.at = probe.pixel({half})", "document.getElementById('step-text').textContent",
                            "probe.set('amplitude', -1, 'input')", f"Math.hypot(probe.pixel({half})[0] - at[0], probe.pixel({half})[1] - at[1])",
                            f"probe.color(...probe.pixel({half} - 2))", "probe.click('#leave-mode')", "probe.app.shape.modeNumber")
-        with Run(self.folder / "snap.h5") as run:
+        with Run(result) as run:
             points = run.critical_points()
         self.assertEqual(told[0].count("limit point"), len(points))
         self.assertEqual(told[1], len(points))
@@ -243,10 +271,58 @@ class Viewer(unittest.TestCase):
         self.assertLess(max(dark), 60)
         self.assertLess(moved, 1e-3)
 
+    # hands
+
+    def test_the_wheel_enlarges_around_the_pointer(self):
+        pointer = (300, 250)
+        before, kept, zoomed, height, back = self.values(
+            self.page, "(window.height = probe.app.camera.height, probe.pixel(10))", f"probe.wheel({list(pointer)}, -400)", "probe.pixel(10)",
+            "height / probe.app.camera.height", f"(probe.wheel({list(pointer)}, 400), probe.pixel(10))")
+        self.assertTrue(kept)
+        self.assertAlmostEqual(height, np.exp(0.6), places=9)
+        np.testing.assert_allclose(np.subtract(zoomed, pointer), height * np.subtract(before, pointer), atol=1e-6)
+        np.testing.assert_allclose(back, before, atol=1e-6)
+
+    def test_dragging_turns_and_moves(self):
+        angles = "[probe.app.camera.elevation, probe.app.camera.azimuth]"
+        before, turned, at, moved, stayed, hovered = self.values(
+            self.page, angles, f"(probe.pointer([[300, 300], [310, 300], [320, 295]]), {angles})", "(window.at = probe.pixel(10))",
+            "(probe.pointer([[300, 300], [330, 290]], { shiftKey: true }), probe.pixel(10))", angles,
+            f"(probe.hover(500, 20), {angles})")
+        np.testing.assert_allclose(np.subtract(turned, before), (-2, -8), atol=1e-9)  # 0.4 degrees a pixel
+        np.testing.assert_allclose(np.subtract(moved, at), (30, -10), atol=1e-6)
+        self.assertEqual(stayed, turned)
+        self.assertEqual(hovered, turned)  # a pointer that is not pressed turns nothing
+
+    def test_two_fingers_enlarge_and_move(self):
+        height, middle, there = self.values(
+            self.page, "(window.height = probe.app.camera.height, window.at = probe.pixel(10), window.up = probe.pointer([[at[0] - 50, at[1]]],"
+            " { id: 5, kind: 'touch', stays: true }), probe.pointer([[at[0] + 50, at[1]], [at[0] + 150, at[1]]], { id: 6, kind: 'touch' }),"
+            " up(), height / probe.app.camera.height)", "[at[0] + 50, at[1]]", "probe.pixel(10)")
+        self.assertAlmostEqual(height, 2.0, places=9)  # twice as far from each other
+        np.testing.assert_allclose(there, middle, atol=1e-6)  # what was between them stays there
+
+    def test_the_picture_is_saved(self):
+        saved, size = self.values(self.page, "probe.saved('#save')", "[document.getElementById('scene').width, document.getElementById('scene').height]")
+        self.assertEqual([saved["width"], saved["height"]], size)
+        self.assertGreater(saved["width"], 600)
+        self.assertEqual(saved["name"], f"{self.bent.stem.replace('bent', 'portal')}-1.png")
+
+    def test_keys_and_slider_take_steps(self):
+        page, _ = self.snap_back()
+        last, back, further, first, forward, slid, text, play = self.values(
+            page, "probe.app.shape.step", "probe.key('ArrowLeft')", "probe.key('ArrowLeft')", "(probe.set('step', 0, 'input'), probe.key('ArrowLeft'))",
+            "probe.key('ArrowRight')", "(document.getElementById('step').stepUp(3), document.getElementById('step').dispatchEvent(new Event('input')),"
+            " probe.app.shape.step)", "document.getElementById('step-text').textContent",
+            "(probe.key(' '), Boolean(probe.app.playing) && (probe.key(' '), !probe.app.playing))")
+        self.assertEqual([back, further, first, forward, slid], [last - 1, last - 2, 0, 1, 4])
+        self.assertIn("step 4 of", text)
+        self.assertTrue(play)
+
     # pages of all kinds and sizes
 
     def test_scenes_of_the_gallery_open(self):
-        names = ("portal_frame", "star_dome", "honeycomb")  # I, tubes, rectangles
+        names = ("portal_frame", "star_dome", "honeycomb_crushed")  # I, tubes, rectangles and by far the most numbers
         for path in (*(REPOSITORY / "apps" / "gallery" / f"{name}.xml" for name in names), *FURTHER):
             ended = subprocess.run([PROGRAM, "run", str(path), "--output", str(self.folder / path.stem), "--quiet"], capture_output=True,
                                    text=True, check=False)

@@ -45,6 +45,7 @@ class App {
   showMode(number) {
     this.stopSwing();
     this.shape.showMode(number);
+    byId("step").value = this.shape.step;
     this.shape.amplitude = byId("amplitude").value * MODE_SHARE * this.result.size;
     this.showState();
   }
@@ -96,7 +97,7 @@ class App {
     this.shownField = isMode ? { label: "mode, largest = 1", unit: "" } : field;
     this.range = isMode ? [0, 1] : this.rangeOf(field);
     this.colors = !isMode && field.signed ? "signed" : "magnitude";
-    this.panel.showExtremes(field, shape.step);
+    this.panel.showExtremes(field, isMode ? -1 : shape.step);
     this.painter.setColors(this.colors);
     this.painter.setShape(shape, values);
     this.picker.forget();

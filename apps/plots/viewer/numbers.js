@@ -1,21 +1,6 @@
-// Numbers and vectors: arrays from the page, texts of numbers, ticks of axes.
+// Numbers and vectors, texts of numbers, ticks of axes.
 
-const NO_VALUE = 1e29; // values beyond it are not known; the writer of the page puts 1e30
-
-/** The bytes of an element that the writer of the page filled; null where there is none of that name. */
-function bytesOf(name) {
-  const element = document.getElementById(name);
-  if (!element) return null;
-  const text = atob(element.textContent);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-  return bytes.buffer;
-}
-
-function floatsOf(name) {
-  const bytes = bytesOf(name);
-  return bytes && new Float32Array(bytes);
-}
+const NO_VALUE = 1e29; // values beyond it are not known
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];

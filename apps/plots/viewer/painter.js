@@ -165,6 +165,7 @@ class Painter {
     gl.uniformMatrix4fv(this.place("toClip"), false, view.camera.matrix(view.reach));
     gl.uniformMatrix3fv(this.place("toEye"), false, view.camera.eye());
     gl.uniform1f(this.place("scale"), shape.scale);
+    gl.uniform1i(this.place("aligned"), shape.isAligned ? 1 : 0);
     gl.uniform1f(this.place("amplitude"), this.hasMode ? shape.amplitude : 0);
     gl.uniform1f(this.place("thickness"), view.thickness);
     gl.uniform1f(this.place("thinnest"), THINNEST * view.camera.pixel);

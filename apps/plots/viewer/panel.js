@@ -2,6 +2,8 @@
 
 const byId = (id) => document.getElementById(id);
 const MOST_VALUES = 60; // rows of the table
+const PRECISION = "Values under the pointer are kept to 1/32,000 of the largest of their component in the step, and only digits that this " +
+  "leaves are shown; the path is kept to six digits. The result file has all.";
 const HOVER_ROWS = [
   ["displacement x, y, z", "displacement"], ["N, Q₂, Q₃", "material_force"], ["T, M₂, M₃", "material_moment"],
   ["γ₁, γ₂, γ₃", "force_strain"], ["κ₁, κ₂, κ₃", "moment_strain"], ["von Mises", "von_mises_stress"],
@@ -37,7 +39,7 @@ class Panel {
     const units = result.units[0] ? `units ${result.units.join(", ")}` : "units of the scene";
     const count = (number, word) => `${number} ${word}${number === 1 ? "" : "s"}`;
     byId("subtitle").textContent = `${count(result.all_members, "member")} · ${count(result.stable.length - 1, "step")} · ${units} · mixbeam ${result.version}`;
-    for (const note of [...result.notes, "Numbers read here have seven digits (float32)."]) byId("notes").append(element("p", note));
+    for (const note of [...result.notes, PRECISION]) byId("notes").append(element("p", note));
     this.fillFields();
     this.fillSeries();
     this.fillModes();
@@ -77,11 +79,11 @@ class Panel {
     byId("mode-tools").hidden = number < 0;
   }
 
-  /** Extremes of a field in a step, as words. */
+  /** Extremes of a field in a step, as words; none of a mode, -1. */
   showExtremes(field, step) {
     const pair = field.extremes[step];
     const unit = field.unit ? ` ${field.unit}` : "";
-    byId("extremes").textContent = pair ? `this step: ${numberText(pair[0])} to ${numberText(pair[1])}${unit}` : "not recorded in this step";
+    byId("extremes").textContent = step < 0 ? "" : pair ? `this step: ${numberText(pair[0])} to ${numberText(pair[1])}${unit}` : "not recorded in this step";
   }
 
   /** Quantities, displacements, reactions in a row of the series. */
@@ -133,7 +135,7 @@ class Panel {
       const values = result.ofStep(name, step);
       if (!values) continue;
       const columns = values.length / result.samples;
-      const cells = Array.from({ length: columns }, (_, i) => between(values, columns, i));
+      const cells = Array.from({ length: columns }, (_, i) => result.known(between(values, columns, i), name, step, found.member, i));
       if (cells.every(Number.isFinite)) table.append(tableRow("td", [words, ...cells]));
     }
     hover.replaceChildren(element("b", result.members[found.member]),

@@ -1,24 +1,80 @@
-// The result that the page holds: members, steps, fields. Arrays are decoded when they are first looked at, those of a
-// step are forgotten when another one comes.
+// The result that the page holds: members, steps, fields. Numbers are unpacked when they are first looked at; as floats those
+// of a step are forgotten when another one comes.
+
+const COMPLIANT = { force_strain: ["material_force", 0], moment_strain: ["material_moment", 3] }; // and the first compliance
 
 class Result {
   constructor() {
-    Object.assign(this, JSON.parse(document.getElementById("description").textContent));
-    this.reference = floatsOf("reference"); // x, y, z from the middle; 1 at the first, 2 at the last sample of a member
-    this.arcLength = floatsOf("arc_length");
-    this.dimensions = floatsOf("dimensions"); // width, height, wall, web
-    this.restTriad = floatsOf("triad-0");
-    this.seriesValues = floatsOf("series");
+    Object.assign(this, JSON.parse(new TextDecoder().decode(bytesOf("description"))));
+    this.packed = new Map();
     this.held = new Map();
     this.heldStep = -1;
+    this.reference = this.withEnds(this.floats("reference")); // x, y, z from the middle; 1 at the first, 2 at the last sample of a member
+    this.arcLength = this.floats("arc_length");
+    this.dimensions = this.floats("dimensions"); // width, height, wall, web
+    this.restTriad = this.floats("rest_triad");
+    const path = new Packed(bytesOf("series"), this.units_of.series);
+    this.path = { rows: path.rows, values: path.columns() };
+  }
+
+  withEnds(places) {
+    const made = new Float32Array(4 * this.samples);
+    for (let i = 0; i < this.samples; ++i) made.set(row(places, i), 4 * i);
+    this.first_sample.forEach((first, member) => {
+      made[4 * first + 3] = 1;
+      made[4 * this.lastSample(member) + 3] = 2;
+    });
+    return made;
+  }
+
+  /** An array of the page; null where there is none of that name. */
+  floats(name) {
+    return this.units_of[name] ? new Packed(bytesOf(name), this.units_of[name]).floats() : null;
+  }
+
+  /** A quantity of a step: extrapolated from the steps behind, it is kept as whole numbers. Null where the step does not have it. */
+  unpacked(quantity, step) {
+    const name = `${quantity}-${step}`;
+    if (!this.units_of[name]) return null;
+    if (!this.packed.has(name)) {
+      const next = this.unpacked(quantity, step + 1);
+      const later = next ? [next, this.unpacked(quantity, step + 2)].filter(Boolean) : [];
+      this.packed.set(name, new Packed(bytesOf(name), this.units_of[name], later));
+    }
+    return this.packed.get(name);
   }
 
   /** An array of a step, null where the step does not have it. */
   ofStep(name, step) {
     if (step !== this.heldStep) this.held.clear();
     this.heldStep = step;
-    if (!this.held.has(name)) this.held.set(name, floatsOf(`${name}-${step}`));
+    if (!this.held.has(name)) {
+      const packed = this.unpacked(name, step);
+      this.held.set(name, packed ? packed.floats() : this.strains(name, step));
+    }
     return this.held.get(name);
+  }
+
+  /** A value with those of at most four digits that the page knows: what it holds are multiples of a unit. */
+  known(value, name, step, member, column) {
+    const packed = this.unpacked(name, step);
+    const [force, first] = COMPLIANT[name] || [];
+    const unit = packed ? packed.units[column]
+      : Math.abs(this.compliance[this.sections[member]][first + column]) * this.unpacked(force, step).units[column];
+    if (!value || !unit) return value;
+    return Number(value.toPrecision(clamp(Math.floor(Math.log10(Math.abs(value) / unit)) + 1, 1, 4)));
+  }
+
+  /** Strains that a page does not hold: compliances of each section times forces; null for other quantities. */
+  strains(name, step) {
+    if (!COMPLIANT[name]) return null;
+    const [force, first] = COMPLIANT[name];
+    const values = this.ofStep(force, step).slice();
+    this.first_sample.forEach((start, member) => {
+      const compliance = this.compliance[this.sections[member]];
+      for (let k = 3 * start; k < 3 * this.lastSample(member) + 3; ++k) values[k] *= compliance[first + (k % 3)];
+    });
+    return values;
   }
 
   /** Of one sample; NaN where there is no value. */
@@ -46,11 +102,11 @@ class Result {
     return (member + 1 < this.first_sample.length ? this.first_sample[member + 1] : this.samples) - 1;
   }
 
-  /** Values of a followed number, a row for each step of the run and then for each critical point. */
+  /** Values of a followed number for each step of the run and then for each critical point. */
   series(name) {
-    const rows = this.seriesValues.length / this.series_names.length;
+    const { values, rows } = this.path;
     const at = this.series_names.indexOf(name);
-    return this.seriesValues.subarray(at * rows, (at + 1) * rows);
+    return values.subarray(at * rows, (at + 1) * rows);
   }
 
   unitOfLength() {
@@ -75,7 +131,8 @@ class Shape {
     this.modeNumber = -1;
     this.mode = null;
     this.displacement = this.result.ofStep("displacement", step);
-    this.triad = this.result.ofStep("triad", step);
+    this.triad = this.result.ofStep("triad", step) || this.result.restTriad;
+    this.isAligned = this.triad === this.result.restTriad; // a page without directions: round sections follow their line
   }
 
   /** A critical state moved along its mode; the sections are those of the nearest step. */
@@ -86,8 +143,8 @@ class Shape {
       Math.abs(step.place - place) < Math.abs(result.steps[best].place - place) ? i : best, 0);
     this.showStep(nearest);
     this.modeNumber = number;
-    this.mode = floatsOf(`mode-${number}`);
-    this.displacement = floatsOf(`critical-displacement-${number}`) || this.zero;
+    this.mode = result.floats(`mode-${number}`);
+    this.displacement = result.floats(`critical-displacement-${number}`) || this.zero;
   }
 
   /** Relative to the middle of the structure. */

@@ -12,7 +12,7 @@ uniform sampler2D reference, dimensions, displacement, triad, restTriad, mode;
 uniform mat4 toClip;
 uniform mat3 toEye;
 uniform float scale, amplitude, thickness, thinnest;
-uniform bool ghost;
+uniform bool ghost, aligned; // aligned: whatever the directions are
 uniform ivec2 marked;     // samples of the member under the pointer
 out vec3 eyeNormal;
 out float value, highlight;
@@ -50,7 +50,7 @@ void align(int i, float tag, inout vec3 g1, inout vec3 g2, inout vec3 g3) {
   along = normalize(along);
   vec3 axis = cross(g1, along);
   float cosine = dot(g1, along);
-  if (cosine < -0.9) return;
+  if (cosine < (aligned ? -0.9999 : -0.9)) return;
   vec4 q = normalize(vec4(1.0 + cosine, axis));
   g1 = along; g2 = turned(q, g2); g3 = turned(q, g3);
 }
@@ -60,7 +60,7 @@ void main() {
   float tag = texelFetch(reference, at, 0).w;
   vec4 q = triadAt(i);
   vec3 g1 = turned(q, vec3(1, 0, 0)), g2 = turned(q, vec3(0, 1, 0)), g3 = turned(q, vec3(0, 0, 1));
-  if (!ghost && (scale != 1.0 || amplitude != 0.0)) align(i, tag, g1, g2, g3);
+  if (!ghost && (aligned || scale != 1.0 || amplitude != 0.0)) align(i, tag, g1, g2, g3);
   // A member never gets thinner than what can be seen.
   vec4 d = max(thickness * texelFetch(dimensions, at, 0), thinnest * vec4(1, 1, 0.3, 0.3));
   d.zw = min(d.zw, 0.5 * d.xx);
