@@ -213,6 +213,13 @@ class Scenes(InFolder):
             mixbeam.run("bad.xml")
         self.assertEqual(said.stderr.strip(), f"mixbeam: bad input: {raised.exception}")
 
+    def test_messages_of_scenes_made_here_name_no_lines(self):
+        scene = cantilever()
+        scene.members["rod"].section = "stel"
+        for use in (mixbeam.run, mixbeam.check, lambda s: mixbeam.batch(s, {"point_loads/weight/force[2]": [1.0]})):
+            with self.assertRaisesRegex(mixbeam.InputError, '^scene cantilever: "Scene / Members / rod / Section": '):
+                use(scene)
+
 
 class Bits(InFolder):
     def test_runs_have_the_bits_of_the_program(self):
@@ -370,8 +377,9 @@ class Runs(InFolder):
         run = mixbeam.run(scene)
         values = run.quantities()
         self.assertEqual(values["drop"], run.displacement("tip")[2])
-        self.assertEqual(values["most"].arc_length, 0.0)
+        self.assertEqual((values["most"].member, values["most"].arc_length), ("rod", 0.0))
         self.assertEqual(run.quantities(step=None)["drop"].shape, (len(run),))
+        self.assertEqual(run.quantities(step=None)["most"].member[-1], "rod")
 
 
 class Guest(InFolder):

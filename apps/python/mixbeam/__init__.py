@@ -33,4 +33,4 @@ def __getattr__(name):
 
 
 def __dir__():
-    return [*globals(), *_scene.classes()]
+    return [name for name in (*globals(), *_scene.classes()) if not name.startswith("_")] + ["__version__"]

@@ -15,10 +15,10 @@ import numpy as np
 from . import _core, plotting
 from .errors import ConvergenceError, InputError, unknown
 from .parameters import Parameters, root
-from .scene import Scene, text_and_file, xml_path
+from .scene import Scene, text_and_file, without_lines, xml_path
 
 Check = namedtuple("Check", "name value reference source passed")
-Extreme = namedtuple("Extreme", "value member arc_length side")
+Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
 SceneCheck = namedtuple("SceneCheck", "text warnings")
 AT_ENDS = 1e-12  # an arc length may be rounded so far, over the length of its member, and belongs to it still
 
@@ -33,8 +33,9 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
     Returns a Run. Raises InputError, ConvergenceError.
     """
     text, file = text_and_file(scene)
-    return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), threads, durable, force, listener),
-                    output, progress, on_step)
+    with without_lines(scene):
+        return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), threads, durable, force, listener),
+                        output, progress, on_step)
 
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
@@ -47,7 +48,8 @@ def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
 
 def check(scene, case=None):
     """Reads and measures a scene, solves nothing: what `mixbeam check` prints, and its warnings. Raises InputError."""
-    return SceneCheck(*_core.check(*text_and_file(scene), case))
+    with without_lines(scene):
+        return SceneCheck(*_core.check(*text_and_file(scene), case))
 
 
 def open_results(file):
@@ -74,8 +76,9 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
         raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
     values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
-    found = _core.batch(*text_and_file(scene), case, [xml_path(name) for name in columns], values,
-                        outputs.index(output), threads, say)
+    with without_lines(scene):
+        found = _core.batch(*text_and_file(scene), case, [xml_path(name) for name in columns], values,
+                            outputs.index(output), threads, say)
     numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
     causes = np.array(found["cause"], dtype=str)
     kinds = [(name, float) for name in numbers]
@@ -194,13 +197,13 @@ class Run:
     def quantity(self, kind, point=None, *, step=-1, **parameters):
         """A quantity by its name in the list Quantities ("reaction force"); see Run."""
         given = {"quantity": kind, "point": point, **parameters}
-        return _valued("q", *self._evaluate({"q": given}, step), step)
+        return _valued("q", *self._evaluate({"q": given}, step), step, list(self.members))
 
     def quantities(self, step=-1):
         """{name: value} of all quantities that the scene asks for."""
         asked = self.scene.quantities
         names, rows = self._evaluate(asked, step)
-        return {name: _valued(name, names, rows, step) for name in asked}
+        return {name: _valued(name, names, rows, step, list(self.members)) for name in asked}
 
     def _evaluate(self, entries, step):
         wanted = Parameters(root().lists["Quantities"])
@@ -309,7 +312,7 @@ class MemberResults:
         return [*super().__dir__(), *self.FIELDS]
 
 
-def _valued(name, names, rows, step):
+def _valued(name, names, rows, step, members):
     """What the columns of a quantity say: see Run."""
     rows = rows[0] if step is not None else rows.T
     places = {}
@@ -318,13 +321,15 @@ def _valued(name, names, rows, step):
             place, _, component = column[len(name):].rpartition(".") if "." in column[len(name):].rpartition("]")[2] \
                 else (column[len(name):], "", "")
             places.setdefault(place.strip("[]"), {})[component] = values
-    found = {place: _of_place(values) for place, values in places.items()}
+    found = {place: _of_place(values, members) for place, values in places.items()}
     return found[""] if list(found) == [""] else found
 
 
-def _of_place(values):
+def _of_place(values, members):
     if "member" in values:
-        return Extreme(values[""], *(values[word] for word in ("member", "arc_length", "side")))
+        numbers = np.asarray(values["member"])
+        names = [members[int(number)] if 0 <= number < len(members) else "" for number in numbers.ravel()]
+        return Extreme(values[""], names[0] if numbers.ndim == 0 else np.array(names), values["arc_length"], values["side"])
     if list(values) == [""]:
         value = values[""]
         return float(value) if np.ndim(value) == 0 else value

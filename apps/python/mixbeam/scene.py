@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import re
 from functools import cache
 from pathlib import Path
 
@@ -125,6 +126,18 @@ def _is_array(value, shape):
 
 def _plain(value):
     return value.item() if isinstance(value, np.generic) else value
+
+
+@contextlib.contextmanager
+def without_lines(scene):
+    """Messages of a scene that was made here tell its lists, not the lines of a text that nobody sees."""
+    try:
+        yield
+    except InputError as error:
+        if not isinstance(scene, Scene) or scene.file:
+            raise
+        pattern = rf"{re.escape(scene.name)}:\d+: XML path "
+        raise type(error)(re.sub(pattern, lambda _: f"scene {scene.name}: ", str(error))) from None
 
 
 def text_and_file(scene):
