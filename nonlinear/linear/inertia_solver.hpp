@@ -1,6 +1,6 @@
 /// Factorisation of a sparse matrix on one rank that also tells the signs of its pivots: by Sylvester's law of inertia
 /// a symmetric matrix has as many negative eigenvalues as its L D L^T has negative pivots. Done by MUMPS, because none
-/// of the solvers behind Amesos2 reports them.
+/// of the solvers behind Amesos2 reports them, and by LAPACK where it is small.
 #pragma once
 
 #include <memory>
@@ -40,8 +40,9 @@ class InertiaSolver {
   InertiaSolver(const InertiaSolver&) = delete;
   InertiaSolver& operator=(const InertiaSolver&) = delete;
 
-  /// Throws LinearSolverError when MUMPS gives up. `matrix`: the structure given above with values. Those factorised
-  /// last keep their factors: under dead loads the tangent at the end of a load step is the first one of the next.
+  /// Throws LinearSolverError when the solver gives up. `matrix`: the structure given above with values. Those
+  /// factorised last keep their factors: under dead loads the tangent at the end of a load step is the first one of the
+  /// next.
   Signs factorize(const SparseMatrix& matrix);
   /// How often values were not those factorised last.
   int factorizations() const;
@@ -49,8 +50,10 @@ class InertiaSolver {
   void solve(double* block, int columns, bool transposed = false);
 
  private:
+  struct Factors;
+  struct Dense;
   struct Mumps;
-  std::unique_ptr<Mumps> mumps_;
+  std::unique_ptr<Factors> factors_;
 };
 
 }  // namespace mixbeam

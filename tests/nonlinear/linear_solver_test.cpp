@@ -1,5 +1,6 @@
 // Right solutions are returned with a small backward error, wrong ones are never returned.
 #include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/linear/inertia_solver.hpp"
 
 #include "discretization/assembly/tangent.hpp"
 #include "nonlinear/linear/blas_setup.hpp"
@@ -254,6 +255,69 @@ TEST(LinearSolver, BackwardErrorIsBlindToUnitsOfRows) {
   const auto b = MixedVector::view_of(*equations.right_hand_side);
   for (int i = 0; i < 30; ++i) b(i) *= 0x1p60;
   EXPECT_EQ(backward_error(equations.matrix(), x, *equations.right_hand_side), before);
+}
+
+/// H D H with the eigenvalues 1, -2, 3, ..., so many of them negative, reflected at a plane: a full matrix.
+SparseMatrix reflected(int rows, int negative) {
+  std::vector<double> normal(rows), eigenvalue(rows);
+  double square = 0.0;
+  for (int i = 0; i < rows; ++i) {
+    normal[i] = 1.0 + i % 3;
+    eigenvalue[i] = (i < negative ? -1.0 : 1.0) * (1.0 + i);
+    square += normal[i] * normal[i];
+  }
+  const auto reflection = [&](int i, int j) { return (i == j ? 1.0 : 0.0) - 2.0 * normal[i] * normal[j] / square; };
+  SparseMatrix matrix{{0}, {}, {}};
+  for (int i = 0; i < rows; ++i) {
+    for (int j = 0; j < rows; ++j) {
+      double sum = 0.0;
+      for (int k = 0; k < rows; ++k) sum += reflection(i, k) * eigenvalue[k] * reflection(k, j);
+      matrix.column.push_back(j);
+      matrix.value.push_back(sum);
+    }
+    matrix.row_start.push_back(static_cast<int>(matrix.column.size()));
+  }
+  return matrix;
+}
+
+/// Up to 60 rows by LAPACK, above by MUMPS.
+TEST(InertiaSolver, MatricesOfAnySizeHaveTheSignsThatTheyWereMadeWith) {
+  for (int rows : {1, 2, 7, 60, 61})
+    for (int negative : {0, 1, rows / 2}) {
+      const SparseMatrix matrix = reflected(rows, negative);
+      InertiaSolver solver(InertiaSolver::Kind::symmetric, matrix);
+      const InertiaSolver::Signs signs = solver.factorize(matrix);
+      EXPECT_EQ(signs.negative, negative) << rows;
+      EXPECT_EQ(signs.determinant_sign, negative % 2 == 0 ? 1 : -1);
+      EXPECT_EQ(signs.null, 0);
+      std::vector<double> x(rows, 1.0), b(rows);
+      solver.solve(x.data(), 1);
+      matrix.multiply(x.data(), b.data());
+      for (double one : b) EXPECT_NEAR(one, 1.0, 1e-11) << rows;
+      if (negative < rows) {  // another matrix is told apart
+        EXPECT_EQ(solver.factorize(reflected(rows, negative + 1)).negative, negative + 1);
+        EXPECT_EQ(solver.factorizations(), 2);
+      }
+    }
+}
+
+TEST(InertiaSolver, PivotsOfTwoRowsAndNullOnesAreCounted) {
+  const SparseMatrix exchange{{0, 1, 2, 3, 4}, {1, 0, 3, 2}, {1.0, 1.0, 2.0, 2.0}};  // 1, -1, 2, -2
+  InertiaSolver solver(InertiaSolver::Kind::symmetric, exchange);
+  EXPECT_EQ(solver.factorize(exchange).negative, 2);
+  std::vector<double> x = {1.0, 2.0, 3.0, 4.0};
+  solver.solve(x.data(), 1);
+  EXPECT_EQ(x, (std::vector<double>{2.0, 1.0, 2.0, 1.5}));
+  SparseMatrix singular = exchange;
+  singular.value[2] = singular.value[3] = 0.0;
+  const InertiaSolver::Signs signs = solver.factorize(singular);
+  EXPECT_EQ(signs.negative, 1);
+  EXPECT_EQ(signs.null, 2);
+  EXPECT_EQ(signs.determinant_sign, 0);
+  x = {1.0, 2.0, 3.0, 4.0};
+  solver.solve(x.data(), 1);
+  EXPECT_NEAR(x[0], 2.0, 1e-15);
+  for (double one : x) EXPECT_TRUE(std::isfinite(one));
 }
 
 }  // namespace
