@@ -60,7 +60,8 @@ void set_up_batch(Application& app, const CommandLine& line) {
   describe_run(app, "mixbeam", line.threads);
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
-    throw app.xml.source.error({"Batch"}, "missing ParameterList; needed: the cases, by \"Table\" or \"Vary\"");
+    throw app.xml.source.error(
+        {"Batch"}, "missing " + app.xml.source.list_word() + "; needed: the cases, by \"Table\" or \"Vary\"");
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   prepare_output_folder(app.output);

@@ -92,9 +92,9 @@ CaseScenes::Place CaseScenes::find_in(Teuchos::ParameterList& list, const std::v
     for (const std::string& name : names_of(*here))
       if (here->isSublist(name) != is_last) names.push_back(name);
     if (std::find(names.begin(), names.end(), path[i]) == names.end())
-      throw refused(column, "no " + std::string(is_last ? "Parameter" : "ParameterList") + " \"" + excerpt(path[i]) +
-                                "\" in the list \"" + here->name() + "\" of the scene; allowed: " + quoted_list(names) +
-                                did_you_mean(path[i], names));
+      throw refused(column, "no " + (is_last ? app_.xml.source.parameter_word() : app_.xml.source.list_word()) + " \"" +
+                                excerpt(path[i]) + "\" in the list \"" + here->name() +
+                                "\" of the scene; allowed: " + quoted_list(names) + did_you_mean(path[i], names));
     if (!is_last) here = &here->sublist(path[i]);
   }
   Teuchos::ParameterEntry& entry = *here->getEntryPtr(path.back());

@@ -35,6 +35,9 @@ class ParameterSource {
   void set_root_name(const std::string& name) { root_name_ = name; }
   /// Language of the file, `XML`, for messages.
   void set_language(const std::string& name) { language_ = name; }
+  /// What the language of the file calls a list and a parameter.
+  std::string list_word() const { return language_ == "YAML" ? "map" : "ParameterList"; }
+  std::string parameter_word() const { return language_ == "YAML" ? "value" : "Parameter"; }
   /// Remembers the place of an entry. Throws InputError if there was one of this path before: names in a list differ.
   /// `column`: 0 where it says nothing.
   void record(const ParameterPath& path, int line, int column = 0);

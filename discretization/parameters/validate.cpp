@@ -180,9 +180,9 @@ class Validator {
       const bool list_declared = spec.find_list(name) != nullptr;
       path_.push_back(name);
       if (parameter_declared && is_list) {
-        throw error("a ParameterList; allowed: a Parameter, " + allowed_values(*spec.find_parameter(name)));
+        throw error("a " + list_ + "; allowed: a " + parameter_ + ", " + allowed_values(*spec.find_parameter(name)));
       }
-      if (list_declared && !is_list) throw error("a Parameter; allowed: a ParameterList of this name");
+      if (list_declared && !is_list) throw error("a " + parameter_ + "; allowed: a " + list_ + " of this name");
       if (!parameter_declared && !list_declared) check_free_name(spec, name, is_list);
       path_.pop_back();
     }
@@ -193,13 +193,12 @@ class Validator {
     if (allowed) return;
     const std::vector<std::string> names = spec.fixed_names();
     const std::string hint = did_you_mean(name, names);
-    if (spec.named_list) throw error("a Parameter; allowed: one ParameterList per " + spec.placeholder + hint);
+    if (spec.named_list) throw error("a " + parameter_ + "; allowed: one " + list_ + " per " + spec.placeholder + hint);
     if (spec.named_parameter) {
-      throw error("a ParameterList; allowed: one Parameter per " + spec.placeholder + ", " +
+      throw error("a " + list_ + "; allowed: one " + parameter_ + " per " + spec.placeholder + ", " +
                   allowed_values(*spec.named_parameter) + hint);
     }
-    throw error("unknown name of a " + std::string(is_list ? "ParameterList" : "Parameter") +
-                "; allowed: " + quoted_list(names) + hint);
+    throw error("unknown name of a " + (is_list ? list_ : parameter_) + "; allowed: " + quoted_list(names) + hint);
   }
 
   /// A word in place of a number; booleans become the word of their name.
@@ -229,7 +228,7 @@ class Validator {
 
   void check_sublist(ParameterList& list, const SublistSpec& spec) {
     if (!list.isSublist(spec.name)) {
-      if (spec.presence == Presence::required) throw error("missing ParameterList; needed: " + spec.list->meaning);
+      if (spec.presence == Presence::required) throw error("missing " + list_ + "; needed: " + spec.list->meaning);
       if (spec.presence == Presence::optional) return;
     }
     check_list(list.sublist(spec.name), *spec.list);
@@ -266,13 +265,14 @@ class Validator {
     if (nearest.size() == 0) return;
     const bool missing = !nearest.missing.empty();
     const std::string& name = missing ? nearest.missing.front() : nearest.too_many.front();
-    const std::string what = spec.find_list(name) != nullptr ? "missing ParameterList" : "missing";
+    const std::string what = spec.find_list(name) != nullptr ? "missing " + list_ : "missing";
     throw source_.error(child(path_, name), (missing ? what + "; needed" : "given, but has no meaning") + " for \"" +
                                                 spec.form_parameter + "\" = \"" + word +
                                                 "\"; allowed with it: " + described_forms(spec, forms));
   }
 
   const ParameterSource& source_;
+  const std::string list_ = source_.list_word(), parameter_ = source_.parameter_word();
   ParameterPath path_;
   std::vector<std::string> warnings_;
 };

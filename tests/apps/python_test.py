@@ -114,6 +114,19 @@ class Scenes(InFolder):
         with self.assertRaisesRegex(mixbeam.InputError, "wrong.yaml:2"):
             mixbeam.run("wrong.yaml")
 
+    def test_messages_of_yaml_speak_of_its_maps_and_values(self):
+        wrong = (("Scene: 3\n", r"^wrong.yaml:1:1: YAML path .Scene.: a value; allowed: a map "),
+                 ("Analysis: {}\n", "missing map; needed: "),
+                 ("Scene:\n  Points:\n    a: {x: 1}\n", "^wrong.yaml:3:5: .*: a map; allowed: one value per "),
+                 ("Scene:\n  Sectoins: {}\n", "^wrong.yaml:2:.*: unknown name of a map; .*Sections"))
+        for text, said in wrong:
+            Path("wrong.yaml").write_text(text)
+            with self.assertRaisesRegex(mixbeam.InputError, said) as raised:
+                mixbeam.check("wrong.yaml")
+            self.assertNotIn("Parameter", str(raised.exception))
+        with self.assertRaisesRegex(mixbeam.InputError, "XML path .* a Parameter; allowed: a ParameterList"):
+            mixbeam.check("<ParameterList name='x'><Parameter name='Scene' type='int' value='3'/></ParameterList>")
+
     def test_every_scene_is_the_same_list_after_yaml_and_back(self):
         for file in SCENES:
             scene = mixbeam.read(file)

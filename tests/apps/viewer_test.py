@@ -24,6 +24,7 @@ sys.path.insert(0, str(REPOSITORY / "apps" / "plots"))
 import numpy as np  # noqa: E402
 
 import view_data  # noqa: E402
+import view_steps  # noqa: E402
 from results import Run  # noqa: E402
 from small_scenes import NUMBERS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
 from view_result import view_page  # noqa: E402
@@ -231,6 +232,15 @@ class Viewer(unittest.TestCase):
                 for name, read in zip(names, arrays):
                     self.assertLess(off(read, step, name), KEPT, (number, name))
             self.assertGreater(off(steps[5][1], run.steps[6], names[0]), KEPT)  # another step is told apart
+
+    def test_steps_that_have_no_room_are_left_out(self):
+        for module, name, value in ((view_data, "MOST_BYTES", 0), (view_steps, "FEWEST_STEPS", 4)):
+            self.addCleanup(setattr, module, name, getattr(module, name))
+            setattr(module, name, value)
+        with Run(self.snap_back()[1]) as run:
+            shown, count = view_data.ViewData(run).description, len(run.steps)
+        self.assertEqual([step["place"] for step in shown["steps"]], [round(i * (count - 1) / 3) for i in range(4)])
+        self.assertIn(f"4 of {count} steps are drawn; the load path has all.", shown["notes"])
 
     @staticmethod
     def off(read, meant):
