@@ -18,7 +18,6 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShootingError = 1e-12;
 constexpr double kThrustDigits = 3e-11;  // printed, relative to the smallest of them
-constexpr std::uint64_t kSeriesSeed = 15;
 /// Of the paths whose end is known, those that may be given up.
 constexpr double kMostRefused = 0.02;
 
@@ -144,9 +143,10 @@ void run_random_paths(Application& app) {
             "plain_processor_seconds,reference_iterations,reference_processor_seconds,reference_step,failure"),
       12);
   const double step = app.study().get<double>("Reference Step");
+  const auto seed = static_cast<std::uint64_t>(app.study().get<int>("Random Seed"));
   std::map<PathOutcome, int> ends;
   for (int number = 0; number < count; ++number) {
-    const ImperfectStructure structure = imperfect_structure(kSeriesSeed, number);
+    const ImperfectStructure structure = imperfect_structure(seed, number);
     SolverParameters parameters = app.solver;
     parameters.threads = app.threads_for(structure.scene, parameters);
     const JudgedPath judged = judge_path(structure.scene, parameters, step, app.communicator);
@@ -184,6 +184,7 @@ ListSpec extremes_spec() {
            "Also sweep structures whose critical loads have a closed form: a truss, a heated rail.");
   spec.add(count("Random Structures", 500, 100000,
                  "Imperfect structures whose paths are compared with those of small steps; 3 s each.", 0));
+  spec.add(count("Random Seed", 15, 1000000, "Begins the series of structures; another seed, other structures.", 0));
   spec.add(real("Reference Step").above(0.0).at_most(0.1).by_default(0.002),
            "Largest load step of a reference; a second one takes half of it.");
   return spec;
