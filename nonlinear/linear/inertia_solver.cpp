@@ -53,6 +53,20 @@ double asymmetry(const SparseMatrix& a) {
   return largest;
 }
 
+SparseMatrix symmetric_part(SparseMatrix a) {
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      const int j = a.column[k];
+      if (j >= i) continue;
+      const auto end = a.column.begin() + a.row_start[j + 1];
+      const auto mirrored = std::find(a.column.begin() + a.row_start[j], end, i);
+      if (mirrored == end) continue;
+      double& other = a.value[mirrored - a.column.begin()];
+      a.value[k] = other = 0.5 * (a.value[k] + other);
+    }
+  return a;
+}
+
 namespace {
 
 // Jobs and control parameters by their names in the users' guide of MUMPS 5; its arrays count from one.

@@ -21,6 +21,9 @@ struct SparseMatrix {
 /// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
 double asymmetry(const SparseMatrix& a);
 
+/// (A + A^T) / 2 where the entries of A^T have a place in A, as those of structures have.
+SparseMatrix symmetric_part(SparseMatrix a);
+
 /// Ordered by METIS' nested dissection on groups of rows with the same columns.
 class InertiaSolver {
  public:

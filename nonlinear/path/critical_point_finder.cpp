@@ -127,7 +127,8 @@ void CriticalPointFinder::choose_space(Bracket& bracket) {
 /// count only tells the sign of the determinant: then no eigenvalue of the vertices needs to pass zero.
 bool CriticalPointFinder::needs_counting(const Bracket& bracket) {
   if (turns(bracket) || bracket.space) return false;
-  if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric) return true;
+  if (!bracket.low.station.stability->symmetric || !bracket.high.station.stability->symmetric)
+    return bracket.changes() == 1 || bracket.width() < kTogether;
   const auto interior = [&](const Sample& sample) {
     return stability_.count(sample.station.state, sample.station.load_factor).inside;
   };

@@ -209,8 +209,14 @@ CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
                       high.negative(),           high.station.state,       model_.create_vector()};
   point.mode.fill(0.0);
   point.modes = std::abs(high.negative() - low.negative());
-  if (!high.station.stability->symmetric) find_modes(point);
   point.error = std::abs(high.station.load_factor - low.station.load_factor);
+  if (high.station.stability->symmetric) return point;
+  // counted as negative from the error of an eigenvalue on
+  const double noise = find_modes(point);
+  const Station& start = bracket.low.station;
+  const std::vector<EigenMode> far = stability_.modes_near_zero(start.state, start.load_factor, 1);
+  if (!far.empty())
+    point.error += noise / std::abs(far.front().eigenvalue) * std::abs(point.load_factor - start.load_factor);
   return point;
 }
 
@@ -281,8 +287,8 @@ CriticalPoint CriticalPointFinder::locate(Bracket& bracket) {
 /// Returns the error of the eigenvalue nearest to zero.
 double CriticalPointFinder::find_modes(CriticalPoint& point) {
   std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
-  for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
   if (modes.empty()) return 0.0;
+  for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
   point.mode = point.eigenspace.front().clone(true);
   return modes.front().error;
 }

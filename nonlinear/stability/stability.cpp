@@ -38,6 +38,9 @@ constexpr double kNearZero = 1e-4;
 constexpr double kNearRounding = 100.0;
 /// Modes looked at there: at first, and at most. More zero eigenvalues than this are those of a mechanism.
 constexpr int kFirstNull = 4, kMostNull = 16;
+/// Without symmetry up to so many real eigenvalues are counted, and so many more are looked at: negative ones need not
+/// be the nearest to zero.
+constexpr int kMostDivergent = 16, kMoreModes = 4;
 
 SparseMatrix shifted(SparseMatrix matrix, double shift) {
   for (int i = 0; i < matrix.rows(); ++i)
@@ -134,6 +137,13 @@ Stability::RootResult Stability::factorized(const SparseMatrix& matrix, Solvers&
   return root;
 }
 
+/// No more real eigenvalues of a matrix are below zero, as a rule: their vectors have negative forms.
+int Stability::negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers) {
+  if (solvers.symmetric == nullptr)
+    solvers.symmetric = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, matrix);
+  return solvers.symmetric->factorize(symmetric_part(matrix)).negative;
+}
+
 void Stability::look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root) {
   if (matrix.rows() == 0 || root.result.null > 0 || !root.result.symmetric) return;
   const auto [size, rounding] = nearest_eigenvalue(matrix, *solvers.symmetric);
@@ -157,6 +167,7 @@ Stability::RootResult Stability::completed(RootResult root, MPI_Comm communicato
   result.negative = static_cast<int>(numbers[0] + eliminated);
   result.sign = static_cast<int>(numbers[4]) * (eliminated % 2 == 0 ? 1 : -1);
   root.is_near_zero = numbers[5] == 1.0;
+  root.of_symmetric_part = result.negative;
   if (result.symmetric)
     result.sign = sign_of(result.negative, result.null);
   else
@@ -176,6 +187,7 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
   RootResult root;
   on_root(copy, [&] {
     root = factorized(matrix, beside_chains_);
+    if (!root.result.symmetric) root.result.negative = negative_of_symmetric_part(matrix, beside_chains_);
     look_for_zero(matrix, beside_chains_, look.zero, root);
   });
   long negative = chains_->negative_pivots();
@@ -190,7 +202,11 @@ Stability::RootResult Stability::factorized_beside_chains(const Look& look) {
 std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) {
   const RootResult root = factorized_beside_chains(look);
   if (!root.is_reliable || root.is_near_zero || root.result.null > 0 || look.interior.uncertain) return std::nullopt;
-  if (!root.result.symmetric) return root.result;
+  if (!root.result.symmetric) {
+    // The determinant tells one negative eigenvalue from none, but not two.
+    if (root.of_symmetric_part < 2 || root.of_symmetric_part > kMostDivergent) return root.result;
+    return spectrum(look.state(), look.load_factor(), root.of_symmetric_part + kMoreModes).stability;
+  }
   DofVector remaining_b(chains_->matrix()->getRowMap()), remaining_x(chains_->matrix()->getRowMap());
   const IndependentUnknowns& remaining = *unknowns_beside_chains_;
   const auto solve = [&](const DofVector& b, DofVector& x) {

@@ -137,6 +137,7 @@ class Stability {
     double nearest = 0.0;  ///< size of the eigenvalue nearest to zero, not below it; rank 0
     bool is_near_zero = false;
     bool is_reliable = true;
+    int of_symmetric_part = 0;  ///< without symmetry: negative eigenvalues of (K + K^T) / 2
   };
 
   /// A tangent, and what is known of it before any factorisation.
@@ -152,6 +153,7 @@ class Stability {
   Look assemble(const State& state, double load_factor);
   double least_stiffness();
   RootResult factorized(const SparseMatrix& matrix, Solvers& solvers) const;
+  static int negative_of_symmetric_part(const SparseMatrix& matrix, Solvers& solvers);
   static void look_for_zero(const SparseMatrix& matrix, const Solvers& solvers, double zero, RootResult& root);
   static RootResult completed(RootResult root, MPI_Comm communicator, const Look& look, long of_chains);
   RootResult factorized_beside_chains(const Look& look);

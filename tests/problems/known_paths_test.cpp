@@ -358,6 +358,26 @@ Scene star_dome(double load) {
   return without_section(scene, {"", 1e4, {kRigid, kRigid}, 1.0, {1.0, 100.0}});
 }
 
+/// Four quarters of radius 1 and EA = 1e4 under a pressure of 5 that follows them, with a dead force at the top.
+Scene pressed_ring(const Vector3& force) {
+  const auto name = [](int i) { return "p" + std::to_string(i % 4); };
+  Scene scene;
+  scene.points = {{"p0", {1, 0, 0}}, {"p1", {0, 1, 0}}, {"p2", {-1, 0, 0}}, {"p3", {0, -1, 0}}};
+  for (int i = 0; i < 4; ++i) {
+    const Vector3& start = scene.points[static_cast<size_t>(i)].position;
+    const std::string quarter = "quarter " + std::to_string(i);
+    scene.members.push_back(arc(quarter, name(i), name(i + 1), {0, 0, 0}, {0, 0, 1}, 0.5 * kPi, 5, 16));
+    scene.members.back().second_axis = {-start[0], -start[1], 0};
+    scene.distributed_loads.push_back({quarter, {0, 5, 0}});
+    scene.distributed_loads.back().frame = LoadFrame::follower;
+    hold_in_plane(scene, name(i));
+  }
+  scene.supports[0].displacement_fixed = {true, true, true};
+  scene.supports[2].displacement_fixed = {false, true, true};
+  scene.point_loads = {dead_load("p1", force)};
+  return without_section(scene, rod(1e4));
+}
+
 /// Williams' toggle.
 Scene toggle(double load) {
   Scene scene;
@@ -582,6 +602,13 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
   }
   table.push_back({"ImperfectColumnWithoutStability", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
                    without_stability(), at_end({{"tip", kX, -0.33736608406}, {"tip", kY, 0.65716809204}})});
+  // Shooting with Runge-Kutta 8(5, 3): the real eigenvalues that pass zero are two, which no determinant tells.
+  table.push_back({"RingUnderPressure",
+                   pressed_ring({2e-5, -1e-4, 0}),
+                   {},
+                   at_end({{"p1", kX, -0.2479916520321, 1e-5},
+                           {"p1", kY, -0.9419831507033, 1e-5},
+                           {"p2", kX, -0.7068451300314, 1e-5}})});
   table.push_back({"ImperfectColumnControlled", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
                    controlled("tip", kY, 0.65716809204), at_load_factor(1.0, {{"tip", kX, -0.33736608406, 1e-7}})});
   table.push_back({"BowedColumn",
@@ -717,6 +744,10 @@ void add_counts(std::vector<KnownPath>& table) {
     return answer;
   };
   const CriticalKind bifurcation = CriticalKind::bifurcation;
+  // q (1 - q / EA) = 3, for both directions of the ellipse
+  Answer ellipse = primary({{0.2 * 0.5e4 * (1.0 - std::sqrt(1.0 - 12e-4)), bifurcation, 2}}, 1e-5);
+  ellipse.verdict = Verdict::unstable;
+  table.push_back({"PerfectRingUnderPressure", pressed_ring({}), {}, ellipse});
   table.push_back({"BucklesInsideItsElement",
                    sliding_clamps(60.0, 8, 1),
                    {},
