@@ -22,8 +22,11 @@ constexpr double kShortStep = 1e-3;
 /// Points closer together than this share of the step are one multiple point.
 constexpr double kTogether = 1e-6;
 /// Eigenvalues vanish together when their secants cross zero within this share of a bracket, and again of one that
-/// reaches from there by kCloser of it to both sides. Else the bracket is divided, at this share of it at least.
+/// reaches from there by kCloser of it to both sides, nearly to rounding. Else the bracket is divided, at this share of
+/// it at least.
 constexpr double kNearlyTogether = 1e-2, kCloser = 0.02, kLeastPart = 0.1;
+/// The latter secants of eigenvalues that do vanish together, those of equal parts, agree to rounding.
+constexpr double kTogetherCloser = 1e-4;
 /// A prediction by the cubic through known points has the error of the one along the tangents at both ends times the
 /// ratio of the products of the distances to the four points of support. The latter are not quite those of the path
 /// where rotations do not commute.
@@ -163,7 +166,7 @@ std::vector<CriticalPointFinder::Sample> CriticalPointFinder::between(const Brac
     return closer;
   const std::vector<double> again =
       secant_places(modes_of(closer.front(), bracket.space), modes_of(closer.back(), bracket.space));
-  if (again.back() - again.front() < kNearlyTogether) closer.clear();
+  if (again.back() - again.front() < kTogetherCloser) closer.clear();
   return closer;
 }
 

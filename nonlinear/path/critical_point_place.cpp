@@ -284,13 +284,16 @@ CriticalPoint CriticalPointFinder::locate(Bracket& bracket) {
   return point;
 }
 
-/// Returns the error of the eigenvalue nearest to zero.
+/// Returns the error of the eigenvalue nearest to zero; of several at one place how far they are from it.
 double CriticalPointFinder::find_modes(CriticalPoint& point) {
   std::vector<EigenMode> modes = stability_.modes_near_zero(point.state, point.load_factor, point.modes);
   if (modes.empty()) return 0.0;
   for (EigenMode& mode : modes) point.eigenspace.push_back(std::move(mode.mode));
   point.mode = point.eigenspace.front().clone(true);
-  return modes.front().error;
+  double error = modes.front().error;
+  for (const EigenMode& mode : modes)
+    if (point.modes > 1) error = std::max(error, std::abs(mode.eigenvalue));
+  return error;
 }
 
 }  // namespace mixbeam

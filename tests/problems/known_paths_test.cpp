@@ -748,6 +748,14 @@ void add_counts(std::vector<KnownPath>& table) {
   Answer ellipse = primary({{0.2 * 0.5e4 * (1.0 - std::sqrt(1.0 - 12e-4)), bifurcation, 2}}, 1e-5);
   ellipse.verdict = Verdict::unstable;
   table.push_back({"PerfectRingUnderPressure", pressed_ring({}), {}, ellipse});
+  for (const double apart : {1e-2, 1e-4}) {  // two points, not a double one
+    Scene nearly_round = thrust_column(1.2 * kEuler, 0.0, false);
+    nearly_round.sections[0].bending_stiffness = {1.0, 1.0 + apart};
+    table.push_back({"NearlyRoundColumn" + std::to_string(static_cast<int>(-std::log10(apart))),
+                     nearly_round,
+                     {},
+                     primary({{1.0 / 1.2, bifurcation, 1}, {(1.0 + apart) / 1.2, bifurcation, 1}}, kDigits)});
+  }
   table.push_back({"BucklesInsideItsElement",
                    sliding_clamps(60.0, 8, 1),
                    {},
