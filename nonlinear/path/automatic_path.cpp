@@ -204,10 +204,7 @@ class AutomaticPath {
   }
 
   /// Where loads turn back the path does so too, and steps along it would have to turn on the spot.
-  bool shorten_load_step(double size) {
-    size_ = 0.5 * std::abs(size);
-    return size_ >= rule_.minimum;
-  }
+  bool shorten_load_step(double size) { return (size_ = 0.5 * std::abs(size)) >= rule_.minimum; }
 
   /// Whether the loads turn back within reach of the next step along the path; then it is one of the load.
   bool meets_turning_loads() {
@@ -233,7 +230,9 @@ class AutomaticPath {
     length_ = spin > 0.0 ? kFirstSpin / spin : 1.0;
     const double to_goal = std::abs((goal_.value() - goal_now()) / rate);
     if (std::isfinite(to_goal)) length_ = std::min(length_, to_goal);
-    length_ = std::min(length_, 1.0 / std::max(std::abs(here_.tangent.load), 1e-300));  // one stage
+    // one stage; where loads have formulas not as far as the load step that has failed: it would be tried again
+    const double farthest = judge_.loads().have_formulas() ? size_ / kReach : 1.0;
+    length_ = std::min(length_, farthest / std::max(std::abs(here_.tangent.load), 1e-300));
     return true;
   }
 

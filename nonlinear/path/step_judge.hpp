@@ -51,6 +51,7 @@ class LoadHistory {
   /// Whether all loads, prescribed motions and eigenstrains change in proportion between two load factors, none turning
   /// back: always where there are no formulas.
   bool is_straight(double from, double to) const;
+  bool have_formulas() const { return !amplitudes_.empty(); }
 
  private:
   std::vector<Amplitude> amplitudes_;  ///< different ones; empty: there are no formulas

@@ -602,6 +602,13 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
   }
   table.push_back({"ImperfectColumnWithoutStability", thrust_column(1.2 * kEuler, 0.012 * kEuler, true),
                    without_stability(), at_end({{"tip", kX, -0.33736608406}, {"tip", kY, 0.65716809204}})});
+  // twice the load on the way, and back
+  SolverParameters small_steps;
+  small_steps.load_path.initial_step = small_steps.load_path.maximum_step = 0.02;
+  Scene there_and_back = thrust_column(1.5 * kEuler, 1.5e-4 * kEuler, true);
+  there_and_back.point_loads[0].amplitude = "sqrt(2)*sin(0.75*pi*t)";
+  table.push_back({"ImperfectColumnThereAndBack", there_and_back, small_steps,
+                   at_end({{"tip", kX, 0.36356255916 - 1.0}, {"tip", kY, 0.78858405530}})});
   // Shooting with Runge-Kutta 8(5, 3): the real eigenvalues that pass zero are two, which no determinant tells.
   table.push_back({"RingUnderPressure",
                    pressed_ring({2e-5, -1e-4, 0}),
