@@ -160,10 +160,10 @@ class AutomaticPath {
       if (take_branch(point, passed)) return true;
     if (!passed.empty())
       require_motion(next, "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
-    way_->add(measure_, moved);
+    way_->add(measure_, moved, problem_->model, passed);
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
-    if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it began"};
+    if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it was"};
     return true;
   }
 

@@ -1,5 +1,7 @@
 #include "nonlinear/path/path_measure.hpp"
 
+#include "discretization/state/difference.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -89,14 +91,37 @@ PathDirection scaled(const PathDirection& a, double factor) {
   return result;
 }
 
-void Way::add(const PathMeasure& measure, const PathDirection& moved) {
+namespace {
+
+/// Whether two limit points at nearly one load factor are one. Places are known less well: the load is stationary.
+bool are_one(const Model& model, const State& a, const State& b) {
+  constexpr double kSamePlace = 1e-4;
+  double largest = 0.0;
+  for (const Vector3& moved : difference(model, a, b).vertex_displacement)
+    largest = std::max(largest, std::hypot(moved[0], moved[1], moved[2]));
+  return largest <= kSamePlace * model.structure().length;
+}
+
+}  // namespace
+
+void Way::add(const PathMeasure& measure, const PathDirection& moved, const Model& model,
+              const std::vector<CriticalPoint>& passed) {
+  constexpr double kSameLoad = 1e-7;
   travelled_ += measure.motion(moved.x);
   sum_.update(1.0, moved.x, 1.0);
+  for (const CriticalPoint& point : passed) {
+    if (point.kind != CriticalKind::limit_point) continue;
+    for (const LimitPoint& limit : limits_)
+      if (std::abs(limit.load_factor - point.load_factor) <= kSameLoad * std::abs(point.load_factor))
+        meets_again_ = meets_again_ || are_one(model, limit.state, point.state);
+    limits_.push_back({point.state, point.load_factor});
+  }
 }
 
 bool Way::returns(const PathMeasure& measure, const Station& here, const PathDirection& last) const {
   constexpr double kRound = 10.0, kSameDirection = 0.9;
   const double chord = measure.motion(last.x);
+  if (meets_again_) return true;
   return begin_.has_tangent() && travelled_ > kRound * chord && measure.motion(sum_) <= chord &&
          std::abs(here.load_factor - begin_.load_factor) <= std::abs(last.load) &&
          measure.cosine(here.tangent.x, begin_.tangent.x) >= kSameDirection &&

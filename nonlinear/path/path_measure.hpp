@@ -2,6 +2,7 @@
 #pragma once
 
 #include "nonlinear/newton/beam_group.hpp"
+#include "nonlinear/stability/critical_point.hpp"
 #include "nonlinear/stability/stability.hpp"
 
 #include <cmath>
@@ -72,14 +73,23 @@ struct Station {
 class Way {
  public:
   explicit Way(const Station& begin) : begin_(begin), sum_(begin.tangent.x.clone(false)) { sum_.fill(0.0); }
-  void add(const PathMeasure& measure, const PathDirection& moved);
-  /// Whether the path has come back to its start, in the same direction, with the last step.
+  /// A step, and the critical points in it.
+  void add(const PathMeasure& measure, const PathDirection& moved, const Model& model,
+           const std::vector<CriticalPoint>& passed);
+  /// Whether the path has come back to its start, in the same direction, with the last step. Or to a limit point: one
+  /// path alone runs through it, and once, so that the path has turned back somewhere, unseen.
   bool returns(const PathMeasure& measure, const Station& here, const PathDirection& last) const;
 
  private:
   Station begin_;
   MixedVector sum_;         ///< of the increments
   double travelled_ = 0.0;  ///< sum of their lengths
+  struct LimitPoint {
+    State state;
+    double load_factor;
+  };
+  std::vector<LimitPoint> limits_{};
+  bool meets_again_ = false;  ///< one of them
 };
 
 }  // namespace mixbeam

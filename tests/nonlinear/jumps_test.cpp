@@ -3,6 +3,8 @@
 #include "discretization/state/potential.hpp"
 #include "kernels/math/constants.hpp"
 #include "nonlinear/newton/step.hpp"
+#include "nonlinear/path/path_measure.hpp"
+#include "tests/nonlinear/stability_fixture.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/solve.hpp"
 
@@ -297,6 +299,33 @@ TEST(Potential, NothingIsReleasedAlongAPath) {
   };
   const double coarse = released_in(1.0 / 4.0), fine = released_in(1.0 / 8.0);
   EXPECT_NEAR(coarse / fine, 8.0, 3.0);
+}
+
+/// One path alone runs through a limit point, and once.
+TEST(Way, MeetsALimitPointAgain) {
+  StabilityFixture beam(column(1.0));
+  const Model& model = beam.problem().model;
+  const PathMeasure measure(model);
+  const Station begin{model.reference_state(), 0.0, {model.create_vector(), 1.0}};
+  MixedVector aside = model.create_vector();
+  aside.fill(0.0);
+  const auto rows = aside.vertex();
+  rows(rows.extent(0) - kVertexDofs + 1) = 0.01;
+  const PathDirection step{aside.clone(true), 0.5};
+  const auto meets_again = [&](double load_factor, double share, CriticalKind kind) {
+    const auto point_at = [&](double load, double part, CriticalKind k) {
+      return CriticalPoint{k, load, 0, 1, model.apply(begin.state, aside, part), model.create_vector()};
+    };
+    Way way(begin);
+    way.add(measure, step, model, {point_at(0.7, 1.0, CriticalKind::limit_point)});
+    EXPECT_FALSE(way.returns(measure, begin, step));
+    way.add(measure, step, model, {point_at(load_factor, share, kind)});
+    return way.returns(measure, begin, step);
+  };
+  EXPECT_TRUE(meets_again(0.7 + 1e-9, 1.0 + 1e-5, CriticalKind::limit_point));
+  EXPECT_FALSE(meets_again(0.7, 0.9, CriticalKind::limit_point));  // equal parts snap one after the other
+  EXPECT_FALSE(meets_again(0.71, 1.0, CriticalKind::limit_point));
+  EXPECT_FALSE(meets_again(0.7, 1.0, CriticalKind::bifurcation));  // crossed by two branches
 }
 
 }  // namespace
