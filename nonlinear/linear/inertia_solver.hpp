@@ -49,6 +49,8 @@ class InertiaSolver {
   Signs factorize(const SparseMatrix& matrix);
   /// How often values were not those factorised last.
   int factorizations() const;
+  /// Solves that take as long as a factorisation, about.
+  double solves_for_factors() const;
   /// Replaces each column of `block` (column-major, one after the other) by A^-1 times it, or by A^-T.
   void solve(double* block, int columns, bool transposed = false);
 

@@ -67,8 +67,23 @@ class DirectSolver : public LinearSolver {
     if (matrix->getRowMap()->getComm()->getSize() > 1) root_ = std::make_unique<RootCopy>(matrix);
   }
 
+  void forget() override {
+    if (factors_ != nullptr) factors_->forget();
+  }
+
+  void take_over(LinearSolver& other) override {
+    const auto* from = dynamic_cast<const DirectSolver*>(&other);
+    if (from == nullptr || root_ != nullptr || method_ != kMumps) return;
+    if (const auto* factors = dynamic_cast<const NetworkFactors*>(from->factors_.get())) {
+      auto here = std::make_unique<NetworkFactors>(matrix_, times_);
+      here->take_over(*factors);
+      factors_ = std::move(here);
+    }
+  }
+
   void factorize() override {
     if (root_ != nullptr) {
+      forget();  // ranks that wait for a solution must not be left alone with an error
       PhaseTimer timer(times_, "gather matrix");
       root_->gather_values();
     }

@@ -16,13 +16,17 @@ class LocalFactors {
   virtual void factorize() = 0;
   virtual void solve(const DofVector& b, DofVector& x) = 0;
   /// As LinearSolver::negative_eigenvalues.
-  virtual std::optional<long> negative_eigenvalues() const { return {}; }
+  virtual std::optional<long> negative_eigenvalues() { return {}; }
+  /// As LinearSolver::forget.
+  virtual void forget() {}
 };
 
 /// Unknowns that have an equation of their own, as those that supports prescribe, are taken out: what remains is
 /// symmetric, and factorised as L D L^T, unless supports stand at an angle, joints take part, or loads have no
 /// potential; then as L U. The order of elimination and the structure of the factors are kept as long as the same
-/// unknowns are taken out.
+/// unknowns are taken out. Where a factorisation costs as much as many solves, the factors of an earlier matrix without
+/// negative eigenvalues serve conjugate gradients as preconditioner, until they take too many iterations, forget() is
+/// called or eigenvalues are asked for.
 class NetworkFactors : public LocalFactors {
  public:
   NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times) : matrix_(matrix), times_(times) {}
@@ -30,13 +34,20 @@ class NetworkFactors : public LocalFactors {
   void factorize() override;
   void solve(const DofVector& b, DofVector& x) override;
   /// Where the matrix is symmetric and what is taken out has a positive diagonal.
-  std::optional<long> negative_eigenvalues() const override { return negative_; }
+  std::optional<long> negative_eigenvalues() override;
+  void forget() override { serves_next_ = false; }
+  /// The factors of `other` serve the next matrix here, if it has the same structure, as an earlier one would.
+  void take_over(const NetworkFactors& other);
   /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
   int unknowns() const { return remaining_.rows(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
   bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
+  /// Of the last solve by conjugate gradients.
+  int iterations() const { return iterations_; }
 
  private:
+  void factorize_now();
+  bool iterate(std::vector<double>& b);
   std::vector<unsigned char> rows_alone() const;
   void take_out(std::vector<unsigned char> alone);
   void find_mirrors();
@@ -51,8 +62,12 @@ class NetworkFactors : public LocalFactors {
   std::vector<size_t> entry_;  ///< (entry of remaining_): where it stands in the matrix
   std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none
   InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
-  std::unique_ptr<InertiaSolver> factors_;
+  std::shared_ptr<InertiaSolver> factors_;  ///< as preconditioner shared with whoever has taken them over
   std::optional<long> negative_;
+  bool serves_next_ = false;  ///< factors_ may be the preconditioner of the next matrix
+  bool is_earlier_ = false;   ///< factors_ are those of an earlier matrix
+  int left_ = 0;              ///< iterations that are still cheaper than factors of the present matrix
+  int iterations_ = 0;
   std::vector<double> rhs_;
 };
 

@@ -107,10 +107,10 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
     choice.counts_interior = counts;
     BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
     group.computeF();
+    if (counts) here.stability = count_by(group.linearization());
     MixedVector slope = problem_->model.create_vector();
     load_derivative(problem_->model, state, within_stage(load_factor, stage_end_), group.scales(), slope);
     here.tangent = tangent_of(group, slope);
-    if (counts) here.stability = count_by(group.linearization());
   }
   if (along != nullptr && measure_.inner(*along, here.tangent) < 0.0) here.tangent = scaled(here.tangent, -1.0);
   if (counts && !here.stability) here.stability = count(state, load_factor);

@@ -165,6 +165,47 @@ TEST(NetworkFactors, KeptForTheSameMatrix) {
   EXPECT_GT(again.normInf(), 0.0);
 }
 
+/// Factors of an earlier matrix precondition the next one; signs are told by its own, and what is too different, or
+/// what may not know of earlier ones, is factorised.
+TEST(NetworkFactors, ServeTheNextMatrix) {
+  constexpr int kWorthIterating = 15;  // points along an edge: a factorisation takes as long as 16 solves
+  const Model model(lattice(kWorthIterating), this_rank(), {});
+  MixedVector residual = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, model.reference_state(), 0.0, residual);
+  const Tangent tangent(model, point, cap_for(model, point.scales), {true});
+  CondensedSystem system(model);
+  NetworkFactors factors(system.matrix(), model.times());
+  DofVector b(system.matrix()->getRangeMap()), x(b.getMap()), own(b.getMap());
+  const auto rows = MixedVector::view_of(b);
+  for (size_t i = 0; i < rows.extent(0); ++i) rows(i) = std::cos(2.0 + 1.7 * static_cast<double>(i));
+  const auto solve = [&](double stiffening) {
+    const auto stiffness = tangent.elements().condensed_tangent;
+    for (size_t e = 0; e < stiffness.extent(0); e += 7)
+      for (size_t k = 0; k < stiffness.extent(1); ++k) stiffness(e, k) *= stiffening;
+    system.condense(tangent);
+    factors.factorize();
+    factors.solve(b, x);
+    return factors.factorizations();
+  };
+  const auto expect_own_solution = [&] {
+    NetworkFactors fresh(system.matrix(), model.times());
+    fresh.factorize();
+    fresh.solve(b, own);
+    own.update(-1.0, x, 1.0);
+    EXPECT_LE(own.normInf(), 1e-8 * x.normInf());
+    EXPECT_EQ(factors.negative_eigenvalues(), fresh.negative_eigenvalues());
+  };
+  EXPECT_EQ(solve(1.0), 1);
+  EXPECT_EQ(solve(1.01), 1);
+  EXPECT_GT(factors.iterations(), 0);
+  expect_own_solution();
+  EXPECT_EQ(factors.factorizations(), 2) << "signs are those of an earlier matrix";
+  EXPECT_EQ(solve(1e3), 3) << "iterated far away";
+  expect_own_solution();
+  factors.forget();
+  EXPECT_EQ(solve(1.01), 4);
+}
+
 /// In the plane of a scene three unknowns of each vertex stand alone.
 TEST(NetworkFactors, PlanarTangentsHaveHalfTheUnknowns) {
   Scene scene = lattice(kNetworkPoints);
