@@ -4,7 +4,8 @@ import numpy as np
 
 import convergence
 import style
-from results import Run, read_table
+from results import Run
+from tables import read_table
 
 SLENDERNESS = (10, 100, 1000)
 

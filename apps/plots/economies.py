@@ -1,7 +1,7 @@
 """The page on what features cost that a scene does not use."""
 
 import page
-from results import read_table
+from tables import read_table
 
 REMARKS = {
     "straight": "Elements read the reference tangents at their Gauss points and the triads at their ends, straight or "

@@ -7,7 +7,7 @@ import fields
 import style
 from along_figures import draw_borders, path_of, running_length
 from diagram_figures import limits, name_axis, name_extremes
-from results import InputError, Run, _text
+from results import Run, _text
 
 MOST_SHOWN = 40  # quantities of a picture
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")

@@ -4,7 +4,7 @@ import numpy as np
 
 import page
 import style
-from results import read_table
+from tables import read_table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-17  # where an error of zero is drawn

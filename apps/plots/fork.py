@@ -4,7 +4,8 @@ import numpy as np
 
 import convergence
 import style
-from results import Run, read_table
+from results import Run
+from tables import read_table
 
 POINTS = (("p1", "$P_1$"), ("p2", "$P_2$"), ("pb", "$P_B$"))
 TIPS = (np.array([2.0, 1.0, 0.0]), np.array([2.0, -1.0, 0.0]))  # P1 and P2 undeformed

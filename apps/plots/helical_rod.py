@@ -3,7 +3,7 @@
 import numpy as np
 
 import style
-from results import read_table
+from tables import read_table
 
 ORDERS = (1, 2, 3, 4)
 STRAIN_ORDERS = (1, 4)

@@ -4,7 +4,8 @@ import numpy as np
 
 import convergence
 import style
-from results import Run, read_table
+from results import Run
+from tables import read_table
 
 RADIUS, HEIGHT, COILS = 10.0, 50.0, 2.0  # of the exact helix, as the paper has it
 

@@ -2,7 +2,7 @@
 
 import math
 
-from results import read_table
+from tables import read_table
 
 
 def table(head, rows, right=0):

@@ -4,7 +4,8 @@ import numpy as np
 
 import convergence
 import style
-from results import InputError, Run, read_table
+from results import InputError, Run
+from tables import read_table
 
 FULL_SLENDERNESS = (10, 100, 1000)
 REDUCED_SLENDERNESS = 1000

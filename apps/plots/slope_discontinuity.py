@@ -3,7 +3,8 @@
 import numpy as np
 
 import style
-from results import Run, read_table
+from results import Run
+from tables import read_table
 
 SHAPES = 6  # at 0, 0.2, ..., 1 of the full load
 PLANES = ((0, 2), (1, 2))  # of the side views: x1 x3 and x2 x3

@@ -3,7 +3,8 @@
 import numpy as np
 
 import style
-from results import Run, read_table
+from results import Run
+from tables import read_table
 
 BENT = 1.0  # load factor at which the cantilever is bent and the rotation begins
 

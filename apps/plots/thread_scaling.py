@@ -4,7 +4,7 @@ import matplotlib.lines
 import numpy as np
 
 import style
-from results import InputError, read_table
+from tables import InputError, read_table
 
 THREAD_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.RED, style.PURPLE, style.SKY, style.GREY, style.BLACK)
 # Phases of an iteration from the bottom of a bar to its top, with their colours.

@@ -6,7 +6,7 @@ import numpy as np
 
 import style
 import trade_page
-from results import Table
+from tables import Table
 
 COLUMNS = 4
 LOWEST_ERROR = 1e-14

@@ -5,7 +5,7 @@ import csv
 import numpy as np
 
 import page
-from results import InputError, read_table
+from tables import InputError, read_table
 
 ACCURACIES = 10.0 ** -np.arange(2, 13)
 QUANTITIES = ("displacement", "centerline", "moment", "energy")

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-import fields
 from fields import Field
 from packed import FOR_DRAWING, FOR_READING, Packed
 

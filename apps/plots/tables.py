@@ -1,0 +1,71 @@
+"""Reads the CSV tables that the applications write."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+
+
+class InputError(Exception):
+    """An input file is missing or is not what a figure needs; the message names file and reason."""
+
+
+class Table:
+    """Columns of a CSV file: arrays of float where every entry is a number, else arrays of str."""
+
+    def __init__(self, columns):
+        self._columns = columns
+
+    def __getitem__(self, name):
+        return self._columns[name]
+
+    def __len__(self):
+        return len(next(iter(self._columns.values())))
+
+    def where(self, **conditions):
+        """The rows in which every named column equals the given value."""
+        keep = np.ones(len(self), dtype=bool)
+        for name, value in conditions.items():
+            keep &= self[name] == value
+        return Table({name: column[keep] for name, column in self._columns.items()})
+
+    def sorted_by(self, name):
+        order = np.argsort(self[name], kind="stable")
+        return Table({key: column[order] for key, column in self._columns.items()})
+
+    def names(self):
+        """Of the columns, in their order."""
+        return list(self._columns)
+
+    def values(self, name):
+        """The different values of a column, ascending."""
+        return np.unique(self[name])
+
+    def rows(self):
+        """Each row by the names of its columns."""
+        return [dict(zip(self._columns, row)) for row in zip(*self._columns.values())]
+
+
+def read_table(path, columns):
+    """The CSV file `path` as a Table; InputError unless it exists, has rows and has the named columns."""
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.reader(stream))
+    if len(rows) < 2:
+        raise InputError(f"{path}: no rows")
+    missing = [name for name in columns if name not in rows[0]]
+    if missing:
+        raise InputError(f"{path}: column {', '.join(missing)} missing; found {', '.join(rows[0])}")
+    complete = [row for row in rows[1:] if len(row) == len(rows[0])]  # a killed run may leave half a line
+    if not complete:
+        raise InputError(f"{path}: no complete rows")
+    return Table({name: _column([row[i] for row in complete]) for i, name in enumerate(rows[0])})
+
+
+def _column(texts):
+    try:
+        return np.array([float(text) for text in texts])
+    except ValueError:
+        return np.array(texts)
