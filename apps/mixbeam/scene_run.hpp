@@ -29,8 +29,8 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
                                      const std::string& load_case);
 
 /// Largest and smallest values of the quantities in the summary at the ends of several runs: one row for each quantity
-/// in `file`, an HDF5 file with the value of every run, and in a CSV file beside it, a table on the terminal, and in the
-/// summary. Nothing where fewer than two runs have any. Throws as CsvTable and write_table_file.
+/// in `file`, an HDF5 file with the value of every run, and in a CSV file beside it, a table on the terminal, and in
+/// the summary. Nothing where fewer than two runs have any. Throws as CsvTable and write_table_file.
 void write_envelope(Application& app, const std::filesystem::path& file);
 
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
