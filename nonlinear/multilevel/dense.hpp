@@ -24,14 +24,14 @@ inline void add_product(int m, int k, int n, const double* a, int a_stride, cons
   }
 }
 
-/// y (m) += A x, A (m x n) with contiguous columns.
-template <int Rows = 0>
-inline void add_times_vector(int m, int n, const double* __restrict__ a, const double* __restrict__ x,
+/// y (m) += A x, A (m x n) with contiguous columns, of double or single precision.
+template <int Rows = 0, class Value>
+inline void add_times_vector(int m, int n, const Value* __restrict__ a, const double* __restrict__ x,
                              double* __restrict__ y) {
   const int rows = Rows > 0 ? Rows : m, columns = Rows > 0 ? Rows : n;
   for (int j = 0; j < columns; ++j)
 #pragma GCC ivdep
-    for (int i = 0; i < rows; ++i) y[i] += a[rows * j + i] * x[j];
+    for (int i = 0; i < rows; ++i) y[i] += static_cast<double>(a[rows * j + i]) * x[j];
 }
 
 /// Inverse of the Cholesky factor L of a (m x m, lower triangle read); false where a is not positive definite.

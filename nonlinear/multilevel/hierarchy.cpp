@@ -56,6 +56,7 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
     links = present->source();
     levels_[used_]->set(present->unknown, self, links);
     fine.set_coarse_scale(*levels_[used_]);
+    if (used_ > 1) fine.round();
     ++used_;
   }
   vectors_.resize(used_);

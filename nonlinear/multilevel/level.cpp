@@ -84,6 +84,7 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
           block_[s] + static_cast<size_t>(unknown_[v + 1] - unknown_[v]) * (unknown_[other + 1] - unknown_[other]);
     }
   if (inverse_.extent(0) != square_.back()) inverse_ = numbers(square_.back());
+  rounded_ = {};
   if (value_.extent(0) != block_.back()) value_ = {}, value_ = numbers(block_.back());
   scale(self, links);
 }
@@ -127,9 +128,19 @@ void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
   });
 }
 
-template <int Size, class Finish>
-void Level::for_each_row(const LevelVector& x, const Finish& finish) const {
-  const double *from = x.data(), *value = value_.data();
+void Level::round() {
+  rounded_ = KernelView<float*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), block_.back());
+  const double* from = value_.data();
+  float* to = rounded_.data();
+  Kokkos::parallel_for(
+      "mixbeam::multilevel::round", Kokkos::RangePolicy<ExecutionSpace>(0, block_.back()),
+      KOKKOS_LAMBDA(size_t i) { to[i] = static_cast<float>(from[i]); });
+  value_ = {};
+}
+
+template <int Size, class Value, class Finish>
+void Level::for_each_row(const Value* value, const LevelVector& x, const Finish& finish) const {
+  const double* from = x.data();
   const auto* slot = slot_.data();
   const int *row = row_.data(), *unknown = unknown_.data();
   const size_t* block = block_.data();
@@ -149,10 +160,12 @@ void Level::for_each_row(const LevelVector& x, const Finish& finish) const {
 
 template <class Finish>
 void Level::multiply(const LevelVector& x, const Finish& finish) const {
-  if (unknowns() == kFine * nodes_)
-    for_each_row<kFine>(x, finish);
+  if (rounded_.extent(0) > 0)
+    for_each_row<0>(rounded_.data(), x, finish);
+  else if (unknowns() == kFine * nodes_)
+    for_each_row<kFine>(value_.data(), x, finish);
   else
-    for_each_row<0>(x, finish);
+    for_each_row<0>(value_.data(), x, finish);
 }
 
 void Level::apply(const LevelVector& x, const LevelVector& y) const {

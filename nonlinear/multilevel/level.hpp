@@ -101,6 +101,9 @@ class Level {
   /// New values. `unknown`: (node, and one more) first unknown; `self`: S, column-major, one block after the other.
   /// Throws NegativeCurvature.
   void set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links);
+  /// Blocks off the diagonal from now on as single precision: of coarse levels they are the most that an iteration
+  /// reads, and the preconditioner alone uses them.
+  void round();
   /// Modes of each aggregate with eigenvalue below `tau`, and the next level's blocks from them.
   struct Coarse {
     std::vector<int> unknown;
@@ -142,8 +145,8 @@ class Level {
   LinkBlocks link_of(int node, int slot, const LinkSource& links, std::vector<double>& room) const;
   /// A block on the diagonal += that of a link's first node.
   void add_own(int node, const LinkBlocks& link, std::vector<double>& block) const;
-  template <int Size, class Finish>
-  void for_each_row(const LevelVector& x, const Finish& finish) const;
+  template <int Size, class Value, class Finish>
+  void for_each_row(const Value* value, const LevelVector& x, const Finish& finish) const;
   template <class Finish>
   void multiply(const LevelVector& x, const Finish& finish) const;
   std::vector<double> modes_of(int aggregate, double tau, const KernelView<double*>& self, const LinkSource& links,
@@ -160,6 +163,7 @@ class Level {
   std::vector<std::array<int, 3>> slot_;  ///< link, its end here, node at the other end
   std::vector<size_t> block_;             ///< (slot): first number of its block in value_
   KernelView<double*> value_;             ///< blocks of A^ off the diagonal
+  KernelView<float*> rounded_;            ///< the same; one of both is empty
   KernelView<double*> inverse_;           ///< L^-1 of the nodes
   // coarse links
   LinkEnds coarse_ends_;
