@@ -243,7 +243,8 @@ std::vector<std::string> names_of(const std::vector<std::size_t>& members, const
 }
 
 std::string member_names(const std::vector<std::size_t>& members, const Scene& scene, const std::string& several) {
-  return (members.size() == 1 ? "member " : several) + quoted_list(names_of(members, scene));
+  constexpr std::size_t kMostNames = 6;  // those that move are named one by one behind them
+  return (members.size() == 1 ? "member " : several) + quoted_list(names_of(members, scene), kMostNames);
 }
 
 /// The part that moves most, told by itself: of a joined structure, which members move, and how.

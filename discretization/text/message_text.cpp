@@ -7,7 +7,6 @@
 namespace mixbeam {
 namespace {
 
-constexpr std::size_t kLongestList = 24;  // more names than this do not help a reader
 constexpr std::size_t kLongestText = 100;
 constexpr std::size_t kLongestComparedName = 200;  // the comparison takes time and memory in proportion to the length
 
@@ -39,13 +38,13 @@ bool one_begins_with_the_other(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string quoted_list(const std::vector<std::string>& names) {
+std::string quoted_list(const std::vector<std::string>& names, std::size_t most) {
   if (names.empty()) return "(none)";
   std::string text;
-  for (std::size_t i = 0; i < std::min(names.size(), kLongestList); ++i) {
+  for (std::size_t i = 0; i < std::min(names.size(), most); ++i) {
     text += (i == 0 ? "\"" : ", \"") + excerpt(names[i]) + "\"";
   }
-  if (names.size() > kLongestList) text += " and " + std::to_string(names.size() - kLongestList) + " more";
+  if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
   return text;
 }
 

@@ -1,13 +1,17 @@
 /// Names that users write: in messages, as patterns, and misspelt.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
-/// `"Start", "End", "Section"`; a long list is cut and says how many names were left out.
-std::string quoted_list(const std::vector<std::string>& names);
+/// More names than this do not help a reader.
+constexpr std::size_t kLongestList = 24;
+
+/// `"Start", "End", "Section"`; a longer list is cut and says how many names were left out.
+std::string quoted_list(const std::vector<std::string>& names, std::size_t most = kLongestList);
 
 /// The text itself, or its beginning when it is longer than a line; control characters become spaces.
 std::string excerpt(const std::string& text);

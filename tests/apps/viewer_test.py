@@ -254,7 +254,10 @@ class Viewer(unittest.TestCase):
         told = self.values(page, "document.getElementById('modes').textContent", "document.querySelectorAll('#curve .critical').length",
                            "probe.click('[data-mode=\"0\"]')", f"window.at = probe.pixel({half})", "document.getElementById('step-text').textContent",
                            "probe.set('amplitude', -1, 'input')", f"Math.hypot(probe.pixel({half})[0] - at[0], probe.pixel({half})[1] - at[1])",
-                           f"probe.color(...probe.pixel({half} - 2))", "probe.click('#leave-mode')", "probe.app.shape.modeNumber")
+                           f"probe.color(...probe.pixel({half} - 2))", "probe.click('#leave-mode')", "probe.app.shape.modeNumber",
+                           "(probe.click('[data-mode=\"0\"]'), probe.app.camera.toward[2])",
+                           "(probe.app.shape.mode = probe.app.shape.mode.map((_, i) => Number(i % 3 === 2)), probe.app.turnToMode(),"
+                           " probe.app.camera.toward[2])")
         with Run(result) as run:
             points = run.critical_points()
         self.assertEqual(told[0].count("limit point"), len(points))
@@ -263,6 +266,8 @@ class Viewer(unittest.TestCase):
         self.assertGreater(told[6], 20)  # pixels
         self.assertNotEqual(told[7], BACKGROUND)
         self.assertEqual(told[9], -1)
+        self.assertAlmostEqual(told[10], 1, 12)  # it moves in the plane of the view
+        self.assertAlmostEqual(told[11], 3**-0.5, 4)  # this one would along the line of sight: the camera turned
 
     def test_a_click_on_the_path_takes_the_step(self):
         click = ("(() => { const box = document.getElementById('curve').getBoundingClientRect(); const [x, y] = probe.app.curve.at(0);"

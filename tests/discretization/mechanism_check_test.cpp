@@ -99,6 +99,12 @@ TEST(MechanismCheck, NamesThePartThatIsNotHeld) {
   scene.members.push_back(line("c", "d"));
   scene.members.push_back(line("d", "e"));
   expect_in(refusal(scene), {"connected members \"c-d\", \"d-e\"", "6 ways"});
+  for (int i = 0; i < 7; ++i) {  // the motions are to be read, not the names of all
+    const std::string end = "end " + std::to_string(i);
+    scene.points.push_back(point(end, {6.0 + i, 3, 9}));
+    scene.members.push_back(line("e", end));
+  }
+  expect_in(refusal(scene), {"\"e-end 3\" and 3 more can move without strain in 6 ways"});
 }
 
 /// Islands of an imported network: the first in full, a member of each other one.

@@ -1,6 +1,7 @@
 // Puts the parts together, and hands them what the user does.
 
 const MODE_SHARE = 0.12; // largest displacement of a mode over the size of the structure
+const HIDDEN_SHARE = 0.9; // of the motion of a mode along the line of sight: hardly anything of it is seen
 const VISIBLE_SHARE = 0.1; // the same of displacements that are made visible
 const PLAY_SECONDS = 6;
 const VIEWS = { xy: [90, -90], xz: [0, -90], yz: [0, 0], iso: [35.264, -45] }; // elevation, azimuth
@@ -47,7 +48,21 @@ class App {
     this.shape.showMode(number);
     byId("step").value = this.shape.step;
     this.shape.amplitude = byId("amplitude").value * MODE_SHARE * this.result.size;
+    this.turnToMode();
     this.showState();
+  }
+
+  /** Buckling out of the plane of a view would look like nothing. */
+  turnToMode() {
+    const { mode } = this.shape;
+    let [along, all] = [0, 0];
+    for (let i = 0; i < this.result.samples; ++i) {
+      along += dot(row(mode, i), this.camera.toward) ** 2;
+      all += norm(row(mode, i)) ** 2;
+    }
+    if (along <= HIDDEN_SHARE * all) return;
+    this.camera.look(...VIEWS.iso);
+    this.fit();
   }
 
   /** A place on the path: a step of the run, or a critical point behind all of them. */
