@@ -218,7 +218,8 @@ std::vector<CriticalPoint> CriticalPointFinder::find() {
     Bracket& bracket = brackets[i];
     if (separates_ || points.empty()) {
       try {
-        points.push_back(locate(bracket));
+        CriticalPoint point = locate(bracket);
+        if (point.modes > 0) points.push_back(std::move(point));
       } catch (const MorePoints& more) {
         std::vector<Bracket> parts;
         isolate({bracket.low, more.sample, bracket.space}, parts);

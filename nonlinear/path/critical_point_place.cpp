@@ -36,6 +36,9 @@ constexpr double kSignificantRate = 1e-2;
 /// Where no eigenvalue of the vertices passes zero, an element is unstable inside: the place is that where the count
 /// changes, to this share of the step.
 constexpr double kCountedPlace = 1e-10;
+/// An eigenvalue that passes zero in a bracket as short as that is there below this share of what it was at the
+/// start of the step.
+constexpr double kPassedZero = 0.05;
 /// Deflated iterations at most: the state is known to 1e-6 or better from its neighbours, and each squares the error.
 constexpr int kDeflatedIterations = 4;
 
@@ -196,6 +199,7 @@ double CriticalPointFinder::coarse_root(Bracket& bracket, std::vector<PassingSam
   return at;
 }
 
+/// Of no modes where the count changes and nothing passes zero.
 CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
   Sample low = bracket.low, high = bracket.high;
   while (high.at - low.at > kCountedPlace) {
@@ -215,8 +219,11 @@ CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
   const double noise = find_modes(point);
   const Station& start = bracket.low.station;
   const std::vector<EigenMode> far = stability_.modes_near_zero(start.state, start.load_factor, 1);
-  if (!far.empty())
-    point.error += noise / std::abs(far.front().eigenvalue) * std::abs(point.load_factor - start.load_factor);
+  if (far.empty()) return point;
+  const double left = noise / std::abs(far.front().eigenvalue);  // of what the eigenvalue was
+  point.error += left * std::abs(point.load_factor - start.load_factor);
+  // Two complex eigenvalues that meet below zero and become real change the count, too.
+  if (point.modes % 2 == 0 && left > kPassedZero) point.modes = 0;
   return point;
 }
 
