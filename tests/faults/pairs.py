@@ -127,6 +127,7 @@ class Pairs:
         folder = self.folder()
         if first == "resume":
             self.stopped(folder, ranks)
+            (folder / "out/.rod.h5.lock").unlink(missing_ok=True)  # mpirun may have left it; the next one is awaited
         pair = [self.start(first, folder, ranks)]
         if staggered:  # what is resumed must be there, too
             awaited = folder / RESULT[first]
