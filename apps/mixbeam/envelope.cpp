@@ -4,6 +4,7 @@
 #include "discretization/results/table_file.hpp"
 #include "mixbeam/version.hpp"
 
+#include <cmath>
 #include <map>
 #include <ostream>
 #include <set>
@@ -22,11 +23,11 @@ std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& q
     const auto [found, is_new] = index.emplace(quantity.name, envelope.size());
     if (is_new) envelope.push_back({quantity.name, quantity.value, quantity.run, quantity.value, quantity.run});
     QuantityEnvelope& one = envelope[found->second];
-    if (quantity.value > one.largest) {
+    if (quantity.value > one.largest || std::isnan(one.largest)) {
       one.largest = quantity.value;
       one.largest_in = quantity.run;
     }
-    if (quantity.value < one.smallest) {
+    if (quantity.value < one.smallest || std::isnan(one.smallest)) {
       one.smallest = quantity.value;
       one.smallest_in = quantity.run;
     }

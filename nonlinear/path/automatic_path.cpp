@@ -1,9 +1,8 @@
 // A load path without tuning: load steps as large as Newton's method takes them, and where one fails or the stability
 // changes within it, the path itself, by its length, through limit points and snap-backs.
 //
-// LOCA's stepper serves for steps of the load factor; here its constrained group is used without the stepper, which
-// cannot be resumed exactly when it follows arc length (its scaling depends on all steps so far), does not tell why a
-// step failed, and knows no events between steps such as critical points and branches.
+// LOCA's constrained group is used without its stepper, which cannot be resumed exactly along the arc length (its
+// scaling depends on all steps so far), does not tell why a step failed, and knows no events between steps.
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/path/branch.hpp"
 #include "nonlinear/path/path_goal.hpp"
@@ -186,25 +185,27 @@ class AutomaticPath {
     const double size = std::copysign(std::min(size_, std::abs(rest)), rest);
     const bool is_last = std::abs(rest) <= size_ * (1.0 + kRoundedSteps);
     const int most = std::min(kMostIterationsOfLoadStep, parameters_.newton.maximum_iterations);
-    const double rate = goal_.rate(here_.tangent);
-    PathDirection way = scaled(here_.tangent, size / rate);
+    const PathDirection way = scaled(here_.tangent, size / goal_.rate(here_.tangent));
     const bool is_known = here_.has_tangent() && std::isfinite(way.load) && std::isfinite(way.x.maximum_norm());
     const Correction found = goal_.correct(corrector_, here_, is_last ? goal_.value() : now + size,
                                            is_known && !goal_.is_controlled() ? &way : nullptr, most);
     const bool turns = !goal_.is_controlled() && !judge_.loads().is_straight(now, now + size);
-    if (!found.converged) {
+    if (found.converged) {
+      const double before = size_;
+      size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
+      if (take(found, kLoadStep)) return true;
+      size_ = before;
+    } else {
       not_converged();
-      return turns ? shorten_load_step(size) : start_along_path();
     }
-    const double before = size_;
-    size_ = std::min(rule_.maximum, rule_.after_success(size_, found.iterations));
-    if (take(found, kLoadStep)) return true;
-    size_ = before;
     return turns ? shorten_load_step(size) : start_along_path();
   }
 
   /// Where loads turn back the path does so too, and steps along it would have to turn on the spot.
-  bool shorten_load_step(double size) { return (size_ = 0.5 * std::abs(size)) >= rule_.minimum; }
+  bool shorten_load_step(double size) {
+    size_ = 0.5 * std::abs(size);
+    return size_ >= rule_.minimum;
+  }
 
   /// Whether the loads turn back within reach of the next step along the path; then it is one of the load.
   bool meets_turning_loads() {

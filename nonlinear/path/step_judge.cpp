@@ -294,8 +294,8 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
     }
   }
   if (!findings.objection.empty())
-    findings.objection += " (load factor " + rounded(piece.start.load_factor, 6) + " to " +
-                          rounded(piece.end.load_factor, 6) + ")";
+    findings.objection +=
+        " (load factor " + rounded(piece.start.load_factor, 6) + " to " + rounded(piece.end.load_factor, 6) + ")";
   return findings;
 }
 

@@ -324,6 +324,7 @@ TEST(Way, MeetsALimitPointAgain) {
   };
   EXPECT_TRUE(meets_again(0.7 + 1e-9, 1.0 + 1e-5, CriticalKind::limit_point));
   EXPECT_FALSE(meets_again(0.7, 0.9, CriticalKind::limit_point));  // equal parts snap one after the other
+  EXPECT_FALSE(meets_again(0.7, 0.99, CriticalKind::limit_point)) << "and may be a hundredth of the structure";
   EXPECT_FALSE(meets_again(0.71, 1.0, CriticalKind::limit_point));
   EXPECT_FALSE(meets_again(0.7, 1.0, CriticalKind::bifurcation));  // crossed by two branches
 }
