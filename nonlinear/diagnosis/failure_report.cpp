@@ -155,13 +155,6 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
   }
 }
 
-bool imposes_deformation(const Scene& scene) {
-  const auto moves = [](const Support& support) {
-    return support.prescribed_displacement != Vector3{} || support.prescribed_rotation != Vector3{};
-  };
-  return !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), moves);
-}
-
 /// Whether even the smallest step leaves strains in a member that is rigid, or nearly so, while some are imposed.
 bool is_incompatible(const FailureReport& report, const Model& model, const PathEnd& end) {
   const FailedAttempt& last = report.attempts.back();
@@ -189,6 +182,13 @@ FailureCause cause_of(const FailureReport& report, const Model& model, const Pat
 }
 
 }  // namespace
+
+bool imposes_deformation(const Scene& scene) {
+  const auto moves = [](const Support& support) {
+    return support.prescribed_displacement != Vector3{} || support.prescribed_rotation != Vector3{};
+  };
+  return !scene.eigenstrains.empty() || std::any_of(scene.supports.begin(), scene.supports.end(), moves);
+}
 
 FailureReport report_failure(BeamProblem& problem, const SolverParameters& parameters, const PathEnd& end) {
   FailureReport report;

@@ -9,6 +9,7 @@
 #include "nonlinear/path/path_recorder.hpp"
 #include "nonlinear/path/step_judge.hpp"
 #include "nonlinear/path/step_size.hpp"
+#include "nonlinear/path/yielding_start.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -34,11 +35,6 @@ constexpr double kLargestDetour = 100.0;
 /// A rest of the stage that exceeds the step by no more than this share of it is rounding, and not worth a step.
 constexpr double kRoundedSteps = 1e-12;
 
-/// Nothing that could be tried further on leads to the end.
-struct GaveUp {
-  std::string cause;
-};
-
 class AutomaticPath {
  public:
   AutomaticPath(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
@@ -62,7 +58,7 @@ class AutomaticPath {
       if (goes_along && !along_path_ && !arrived() && !start_along_path()) return false;
       while (!arrived()) {
         if (!may_try()) return false;
-        if (!(along_path_ ? step_along_path() : step_to_goal())) return false;
+        if (!(along_path_ ? step_along_path() : step_to_goal()) && !set_out_yielding()) return false;
       }
       return true;
     } catch (const PathInterrupted&) {
@@ -158,21 +154,13 @@ class AutomaticPath {
     for (const CriticalPoint& point : passed)
       if (take_branch(point, passed)) return true;
     if (!passed.empty())
-      require_motion(next, "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
+      goal_.require_motion(start_of_goal_, next,
+                           "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
     way_->add(measure_, moved, problem_->model, passed);
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
     if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it was"};
     return true;
-  }
-
-  /// Where the load does not move what is controlled, following the path further is of no use.
-  void require_motion(const Station& next, const std::string& until) const {
-    if (!goal_.is_controlled() || std::abs(goal_.at(next.state, next.load_factor) - start_of_goal_) > kStill) return;
-    const MonitoredComponent& control = *parameters_.analysis.control;
-    throw GaveUp{"the load does not move point \"" + control.point + "\" along " +
-                 std::string(1, "xyz"[control.component]) + " before " + until +
-                 ": follow a branch (\"Branch\" in \"Analysis\") or add a small lateral load"};
   }
 
   /// Whether the load moves what is controlled at first: else no step of it has a direction.
@@ -239,7 +227,7 @@ class AutomaticPath {
 
   /// Newton's method from the predicted point, at the goal where the prediction or the path passes it.
   bool attempt(Correction& result, double& length) {
-    const double now = goal_now(), rest = goal_.value() - now;
+    const double rest = goal_.value() - goal_now();
     const double largest = rule_.maximum / std::max(std::abs(goal_.rate(here_.tangent)), 1e-300);
     const double step = length = std::min(length_, largest);
     const double to_goal = rest / goal_.rate(here_.tangent);
@@ -252,16 +240,7 @@ class AutomaticPath {
     const PathDirection guess = scaled(here_.tangent, step);
     result = corrector_.on_row({here_.state, here_.load_factor + guess.load, &guess.x},
                                measure_.row(here_.tangent, here_.load_factor, step), kMostIterationsAlongPath);
-    if (!result.converged) return false;
-    // the path may have passed the goal, or the largest step, before the end of this one
-    const double reached = goal_.at(result.state, result.load_factor) - now;
-    const bool passes = reached * rest > 0.0 && std::abs(reached) > std::abs(rest);
-    const double allowed = std::min(passes ? std::abs(rest) : std::abs(reached), rule_.maximum);
-    if (std::abs(reached) <= allowed) return true;
-    const PathDirection part = scaled(increments(result), allowed / std::abs(reached));
-    const bool ends = passes && allowed == std::abs(rest);
-    result = goal_.correct(corrector_, here_, ends ? goal_.value() : now + std::copysign(allowed, reached), &part,
-                           kMostIterationsAlongPath);
+    result = goal_.within(corrector_, here_, std::move(result), rule_.maximum, kMostIterationsAlongPath);
     return result.converged;
   }
 
@@ -289,10 +268,26 @@ class AutomaticPath {
     if (!take(found, parameters_.analysis.trace ? kTracedStep : kPathStep)) return shorten(length);
     if (std::abs(here_.load_factor - range_.to) < kLargestDetour) return true;
     // Under control the load factor has no end, and a number of any size, as long as the displacement moves.
-    require_motion(here_, "load factor " + rounded(here_.load_factor, 6));
+    goal_.require_motion(start_of_goal_, here_, "load factor " + rounded(here_.load_factor, 6));
     if (goal_.is_controlled()) return true;
     recorder_.rejected("the path leads away from the end of the stage", 0);
     return false;
+  }
+
+  /// Steps to where a path leads that leaves its start infinitely steep, as rods do that cannot stretch.
+  bool set_out_yielding() {
+    if (here_.load_factor != range_.from || range_.before || goal_.is_controlled()) return false;
+    const auto found = first_point_of_yielding(problem_, parameters_, here_.state, range_, corrector_);
+    if (!found) return false;
+    const PathDirection moved = increments(*found);
+    Station next = station_at(*found, &moved);
+    if (!next.has_tangent()) return false;
+    branched_ = branched_ || parameters_.analysis.branch != Branch::primary;
+    along_path_ = true;
+    length_ = measure_.length(moved);
+    accept(std::move(next), found->residual, {});
+    begin_way();
+    return true;
   }
 
   /// Steps onto the branch that crosses the path at `from`, if that is asked for.

@@ -4,6 +4,7 @@
 #include "kernels/math/constants.hpp"
 #include "nonlinear/path/corrector.hpp"
 #include "nonlinear/path/path_recorder.hpp"
+#include "nonlinear/stability/stability.hpp"
 
 #include <cmath>
 
@@ -96,7 +97,9 @@ LoadPathResult settle_at_end(const Teuchos::RCP<BeamProblem>& problem, const Sol
     result.failure = found.converged ? "an element turns too far" : found.cause;
     return result;
   }
-  recorder.converged({found.state, found.load_factor, found.residual});
+  ConvergedStep step{found.state, found.load_factor, found.residual};
+  if (recorder.reports_stability()) step.stability = recorder.counts()->count(found.state, found.load_factor);
+  recorder.converged(step);
   result.finished = true;
   return result;
 }

@@ -5,6 +5,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/path/step_judge.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
@@ -47,6 +48,27 @@ Correction PathGoal::correct(Corrector& corrector, const Station& from, double v
     guess.moved = &way->x;
   }
   return corrector.on_row(guess, row(from.load_factor, value - at(from.state, from.load_factor)), most_iterations);
+}
+
+Correction PathGoal::within(Corrector& corrector, const Station& from, Correction found, double largest,
+                            int most_iterations) const {
+  if (!found.converged) return found;
+  const double now = at(from.state, from.load_factor), rest = value() - now;
+  const double reached = at(found.state, found.load_factor) - now;
+  const bool passes = reached * rest > 0.0 && std::abs(reached) > std::abs(rest);
+  const double allowed = std::min(passes ? std::abs(rest) : std::abs(reached), largest);
+  if (std::abs(reached) <= allowed) return found;
+  const PathDirection way{std::move(found.moved), found.load_factor - from.load_factor};
+  const PathDirection part = scaled(way, allowed / std::abs(reached));
+  const bool ends = passes && allowed == std::abs(rest);
+  return correct(corrector, from, ends ? value() : now + std::copysign(allowed, reached), &part, most_iterations);
+}
+
+void PathGoal::require_motion(double start, const Station& here, const std::string& until) const {
+  if (!is_controlled() || std::abs(at(here.state, here.load_factor) - start) > kStill) return;
+  throw GaveUp{"the load does not move point \"" + control_->point + "\" along " +
+               std::string(1, "xyz"[control_->component]) + " before " + until +
+               ": follow a branch (\"Branch\" in \"Analysis\") or add a small lateral load"};
 }
 
 ControlRow PathGoal::row(double load_start, double change) const {

@@ -8,6 +8,11 @@ namespace mixbeam {
 /// A displacement over the length of the scene that has not moved.
 inline constexpr double kStill = 1e-9;
 
+/// Nothing that could be tried further on leads to the end.
+struct GaveUp {
+  std::string cause;
+};
+
 /// Numbers are load factors, or the controlled displacement over the length of the scene.
 class PathGoal {
  public:
@@ -25,6 +30,11 @@ class PathGoal {
   /// Newton's method from a point of the path at another value. `way`: what is known of the way there; may be null.
   Correction correct(Corrector& corrector, const Station& from, double value, const PathDirection* way,
                      int most_iterations) const;
+  /// What was found along the path from there, or where the goal, or a way of `largest`, lies before it, that point.
+  Correction within(Corrector& corrector, const Station& from, Correction found, double largest,
+                    int most_iterations) const;
+  /// Throws GaveUp where what is controlled has not moved from `start`: following the path further is of no use.
+  void require_motion(double start, const Station& here, const std::string& until) const;
   /// The controlled displacement moves by `change`.
   ControlRow row(double load_start, double change) const;
 

@@ -40,6 +40,18 @@ TEST(Accuracy, OfTheElastica) {
   }
 }
 
+/// Also where the last mesh is solved from the state of the one before, without a path.
+TEST(Accuracy, TellsWhetherTheEndIsStable) {
+  for (const bool asked : {true, false}) {
+    SolverParameters parameters;
+    if (!asked) parameters.analysis.stability = false;
+    const AccurateRun run =
+        run_accurately(with_accuracy(elastica(1.0, 1, 1), 1e-8), parameters, this_rank(), false, {});
+    ASSERT_FALSE(run.rounds.back().followed) << run.rounds.size();
+    EXPECT_EQ(run.simulation.stability().stable, asked ? "true" : "unknown");
+  }
+}
+
 /// Largest and root mean square distance of two solutions over the largest and root mean square displacement.
 double error_against(const Simulation& fine, const Simulation& beam, const std::vector<std::string>& points) {
   constexpr int kPoints = 12;
