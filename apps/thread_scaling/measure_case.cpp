@@ -124,8 +124,8 @@ PhaseSeconds time_run(const Scene& scene, SolverParameters parameters, const Com
 }
 
 int vertices_of(const Scene& scene) {
-  int vertices = 1;
-  for (const Member& member : scene.members) vertices += member.elements;
+  int vertices = static_cast<int>(scene.points.size());
+  for (const Member& member : scene.members) vertices += member.elements - 1;
   return vertices;
 }
 

@@ -15,7 +15,7 @@ namespace mixbeam {
 
 /// What is measured together.
 struct ScalingCase {
-  std::string kind;  ///< "spatial", "planar"
+  std::string kind;  ///< "spatial", "planar", or a kind of lattice
   int elements = 0, order = 0;
 };
 

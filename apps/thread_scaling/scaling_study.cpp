@@ -3,11 +3,13 @@
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/thread_scaling/chain_unit.hpp"
+#include "apps/thread_scaling/lattice.hpp"
 #include "apps/thread_scaling/measurement.hpp"
 #include "apps/thread_scaling/separate_process.hpp"
 #include "kernels/element/layout.hpp"
 #include "kernels/execution/pack.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <ostream>
@@ -49,6 +51,11 @@ CeilingsByThreads ceilings_of(const Application& app, const std::vector<int>& th
 std::string load_average() {
   double load = 0.0;
   return getloadavg(&load, 1) == 1 ? CsvCell(load).text : "unknown";
+}
+
+bool is_lattice(const std::string& kind) {
+  const std::vector<std::string>& kinds = lattice_kinds();
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
 /// The tables of the study, case by case; what is not known is not a number.
@@ -106,7 +113,7 @@ class ScalingTables {
                  const MachineCeilings& ceilings) {
     const double seconds = measurement.seconds(threads, phase);
     if (std::isnan(seconds)) return;
-    const auto costs = phase_costs(of.kind, of.order);
+    const auto costs = is_lattice(of.kind) ? std::map<std::string, PhaseCost>{} : phase_costs(of.kind, of.order);
     const auto found = costs.find(phase);
     const PhaseCost cost = found == costs.end() ? PhaseCost{std::nan(""), std::nan("")} : found->second;
     const int reference = ceilings_.begin()->first;
@@ -123,12 +130,19 @@ class ScalingTables {
   std::vector<std::pair<ScalingCase, Measurement>> done_;
 };
 
-/// The scene in that size; planar: its loads keep what acts in the plane of x and y.
+/// The scene in that size, or a lattice of its section; planar: loads keep what acts in the plane of x and y.
 Scene scene_of_case(const Scene& scene, const ScalingCase& of) {
+  if (is_lattice(of.kind)) return lattice_scene(scene, of.kind, of.elements, of.order);
   Scene changed = with_mesh(scene, of.order, of.elements);
   if (of.kind == kPlanar)
     for (PointLoad& load : changed.point_loads) load.force[2] = load.moment[0] = load.moment[1] = 0.0;
   return changed;
+}
+
+int elements_of(const Scene& scene) {
+  int elements = 0;
+  for (const Member& member : scene.members) elements += member.elements;
+  return elements;
 }
 
 std::vector<ScalingCase> cases_of(Application& app) {
@@ -141,10 +155,15 @@ std::vector<ScalingCase> cases_of(Application& app) {
 
 ListSpec scaling_spec() {
   ListSpec spec("Sizes of the thread scaling study.");
-  spec.add(subset("Kinds", {kSpatial, kPlanar})
-               .by_default(Teuchos::Array<std::string>(std::vector<std::string>{kSpatial, kPlanar}))
-               .means("Loads in space, or their part in the plane of x and y."));
-  spec.add(counts("Elements", {1000, 10000, 100000}, kLargestCount, "Numbers of elements of the chain."));
+  std::vector<std::string> kinds = {kSpatial, kPlanar};
+  kinds.insert(kinds.end(), lattice_kinds().begin(), lattice_kinds().end());
+  spec.add(
+      subset("Kinds", kinds)
+          .by_default(Teuchos::Array<std::string>(std::vector<std::string>{kSpatial, kPlanar}))
+          .means("The chain under loads in space, or their part in the plane of x and y; lattices of struts of two "
+                 "elements and slenderness 20."));
+  spec.add(counts("Elements", {1000, 10000, 100000}, kLargestCount,
+                  "Numbers of elements of the chain; of lattices about as many."));
   spec.add(counts("Orders", {1, 2, 3, 4}, kMaximumOrder, "Element orders, 1 to 8."));
   spec.add(counts("Threads", {1, 2}, kLargestCount, "Numbers of threads; the least is the reference of the speed-up."));
   spec.add(count("Repetitions", 15, 1000,
@@ -156,7 +175,7 @@ ListSpec scaling_spec() {
   spec.add(real("Seconds").at_least(0.0).by_default(3.0),
            "Time after which no more repetitions are begun, for iterations and for runs of a case each.");
   spec.add(boolean("Compare with KLU2").by_default(true),
-           "Each tangent is solved by the sparse solver alone as well, which takes memory of its own.");
+           "Each tangent of a chain is solved by the sparse solver alone as well, which takes memory of its own.");
   return spec;
 }
 
@@ -170,15 +189,16 @@ void run_scaling_study(Application& app) {
   plan.repetitions = study.get<int>("Repetitions");
   plan.run_repetitions = study.get<int>("Repetitions of Runs");
   plan.seconds = study.get<double>("Seconds");
-  plan.compare_sparse_solver = study.get<bool>("Compare with KLU2");
   write_machine(app, {{"lanes", std::to_string(kLanes)},
                       {"BLAS of the unit", blas_library()},
                       {"load average before", load_average()}});
   ScalingTables tables(app, ceilings_of(app, plan.threads));
-  for (const ScalingCase& of : cases_of(app)) {
+  for (ScalingCase of : cases_of(app)) {
     SolverParameters solver = app.solver;
-    solver.planar = of.kind == kPlanar;
+    if (!is_lattice(of.kind)) solver.planar = of.kind == kPlanar;
+    plan.compare_sparse_solver = study.get<bool>("Compare with KLU2") && !is_lattice(of.kind);
     const Scene scene = scene_of_case(app.scene, of);
+    of.elements = elements_of(scene);
     tables.add(of, read_measurement(measured_apart(
                        app, [&] { return written(measure_case(scene, solver, app.communicator, plan)); })));
   }

@@ -89,6 +89,20 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
   expect_in(text_of(folder / "machine.csv"), {"processor", "compiler", "flags", "version", "BLAS of the unit"});
 }
 
+/// Cubes of 3 points a side have 54 struts, less 12 between clamps; octets of 14 points 36, less 4; a sheet of 36
+/// points 60, less 5.
+TEST(ThreadScalingApplication, LatticesHaveTheElementsAskedFor) {
+  const auto folder = folder_for("thread_scaling_lattices");
+  const std::string kinds = R"xml(<Parameter name="Kinds" type="Array(string)" value="{cubic, octet, sheet}"/>)xml";
+  ASSERT_EQ(run_study(folder, changed(changed(kTiny, "{40}", "{160}"), "{1, 3}", "{2}") + kinds), 0)
+      << text_of(folder / "output.txt");
+  const auto rows = rows_of(folder / "thread_scaling.csv");
+  for (const auto& [kind, elements] : {std::pair{"cubic", "84"}, {"octet", "64"}, {"sheet", "110"}})
+    for (const char* phase : {"numeric factorisation", "whole iteration", "run, per iteration"})
+      EXPECT_TRUE(has_phase(rows, {kind, elements, "2", "2", phase})) << kind << " " << phase;
+  EXPECT_FALSE(has_phase(rows, {"spatial"}));
+}
+
 TEST(ThreadScalingApplication, AnOrderThatDoesNotExistIsBadInput) {
   const auto folder = folder_for("thread_scaling_bad_order");
   EXPECT_EQ(run_study(folder, changed(kTiny, "{1, 3}", "{9}")), 2);
