@@ -277,7 +277,7 @@ class AutomaticPath {
   /// Steps to where a path leads that leaves its start infinitely steep, as rods do that cannot stretch.
   bool set_out_yielding() {
     if (here_.load_factor != range_.from || range_.before || goal_.is_controlled()) return false;
-    const auto found = first_point_of_yielding(problem_, parameters_, here_.state, range_, corrector_);
+    const auto found = first_point_of_yielding(problem_, parameters_, here_.state, range_);
     if (!found) return false;
     const PathDirection moved = increments(*found);
     Station next = station_at(*found, &moved);

@@ -63,17 +63,16 @@ double motion(const Model& model, const State& a, const State& b) {
 /// Does what a path does for a problem of its own, which nobody is told of.
 class YieldingPath {
  public:
-  YieldingPath(BeamProblem& rigid, const SolverParameters& parameters, const State& start, const StageRange& range,
-               Corrector& corrector)
+  YieldingPath(const Teuchos::RCP<BeamProblem>& rigid, const SolverParameters& parameters, const State& start,
+               const StageRange& range)
       : rigid_(rigid),
         parameters_(parameters),
         start_(start),
         range_(range),
-        corrector_(corrector),
-        length_(shortest_member(rigid.model.mesh())) {}
+        length_(shortest_member(rigid->model.mesh())) {}
 
   std::optional<Correction> first_point() {
-    if (!imposes_deformation(rigid_.model.scene())) return std::nullopt;
+    if (!imposes_deformation(rigid_->model.scene())) return std::nullopt;
     for (const double ratio : kYielding)
       if (!first_ && !is_lost_) follow(ratio);
     return std::move(first_);
@@ -81,8 +80,8 @@ class YieldingPath {
 
  private:
   void follow(double ratio) {
-    const Scene yields = yielding(rigid_.model.scene(), length_, ratio);
-    if (!is_yielding(rigid_.model.scene(), yields)) return;
+    const Scene yields = yielding(rigid_->model.scene(), length_, ratio);
+    if (!is_yielding(rigid_->model.scene(), yields)) return;
     const auto problem = problem_of(yields);
     double next_try = 0.0;  // load factor since the start
     bool gives_up = false, branched = false;
@@ -108,48 +107,46 @@ class YieldingPath {
     problem->attempts.start_path(0, {});
     follow_stage_automatically(problem, parameters, start_, range_, recorder);
     count_work(*problem);
+    if (rigid_->leave_if_asked) rigid_->leave_if_asked();  // the path within has only been left
   }
 
   Teuchos::RCP<BeamProblem> problem_of(const Scene& scene) const {
-    const auto problem = Teuchos::rcp(new BeamProblem(scene, rigid_.model.map()->getComm(), parameters_));
-    problem->leave_if_asked = rigid_.leave_if_asked;
+    const auto problem = Teuchos::rcp(new BeamProblem(scene, rigid_->model.map()->getComm(), parameters_));
+    problem->leave_if_asked = rigid_->leave_if_asked;
     return problem;
   }
 
   void count_work(const BeamProblem& done) {
-    rigid_.work.check_iterations += done.work.newton_iterations + done.work.check_iterations;
-    rigid_.work.looks += done.work.looks;
+    rigid_->work.check_iterations += done.work.newton_iterations + done.work.check_iterations;
+    rigid_->work.looks += done.work.looks;
   }
 
+  /// Equilibrium near the state that yields, each with the stiffness before; then with none that is finite.
   std::optional<Correction> hardened(const State& yielded, double load_factor, double ratio) {
-    State state = yielded;
-    for (int i = 0; i < kHardenings; ++i) {
+    std::optional<Correction> found;
+    for (int i = 0; i <= kHardenings; ++i) {
       ratio *= kHardening;
-      const auto problem = problem_of(yielding(rigid_.model.scene(), length_, ratio));
+      const auto problem = i < kHardenings ? problem_of(yielding(rigid_->model.scene(), length_, ratio)) : rigid_;
       SolveRecord record;
-      const Correction found = Corrector(problem, parameters_, record, NewtonPurpose::check)
-                                   .at_load({state, load_factor}, kMostIterationsToHarden);
-      count_work(*problem);
-      if (!found.converged || !is_near(found.state, yielded)) return std::nullopt;
-      state = found.state;
+      found.emplace(Corrector(problem, parameters_, record, NewtonPurpose::check)
+                        .at_load({found ? found->state : yielded, load_factor}, kMostIterationsToHarden));
+      if (problem != rigid_) count_work(*problem);
+      if (!found->converged || !is_near(found->state, yielded)) return std::nullopt;
     }
-    Correction found = corrector_.at_load({state, load_factor}, kMostIterationsToHarden);
-    if (!found.converged || !is_near(found.state, yielded)) return std::nullopt;
-    MixedVector none = rigid_.model.create_vector();
+    MixedVector none = rigid_->model.create_vector();
     none.fill(0.0);
-    found.moved = increment_between(rigid_.model, start_, found.state, none);
+    found->moved = increment_between(rigid_->model, start_, found->state, none);
     return found;
   }
 
   bool is_near(const State& hard, const State& yielded) const {
-    return motion(rigid_.model, yielded, hard) <= kHardenedMotion * motion(rigid_.model, start_, hard);
+    return motion(rigid_->model, yielded, hard) <= kHardenedMotion * motion(rigid_->model, start_, hard);
   }
 
-  BeamProblem& rigid_;
+  Teuchos::RCP<BeamProblem> rigid_;
   const SolverParameters& parameters_;
   const State& start_;
   const StageRange& range_;
-  Corrector& corrector_;
   double length_;
   bool is_lost_ = false;  ///< a critical point was passed
   std::optional<Correction> first_{};
@@ -159,8 +156,8 @@ class YieldingPath {
 
 std::optional<Correction> first_point_of_yielding(const Teuchos::RCP<BeamProblem>& problem,
                                                   const SolverParameters& parameters, const State& start,
-                                                  const StageRange& range, Corrector& corrector) {
-  return YieldingPath(*problem, parameters, start, range, corrector).first_point();
+                                                  const StageRange& range) {
+  return YieldingPath(problem, parameters, start, range).first_point();
 }
 
 }  // namespace mixbeam

@@ -20,6 +20,6 @@ struct StageRange;
 /// Collective. Throws what leave_if_asked of the problem throws.
 std::optional<Correction> first_point_of_yielding(const Teuchos::RCP<BeamProblem>& problem,
                                                   const SolverParameters& parameters, const State& start,
-                                                  const StageRange& range, Corrector& corrector);
+                                                  const StageRange& range);
 
 }  // namespace mixbeam
