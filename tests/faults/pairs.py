@@ -131,7 +131,8 @@ class Pairs:
         pair = [self.start(first, folder, ranks)]
         if staggered:  # what is resumed must be there, too
             awaited = folder / RESULT[first]
-            awaited = awaited if second == "resume" else awaited.with_name(f".{awaited.name}.lock")
+            if (first, second) != ("run", "resume"):
+                awaited = awaited.with_name(f".{awaited.name}.lock")
             while pair[0].look() and not awaited.exists():
                 time.sleep(0.002)
             time.sleep(part * 0.4 * self.seconds["batch" if first == "batch" else "run", ranks])
