@@ -24,7 +24,7 @@ def main():
         return f"{options.results}: no such folder"
     try:
         import style
-        from results import InputError
+        from tables import InputError, NothingToDraw
     except ImportError as error:
         return f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed"
 
@@ -48,6 +48,9 @@ def main():
                 continue
             try:
                 say(options, f"drew {work()}")
+            except NothingToDraw as reason:
+                say(options, f"left out {benchmark}/{name}: {reason}")
+                continue
             except (InputError, OSError) as error:
                 failures.append(f"{benchmark}/{name}: {error}")
                 continue

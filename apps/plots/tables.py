@@ -10,6 +10,10 @@ class InputError(Exception):
     """An input file is missing or is not what a figure needs; the message names file and reason."""
 
 
+class NothingToDraw(InputError):
+    """The input is as it should be, and does not have what the figure shows."""
+
+
 class Table:
     """Columns of a CSV file: arrays of float where every entry is a number, else arrays of str."""
 

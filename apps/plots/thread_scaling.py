@@ -4,7 +4,7 @@ import matplotlib.lines
 import numpy as np
 
 import style
-from tables import InputError, read_table
+from tables import NothingToDraw, read_table
 
 THREAD_COLORS = (style.BLUE, style.ORANGE, style.GREEN, style.RED, style.PURPLE, style.SKY, style.GREY, style.BLACK)
 # Phases of an iteration from the bottom of a bar to its top, with their colours.
@@ -16,6 +16,8 @@ SUMS = ("element work", "linear solver", "linear solver, KLU2", "whole iteration
 COLUMNS = ["kind", "elements", "order", "threads", "phase", "median_seconds", "speed_up", "ratio_to_unit",
            "flops_per_element", "bytes_per_element", "flops_per_second"]
 KIND = "spatial"
+LATTICES = {"cubic": style.BLUE, "octet": style.ORANGE, "sheet": style.GREEN}
+ELEMENTS_OF_STRUT = 2
 
 
 def _table(folder):
@@ -139,7 +141,7 @@ def _machine_use(panel, table):
                 panel.loglog(flops / size, 1e-9 * rate, color=color, marker=style.ORDER_MARKERS[int(order)],
                              linestyle="")
     if not intensities:
-        raise InputError("thread_scaling.csv: no phase with a number of operations")
+        raise NothingToDraw("thread_scaling.csv has no phase with a number of operations")
     return min(intensities), max(intensities)
 
 
@@ -154,7 +156,35 @@ def _roof(panel, ceiling, shown):
                    va="top", fontsize=10)
 
 
+def lattices_figure(folder):
+    """Time of an iteration and memory for each strut of lattices, against the number of struts."""
+    table = read_table(folder / "thread_scaling.csv", COLUMNS).where(phase="whole iteration")
+    cases = read_table(folder / "cases.csv", ["kind", "elements", "memory_bytes_per_element"])
+    kinds = [kind for kind in LATTICES if kind in set(table["kind"])]
+    if not kinds:
+        raise NothingToDraw("thread_scaling.csv has no lattices")
+    canvas, (times, memory) = style.figure(11.0, 4.4, 1, 2)
+    for kind in kinds:
+        for line, threads in zip(("-", (0, (5, 2)), (0, (1, 1.5))), table.values("threads")):
+            rows = table.where(kind=kind, threads=threads).sorted_by("elements")
+            times.loglog(rows["elements"] / ELEMENTS_OF_STRUT,
+                         1e6 * ELEMENTS_OF_STRUT * rows["median_seconds"] / rows["elements"], marker="o", linestyle=line,
+                         color=LATTICES[kind], label=f"{kind}, {threads:g} thread" + ("s" if threads > 1 else ""))
+        rows = cases.where(kind=kind).sorted_by("elements")
+        memory.semilogx(rows["elements"] / ELEMENTS_OF_STRUT,
+                        1e-3 * ELEMENTS_OF_STRUT * rows["memory_bytes_per_element"], marker="o", color=LATTICES[kind],
+                        label=kind)
+    times.set_ylabel("microseconds of an iteration for each strut")
+    memory.set_ylabel("kB of memory for each strut")
+    memory.set_ylim(bottom=0)
+    for panel in (times, memory):
+        panel.set_xlabel("struts")
+        panel.legend()
+    return canvas
+
+
 FIGURES = {
+    "lattices": (["thread_scaling.csv", "cases.csv"], lattices_figure),
     "cost": (["thread_scaling.csv", "cases.csv"], cost_figure),
     "speed_up": (["thread_scaling.csv"], speed_up_figure),
     "ceilings": (["thread_scaling.csv", "ceilings.csv"], ceilings_figure),

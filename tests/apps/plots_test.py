@@ -25,8 +25,10 @@ import diagram_figures  # noqa: E402
 import fields  # noqa: E402
 import path_figures  # noqa: E402
 import shape_figures  # noqa: E402
+import thread_scaling  # noqa: E402
 from results import InputError, Run  # noqa: E402
 from scene_marks import Marks, kind_of_support  # noqa: E402
+from tables import NothingToDraw  # noqa: E402
 from small_scenes import NUMBERS, WORDS, cantilever, entry, listed, member, scene, solve, support  # noqa: E402
 from view import Look, View  # noqa: E402
 
@@ -368,6 +370,27 @@ class Plots(unittest.TestCase):
         ended = subprocess.run([PROGRAM, "report", "none.h5"], cwd=folder, capture_output=True, text=True, check=False)
         self.assertEqual(ended.returncode, 2)
         self.assertIn("none.h5", ended.stderr)
+
+    def test_lattices_of_thread_scaling(self):
+        def written(folder, kinds):
+            names = ["kind", "elements", "order", "threads", "phase", "median_seconds", "speed_up", "ratio_to_unit", "flops_per_element",
+                     "bytes_per_element", "flops_per_second"]
+            rows = [[kind, size, 2, threads, "whole iteration", 1e-6 * size / threads, threads, 1, "nan", "nan", "nan"]
+                    for kind in kinds for size in (2000, 4000) for threads in (1, 2)]
+            cases = [[kind, size, 5e3] for kind in kinds for size in (2000, 4000)]
+            for name, table in (("thread_scaling", [names, *rows]), ("cases", [["kind", "elements", "memory_bytes_per_element"], *cases])):
+                Path(folder, f"{name}.csv").write_text("\n".join(",".join(map(str, row)) for row in table))
+
+        with tempfile.TemporaryDirectory() as folder:
+            written(folder, ["spatial", "cubic"])
+            times, memory = thread_scaling.lattices_figure(Path(folder)).axes
+            one, two = times.get_lines()
+            np.testing.assert_allclose(one.get_data(), [[1000, 2000], [2, 2]])  # struts of two elements, microseconds
+            np.testing.assert_allclose(two.get_ydata(), [1, 1])
+            np.testing.assert_allclose(memory.get_lines()[0].get_ydata(), [10, 10])
+            written(folder, ["spatial", "planar"])
+            with self.assertRaises(NothingToDraw):
+                thread_scaling.lattices_figure(Path(folder))
 
     def test_command_line(self):
         def plot(*options):
