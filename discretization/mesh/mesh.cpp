@@ -5,12 +5,14 @@
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/member_error.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -73,11 +75,18 @@ class Placement {
 
   void place(std::size_t index) {
     const Member& member = scene_.members[index];
-    const ReferenceCurve& curve = curves_[index].emplace(
-        make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point)));
+    const ReferenceCurve& curve = curves_[index].emplace(curve_of(member));
     for (const PointOfMember& point :
          points_of_member(member, position_or_origin(member.start_point), [&] { return curve; }))
       place_point(point, member);
+  }
+
+  ReferenceCurve curve_of(const Member& member) const {
+    try {
+      return make_reference_curve(member, position_or_origin(member.start_point), position_or_origin(member.end_point));
+    } catch (const std::invalid_argument& error) {  // extreme numbers, which the reader has let pass
+      throw MemberError(member.name, "", error.what());
+    }
   }
 
   /// What a curve that follows from itself does not look at may be unknown.

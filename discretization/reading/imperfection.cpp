@@ -15,6 +15,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <stdexcept>
 
 namespace mixbeam {
 
@@ -195,11 +196,14 @@ class Imperfection {
     for (std::size_t i = 0; i < 3; ++i)
       member.curve.formula[i] =
           in_formula(start[i]) + " + " + in_formula(chord[i]) + " * t + " + in_formula(offset[i]) + " * sin(pi * t)";
-    if (member.inner_points.empty()) return;
-    const ReferenceCurve curve = make_reference_curve(member, start, end);
-    for (const InnerPoint& inner : member.inner_points)
-      if (point_index_.count(inner.point) > 0)
-        position(inner.point) = to_array(curve.position(inner.position * curve.length));
+    try {
+      const ReferenceCurve curve = make_reference_curve(member, start, end);
+      for (const InnerPoint& inner : member.inner_points)
+        if (point_index_.count(inner.point) > 0)
+          position(inner.point) = to_array(curve.position(inner.position * curve.length));
+    } catch (const std::invalid_argument& problem) {  // extreme numbers
+      throw place.error("of member \"" + excerpt(member.name) + "\": " + problem.what());
+    }
   }
 
   const Teuchos::ParameterList& list_;

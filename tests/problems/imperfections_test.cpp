@@ -118,6 +118,8 @@ TEST(Imperfections, SwayLeansTheStructure) {
 
 TEST(Imperfections, AreRefusedWithThePlace) {
   expect_in(refusal(bow(0.1, "{0, 0, 1}")), {"Imperfection / Bows / b / Direction", "along the member"});
+  expect_in(refusal(bow(1e27)), {"Imperfection / Bows / b", "member \"strut\"", "no tangent"});
+  EXPECT_EQ(refusal(bow(0.1)), "");
   expect_in(refusal(mode(100, 0.1)), {"mode 100 is wanted"});
   expect_in(refusal("<ParameterList name=\"Points\"><Parameter name=\"hed\" type=\"Array(double)\" "
                     "value=\"{0,0,1}\"/></ParameterList>"),
