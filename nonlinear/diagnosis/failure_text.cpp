@@ -195,7 +195,9 @@ class Adviser {
         "Give member \"" + excerpt(place.member) + "\" " + (place.component == 0 ? "an axial" : "a shear") +
             " stiffness (" + (place.component == 0 ? "\"EA\"" : "\"GA2\", \"GA3\"") +
             ") with which it can yield, or take away what is imposed: eigenstrains and prescribed motions that only " +
-            "fit if it changes its length or shears.");
+            "fit if it changes its length or shears. Where it is straight and has to buckle, \"Branch\" in "
+            "\"Analysis\" "
+            "chooses the side.");
   }
 
  private:
