@@ -3,9 +3,13 @@
 #include "nonlinear/multilevel/dense.hpp"
 #include "nonlinear/multilevel/level.hpp"
 
+#include <algorithm>
+
 extern "C" {
 void dsyevx_(const char*, const char*, const char*, const int*, double*, const int*, const double*, const double*,
              const int*, const int*, const double*, int*, double*, double*, const int*, double*, const int*, int*, int*,
+             int*);
+void dsyevd_(const char*, const char*, const int*, double*, const int*, double*, double*, const int*, int*, const int*,
              int*);
 }
 
@@ -17,6 +21,38 @@ using multilevel::for_each, multilevel::numbers;
 
 /// Absolute, of eigenvalues in modes: against those of slender struts, 1e-6 and more.
 constexpr double kEigenvalueError = 1e-10;
+
+/// Eigenvalues of a symmetric matrix (lower triangle read) up to `tau`, with eigenvectors in the columns of `vectors`.
+struct SoftModes {
+  std::vector<double> values, vectors;
+
+  SoftModes(int n, std::vector<double> matrix, double tau) : values(n), vectors(matrix.size()) {
+    std::vector<double> given = matrix, work(40 * static_cast<size_t>(n));
+    std::vector<int> integers(5 * static_cast<size_t>(n)), failed(n);
+    const double none = -1e300, tolerance = kEigenvalueError;
+    const int unused = 0, size = static_cast<int>(work.size());
+    int found = 0, info = 0;
+    const auto turn = turn_for_blas();
+    dsyevx_("V", "V", "L", &n, given.data(), &n, &none, &tau, &unused, &unused, &tolerance, &found, values.data(),
+            vectors.data(), &n, work.data(), &size, integers.data(), failed.data(), &info);
+    if (info != 0) found = among_all(n, std::move(matrix), tau);
+    values.resize(found);
+  }
+
+ private:
+  /// Inverse iteration now and then misses a vector of a cluster, in one aggregate of thousands: then all are found, by
+  /// divide and conquer.
+  int among_all(int n, std::vector<double> matrix, double tau) {
+    std::vector<double> work(1 + (6 + 2 * static_cast<size_t>(n)) * n);
+    std::vector<int> integers(3 + 5 * static_cast<size_t>(n));
+    const int size = static_cast<int>(work.size()), integer_size = static_cast<int>(integers.size());
+    int info = 0;
+    dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &size, integers.data(), &integer_size, &info);
+    if (info != 0) throw std::runtime_error("LAPACK's dsyevd did not find the modes of an aggregate");
+    vectors = std::move(matrix);
+    return static_cast<int>(std::upper_bound(values.begin(), values.end(), tau) - values.begin());
+  }
+};
 
 }  // namespace
 
@@ -45,19 +81,12 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
     dense::add_product(m, m, m, inverse, m, block.data(), 1, m, product.data(), m);
     dense::add_product(m, m, m, product.data(), m, inverse, m, 1, &matrix[static_cast<size_t>(n) * at + at], n);
   }
-  std::vector<double> values(n), vectors(static_cast<size_t>(n) * n), work(40 * static_cast<size_t>(n));
-  std::vector<int> integers(5 * static_cast<size_t>(n)), failed(n);
-  const double none = -1e300, tolerance = kEigenvalueError;
-  const int unused = 0, size = static_cast<int>(work.size());
-  int found = 0, info = 0;
-  const auto turn = turn_for_blas();
-  dsyevx_("V", "V", "L", &n, matrix.data(), &n, &none, &tau, &unused, &unused, &tolerance, &found, values.data(),
-          vectors.data(), &n, work.data(), &size, integers.data(), failed.data(), &info);
-  if (info != 0) throw std::runtime_error("LAPACK's dsyevx did not find the modes of an aggregate");
-  eigenvalues.assign(values.begin(), values.begin() + found);
-  std::vector<double> modes(static_cast<size_t>(found) * n);
+  const SoftModes soft(n, std::move(matrix), tau);
+  eigenvalues = soft.values;
+  const size_t found = eigenvalues.size();
+  std::vector<double> modes(found * n);
   for (int j = 0; j < n; ++j)
-    for (int q = 0; q < found; ++q) modes[static_cast<size_t>(found) * j + q] = vectors[static_cast<size_t>(n) * q + j];
+    for (size_t q = 0; q < found; ++q) modes[found * j + q] = soft.vectors[n * q + j];
   return modes;
 }
 
@@ -94,7 +123,7 @@ Level::Coarse Level::coarsen(double tau, const KernelView<double*>& self, const 
       const size_t at = static_cast<size_t>(m) * (unknown_[v] - unknown_[first_[a]]);
       dense::add_product(m, n, n, modes[a].data() + at, m, inverse_.data() + square_[v], 1, n, to + at, m);
     }
-    modes[a] = {};
+    std::vector<double>().swap(modes[a]);
   });
   coarse.ends = coarse_ends_;
   coarse.block.assign(coarse_ends_.size() + 1, 0);
