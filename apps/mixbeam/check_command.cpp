@@ -105,13 +105,14 @@ void print_check(Application& app, const std::string& load_case) {
     print_members(out, members_by_mesh(scene, start));
   }
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
-  print_needs(out, needs_of_run(app, scene, app.solver));
+  const Needs needs = needs_of_run(app, scene, app.solver);
+  print_needs(out, needs);
   if (scene.sections.size() == 1) out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
                  scene.distributed_loads.size(), scene.eigenstrains.size());
   if (!app.quantities.empty()) out << "  numbers asked for by quantities " << app.quantities.columns().size() << "\n";
-  require_memory(app, scene, app.solver);
+  require_memory(app, scene, needs);
   print_simulation(app, scene);
 }
 

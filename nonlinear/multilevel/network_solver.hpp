@@ -74,6 +74,8 @@ class NetworkSolver : public LinearSolver {
 inline constexpr double kMostFactorEntries = 1e8;
 /// Entries of the factors of what chains leave, roughly.
 double factor_entries(const CondensedSystem& system);
+/// The same from the neighbours of each vertex alone: (vertex, and one more) first of them.
+double factor_entries(const std::vector<int>& start, const std::vector<int>& next);
 /// Whether the factors of what chains leave would be so large that it is iterated with.
 bool is_large_network(const CondensedSystem& system);
 

@@ -12,16 +12,16 @@ namespace {
 constexpr double kEntriesPerSquare = 10.0;
 
 /// Vertices that lie as far from one end of a network as the middle one, in steps: a separator.
-int separator(const BlockRows& rows) {
-  const int n = rows.vertices();
+int separator(const std::vector<int>& start, const std::vector<int>& next) {
+  const int n = static_cast<int>(start.size()) - 1;
   std::vector<int> queue, distance;
-  const auto search = [&](int start) {
+  const auto search = [&](int first) {
     distance.assign(n, -1);
-    queue = {start};
-    distance[start] = 0;
+    queue = {first};
+    distance[first] = 0;
     for (size_t k = 0; k < queue.size(); ++k)
-      for (int b = 0; b < rows.blocks(queue[k]); ++b)
-        if (const int w = rows.neighbour(queue[k], b); distance[w] < 0) {
+      for (int i = start[queue[k]]; i < start[queue[k] + 1]; ++i)
+        if (const int w = next[i]; distance[w] < 0) {
           distance[w] = distance[queue[k]] + 1;
           queue.push_back(w);
         }
@@ -35,9 +35,19 @@ int separator(const BlockRows& rows) {
 
 }  // namespace
 
-double factor_entries(const CondensedSystem& system) {
-  const double side = static_cast<double>(kVertexDofs) * separator(BlockRows(*system.matrix()));
+double factor_entries(const std::vector<int>& start, const std::vector<int>& next) {
+  const double side = static_cast<double>(kVertexDofs) * separator(start, next);
   return kEntriesPerSquare * side * side;
+}
+
+double factor_entries(const CondensedSystem& system) {
+  const BlockRows rows(*system.matrix());
+  std::vector<int> start{0}, next;
+  for (int v = 0; v < rows.vertices(); ++v) {
+    for (int b = 0; b < rows.blocks(v); ++b) next.push_back(rows.neighbour(v, b));
+    start.push_back(static_cast<int>(next.size()));
+  }
+  return factor_entries(start, next);
 }
 
 bool is_large_network(const CondensedSystem& system) { return factor_entries(system) > kMostFactorEntries; }

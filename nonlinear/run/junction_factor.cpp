@@ -2,6 +2,7 @@
 
 #include "discretization/linear_system/chain_condensation.hpp"
 #include "discretization/scene/joined_ends.hpp"
+#include "nonlinear/multilevel/network_solver.hpp"
 
 #include <metis.h>
 
@@ -129,7 +130,7 @@ std::vector<double> columns_of_factor(const JunctionGraph& graph, const std::vec
 
 }  // namespace
 
-JunctionFactor junction_factor(const Scene& scene) {
+JunctionFactor junction_factor(const Scene& scene, double most) {
   const PointGraph points(scene);
   const ChainStructure chains(points.links, points.kept);
   std::vector<int> junction(points.kept.size(), -1);
@@ -151,15 +152,17 @@ JunctionFactor junction_factor(const Scene& scene) {
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   JunctionGraph graph(static_cast<int>(free.size()), pairs);
-  const std::vector<idx_t> place = elimination_order(graph);
-  const std::vector<double> below = columns_of_factor(graph, place, free);
   JunctionFactor factor;
   factor.junctions = graph.size();
+  factor.matrix = kDofs * kDofs * static_cast<double>(graph.size() + graph.next.size());
+  factor.is_larger = factor_entries(graph.start, graph.next) > most;
+  if (factor.is_larger) return factor;
+  const std::vector<idx_t> place = elimination_order(graph);
+  const std::vector<double> below = columns_of_factor(graph, place, free);
   for (int v = 0; v < graph.size(); ++v) {
     const double own = free[v], column = below[place[v]];
     factor.entries += own * (0.5 * (own + 1.0) + column);
     factor.operations += 0.5 * own * (column + own) * (column + own);
-    factor.matrix += kDofs * kDofs * (1.0 + static_cast<double>(graph.start[v + 1] - graph.start[v]));
   }
   return factor;
 }

@@ -150,7 +150,7 @@ void Application::replay(Simulation& simulation, const StoredRun& run, const Run
 
 Simulation Application::solve(const Scene& solved, const SolverParameters& parameters, const std::string& label,
                               const RunObserver& observer) {
-  require_memory(*this, solved, parameters);
+  require_room(*this, solved, parameters);
   StepReport last;
   Simulation simulation =
       walk(solved, parameters, label, {}, {}, [&](const Simulation& running, const StepReport& report) {

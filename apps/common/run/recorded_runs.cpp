@@ -125,8 +125,7 @@ std::optional<StoredRun> Application::completed_series(const Scene& solved, cons
 }
 
 Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& wanted) {
-  require_memory(*this, solved, parameters);
-  if (!wanted.file.empty()) require_disk(*this, solved, parameters, wanted.file);
+  require_room(*this, solved, parameters, wanted.file);
   const std::optional<StoredRun> completed = completed_series(solved, parameters, wanted);
   Recording recording = wanted;
   if (completed) recording.resume = &*completed;
@@ -167,8 +166,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
   observer.stop = recording.stop;
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
   observer.threads = [&](const Scene& on_mesh) {
-    require_memory(*this, on_mesh, parameters);
-    if (!recording.file.empty()) require_disk(*this, on_mesh, parameters, recording.file);
+    require_room(*this, on_mesh, parameters, recording.file);
     return threads_for(on_mesh, parameters);
   };
   AccurateRun run = run_accurately(solved, parameters, communicator, keeps_path, observer);

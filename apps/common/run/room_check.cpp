@@ -76,17 +76,14 @@ void require_memory(const Application& app, double bytes, const std::string& wha
          "fewer elements, lower orders, fewer cases, or more memory");
 }
 
-void require_memory(const Application& app, const Scene& scene, const SolverParameters& parameters) {
-  if (app.force || is_small(app, scene)) return;
-  const Needs needs = needs_of_run(app, scene, parameters);
-  require_memory(app, needs.memory, counts_of(needs));
+void require_memory(const Application& app, const Scene& scene, const Needs& needs) {
+  if (!is_small(app, scene)) require_memory(app, needs.memory, counts_of(needs));
 }
 
-void require_disk(const Application& app, const Scene& scene, const SolverParameters& parameters,
-                  const std::filesystem::path& file) {
-  if (app.force || is_small(app, scene)) return;
+namespace {
+
+void require_disk(const Application& app, const Needs& needs, const std::filesystem::path& file) {
   constexpr double kCopies = 2.0;
-  const Needs needs = needs_of_run(app, scene, parameters);
   const double wanted = kCopies * (needs.file + needs.steps * needs.file_per_step);
   on_first_rank(app.communicator, [&] {
     std::error_code none;
@@ -98,6 +95,16 @@ void require_disk(const Application& app, const Scene& scene, const SolverParame
                std::to_string(needs.steps) + " or more steps in two copies, " + bytes_text(room) + " available",
            "fewer elements, lower orders, fewer steps, or another folder (--output)");
   });
+}
+
+}  // namespace
+
+void require_room(const Application& app, const Scene& scene, const SolverParameters& parameters,
+                  const std::filesystem::path& file) {
+  if (app.force || is_small(app, scene)) return;
+  const Needs needs = needs_of_run(app, scene, parameters);
+  require_memory(app, scene, needs);
+  if (!file.empty()) require_disk(app, needs, file);
 }
 
 }  // namespace mixbeam

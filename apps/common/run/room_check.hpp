@@ -9,15 +9,16 @@ namespace mixbeam {
 /// What a run of the scene takes with the quantities that are asked of it.
 Needs needs_of_run(const Application& app, const Scene& scene, const SolverParameters& parameters);
 
-/// Throws InputError with what a run of the scene needs and what is there, unless Application::force. Costs nothing
-/// for small scenes. Collective.
-void require_memory(const Application& app, const Scene& scene, const SolverParameters& parameters);
+/// Throws InputError with what a run of the scene needs and what is there, unless Application::force: memory, and where
+/// `file` is given the disk of a result file, of which there are two copies while it is written. Costs nothing for
+/// small scenes. Collective.
+void require_room(const Application& app, const Scene& scene, const SolverParameters& parameters,
+                  const std::filesystem::path& file = {});
+
+/// Likewise for memory alone, where the needs are known.
+void require_memory(const Application& app, const Scene& scene, const Needs& needs);
 
 /// Likewise for `bytes` that something else needs; `what`: "the scenes of 5000000 cases".
 void require_memory(const Application& app, double bytes, const std::string& what);
-
-/// The same for the disk of a result file, of which there are two copies while it is written. Collective.
-void require_disk(const Application& app, const Scene& scene, const SolverParameters& parameters,
-                  const std::filesystem::path& file);
 
 }  // namespace mixbeam
