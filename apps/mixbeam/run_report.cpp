@@ -123,7 +123,6 @@ void RunReport::add(const StepRecord& record) {
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   last_ = without_rows(record);
-  last_.members = std::vector<MemberSamples>();  // clear() would keep their room
   for (const RecordedBucklingMode& mode : record.buckling)
     buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));

@@ -69,7 +69,10 @@ SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& fil
 
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
                 const WritingOptions& writing, const StoredRun* resume) {
-  const Scene scene = scene_of_case(app.scene, load_case);
+  std::optional<Scene> of_case;  // a large scene is not held twice
+  const Scene& scene = load_case.empty() && alternatives(app.scene).empty()
+                           ? app.scene
+                           : of_case.emplace(scene_of_case(app.scene, load_case));
   app.load_case = load_case;
   RunReport report(&app.quantities, scene);
   if (resume != nullptr) report.add(*resume);

@@ -30,7 +30,7 @@ void prepare(Application& app, std::ostream& report, bool force) {
 /// That the program has chosen for a scene with an accuracy.
 MeshChoice mesh_of(const StoredRun& run) {
   MeshChoice mesh;
-  for (const MemberSamples& member : run.layout().members) mesh.push_back({member.order, member.elements});
+  for (const SampledMember& member : run.members()) mesh.push_back({member.order, member.elements});
   return mesh;
 }
 

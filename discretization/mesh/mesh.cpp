@@ -149,7 +149,7 @@ void add_member(Mesh& mesh, const Member& member, int index, const Placement& pl
     mesh.elements.push_back({index, i, {here, next}});
     here = next;
   }
-  mesh.members.push_back(added);
+  mesh.members.push_back(std::move(added));
 }
 
 }  // namespace
@@ -158,6 +158,7 @@ Mesh build_mesh(const Scene& scene) {
   Mesh mesh;
   const Placement placement(scene);
   const JointTable joints = joined_ends(scene);
+  mesh.members.reserve(scene.members.size());
   for (size_t m = 0; m < scene.members.size(); ++m)
     add_member(mesh, scene.members[m], static_cast<int>(m), placement, joints);
   return mesh;

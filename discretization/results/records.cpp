@@ -119,8 +119,8 @@ void write_members(hid_t file, const std::vector<MemberSamples>& members) {
 namespace {
 
 /// Of files that have a group for each member.
-std::vector<MemberSamples> read_member_groups(hid_t group) {
-  std::vector<MemberSamples> members(hdf5::count_links(group));
+std::vector<SampledMember> read_member_groups(hid_t group) {
+  std::vector<SampledMember> members(hdf5::count_links(group));
   for (const std::string& name : hdf5::link_names(group)) {
     const auto member = hdf5::open_group(group, name);
     int index = 0, samples = 0;
@@ -136,7 +136,7 @@ std::vector<MemberSamples> read_member_groups(hid_t group) {
 
 }  // namespace
 
-std::vector<MemberSamples> read_members(hid_t file) {
+std::vector<SampledMember> read_members(hid_t file) {
   const auto group = hdf5::open_group(file, "members");
   const std::vector<std::string> links = hdf5::link_names(group);
   const bool has_tables =
@@ -148,7 +148,7 @@ std::vector<MemberSamples> read_members(hid_t file) {
   if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size() ||
       std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
     throw hdf5::Error("cannot read the members: their numbers make no sense");
-  std::vector<MemberSamples> members(names.size());
+  std::vector<SampledMember> members(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     members[i].name = names[i];
     members[i].order = static_cast<int>(orders[i]);

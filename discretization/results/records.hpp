@@ -29,7 +29,7 @@ ResultHeader read_header(hid_t file);
 
 void write_members(hid_t file, const std::vector<MemberSamples>& members);
 /// Names and numbers of samples, of files of all formats; order and elements from format 4 on.
-std::vector<MemberSamples> read_members(hid_t file);
+std::vector<SampledMember> read_members(hid_t file);
 
 void write_supports(hid_t file, const std::vector<RecordedReaction>& reactions);
 void write_acting(hid_t file, const Acting& acting);

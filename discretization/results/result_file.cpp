@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
-std::size_t count_samples(const std::vector<MemberSamples>& members) {
+std::size_t count_samples(const std::vector<SampledMember>& members) {
   std::size_t samples = 0;
   for (const auto& member : members) samples += member.share.rows;
   return samples;
@@ -40,7 +40,7 @@ std::map<std::string, std::size_t> sizes_of(const std::vector<MonitoredQuantity>
   return sizes;
 }
 
-bool same_sampling(const MemberSamples& a, const MemberSamples& b) {
+bool same_sampling(const SampledMember& a, const SampledMember& b) {
   return a.name == b.name && a.share.rows == b.share.rows;
 }
 
@@ -108,6 +108,7 @@ ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, W
       ranks_(communicator, path_),
       lock_(std::move(options.lock)),
       file_(path_, ranks_, options.durable),
+      members_(run.members()),
       previous_(run.layout()) {
   take_place();
   for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor, {}});
@@ -162,7 +163,8 @@ void ResultFile::append_step(const StepRecord& record) {
   });
   or_give_up([&] { write_step_of(record); });
   labels_.push_back({record.step, record.load_factor, stresses_of_step(record)});
-  previous_ = without_rows(record);
+  if (members_.empty()) members_.assign(record.members.begin(), record.members.end());
+  previous_ = record;
   ranks_.on_root([&] {
     if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
   });
@@ -232,10 +234,9 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   }
   if (labels_.empty()) return;
   if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
-  bool same =
-      record.members.size() == previous_.members.size() && record.monitored.size() == previous_.monitored.size();
+  bool same = record.members.size() == members_.size() && record.monitored.size() == previous_.monitored.size();
   for (std::size_t i = 0; same && i < record.members.size(); ++i) {
-    same = same_sampling(record.members[i], previous_.members[i]);
+    same = same_sampling(record.members[i], members_[i]);
   }
   same = same && sizes_of(record.monitored) == sizes_of(previous_.monitored);
   if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
@@ -245,8 +246,8 @@ void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
   for (const auto& label : labels_)
     steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor, label.stresses});
-  const std::size_t members = previous_.members.size();
-  const std::size_t samples = count_samples(previous_.members);
+  const std::size_t members = members_.size();
+  const std::size_t samples = count_samples(members_);
   const bool durable = false;  // it can be made again from the result file
   replace_file(xdmf_path_, xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members),
                durable);

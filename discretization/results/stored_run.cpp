@@ -60,7 +60,7 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
       has_all_series_ = false;
       monitor_ = own_time_series(file, groups_);
     }
-    layout_.members = read_members(file);
+    members_ = read_members(file);
   });
   if (last_step && (steps_.empty() || steps_.back().step != *last_step))
     throw InputError(path.string() + ": holds no step " + std::to_string(*last_step) + "; allowed: " +

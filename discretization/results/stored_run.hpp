@@ -45,8 +45,9 @@ class StoredRun {
   bool has_all_series() const { return has_all_series_; }
   /// Those that are missing, one row for each of steps().
   void complete(const std::vector<MonitoredSeries>& series);
-  /// Names and sizes of members and monitored quantities, and the number of the last step; no values.
-  const StepRecord& layout() const { return layout_; }
+  const std::vector<SampledMember>& members() const { return members_; }
+  /// Names and sizes of monitored quantities, and the number of the last step; no values.
+  const StepSummary& layout() const { return layout_; }
 
   /// Of each of steps(); "unknown" in files of versions that did not tell.
   const std::vector<RecordedStability>& stability() const { return stability_; }
@@ -67,7 +68,8 @@ class StoredRun {
   std::vector<RecordedStability> stability_;
   std::vector<MonitoredSeries> monitor_;
   bool drops_the_rest_ = false, has_all_series_ = true;
-  StepRecord layout_;
+  std::vector<SampledMember> members_;
+  StepSummary layout_;
 };
 
 /// Whether a result file is what was written.

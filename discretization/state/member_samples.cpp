@@ -28,8 +28,6 @@ RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point) {
 
 StepRecord without_rows(const StepRecord& record) {
   auto kept = summary_of<StepSummary>(record);
-  kept.members.reserve(record.members.size());
-  for (const MemberSamples& member : record.members) kept.members.push_back(summary_of<SampledMember>(member));
   for (const RecordedCriticalPoint& point : record.critical_points) kept.critical_points.push_back(without_rows(point));
   for (const RecordedBucklingMode& mode : record.buckling)
     kept.buckling.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});

@@ -215,7 +215,7 @@ struct StepRecord : StepSummary {
   std::shared_ptr<const Acting> acting{};                 ///< what acts on the structure; of the first record of a run
 };
 
-/// All but the fields at samples, vertices and elements: what a step takes few bytes for.
+/// All but the members and the fields at samples, vertices and elements: what a step takes few bytes for.
 StepRecord without_rows(const StepRecord& record);
 RecordedCriticalPoint without_rows(const RecordedCriticalPoint& point);
 
