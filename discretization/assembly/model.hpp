@@ -75,6 +75,11 @@ class Model {
   PhaseTimes& times() const { return times_; }
   /// Memory that evaluations use again; none of them reads what another one left there.
   Workspace& workspace() const { return *workspace_; }
+  /// Of vectors, which evaluations would use again.
+  void release_idle_arrays() const {
+    vectors_->vertex.release_idle();
+    vectors_->interior.release_idle();
+  }
 
  private:
   void build_maps(const Communicator& comm);

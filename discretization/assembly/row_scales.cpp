@@ -168,6 +168,7 @@ void scale_vertex_rows(const Model& model, const ResidualScales& scales, bool in
 
 void scale_rows(const Model& model, const ResidualScales& scales, bool inverse, MixedVector& rows) {
   scale_vertex_rows(model, scales, inverse, rows.vertex());
+  if (rows.shares_zeros()) return;
   const ResidualScales by = scales;
   const KernelView<double*> interior = rows.writable_interior(true);
   for (const ElementBlock& block : model.structure().blocks) {

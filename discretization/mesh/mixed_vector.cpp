@@ -148,6 +148,11 @@ KernelView<double*> MixedVector::view_of(DofVector& v) {
 }
 
 void MixedVector::fill(double value) {
+  if (value == 0.0) {
+    clear(vertex());
+    interior_ = zeros_of(*pool_, interior_.extent(0));
+    return;
+  }
   for (const Entries& part : {vertex(), writable_interior(false)}) {
     const Entries y = part;
     for_each_entry(

@@ -44,6 +44,8 @@ class MixedVector {
   DofVector& vertex_dofs() const { return *vertex_dofs_; }
 
   void fill(double value);
+  /// Then the interior is zero, without a look at it; it may be zero otherwise.
+  bool shares_zeros() const { return interior_.data() == pool_->zeros.data(); }
   void assign(const MixedVector& other);
   void scale(double factor);
   void update(double a, const MixedVector& x, double gamma);  ///< a x + gamma this

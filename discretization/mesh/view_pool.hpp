@@ -4,14 +4,15 @@
 
 #include <Kokkos_Core.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace mixbeam {
 
-/// Keeps every array it has ever handed out. An array is free again when nobody else holds it. From outside of kernels,
-/// one thread at a time.
+/// Keeps every array it has ever handed out until it is told otherwise. An array is free again when nobody else holds
+/// it. From outside of kernels, one thread at a time.
 template <class View>
 class ViewPool {
  public:
@@ -25,6 +26,12 @@ class ViewPool {
     else
       views_.emplace_back(Kokkos::view_alloc(label, Kokkos::WithoutInitializing), size);
     return views_.back();
+  }
+
+  /// Gives back what nobody holds.
+  void release_idle() {
+    const auto is_idle = [](const View& view) { return view.use_count() == 1; };
+    views_.erase(std::remove_if(views_.begin(), views_.end(), is_idle), views_.end());
   }
 
  private:

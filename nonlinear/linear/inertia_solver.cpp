@@ -124,6 +124,10 @@ struct InertiaSolver::Factors {
     value.resize(entry.size());
   }
   virtual ~Factors() = default;
+  virtual void drop_matrix() {
+    for (std::vector<int>* list : {&row, &column, &entry}) std::vector<int>().swap(*list);
+    std::vector<double>().swap(value);
+  }
   virtual Signs factorize() = 0;
   virtual void solve(double* block, int columns, bool transposed) = 0;
   /// See InertiaSolver::solves_for_factors(); 0 where factors are always cheap.
@@ -207,6 +211,11 @@ struct InertiaSolver::Mumps final : Factors {
   Mumps(const Mumps&) = delete;
   Mumps& operator=(const Mumps&) = delete;
 
+  void drop_matrix() override {
+    Factors::drop_matrix();
+    data.irn = data.jcn = nullptr;
+    data.a = nullptr;
+  }
   MUMPS_INT& control(Control index) { return data.icntl[index - 1]; }
   int info(int index) const { return data.infog[index - 1]; }
 
@@ -292,6 +301,8 @@ InertiaSolver::Signs InertiaSolver::factorize(const SparseMatrix& matrix) {
   f.has_factors = true;
   return f.signs;
 }
+
+void InertiaSolver::drop_matrix() { factors_->drop_matrix(); }
 
 int InertiaSolver::factorizations() const { return factors_->factorizations; }
 

@@ -47,6 +47,8 @@ class InertiaSolver {
   /// factorised last keep their factors: under dead loads the tangent at the end of a load step is the first one of the
   /// next.
   Signs factorize(const SparseMatrix& matrix);
+  /// Factors that are solved with alone need less: it factorises nothing afterwards.
+  void drop_matrix();
   /// How often values were not those factorised last.
   int factorizations() const;
   /// Solves that take as long as a factorisation, about.

@@ -59,6 +59,10 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
     if (used_ > 1) fine.round();
     ++used_;
   }
+  for (size_t l = 1; l < used_; ++l) levels_[l]->drop_scale();
+  self = {};
+  links = nullptr;
+  present.reset();
   vectors_.resize(used_);
   for (size_t l = 0; l < used_; ++l)
     if (const int n = levels_[l]->unknowns(); n != static_cast<int>(vectors_[l].x.extent(0)))
@@ -67,27 +71,13 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
 }
 
 void Hierarchy::factorize_coarsest() {
-  const Level& level = *levels_[used_ - 1];
-  const std::vector<int>& first = level.first_unknown();
-  std::vector<std::vector<std::pair<int, double>>> rows(level.unknowns());
-  for (int i = 0; i < level.unknowns(); ++i) rows[i].push_back({i, 1.0});
-  level.each_block([&](int v, int other, const double* block) {
-    const int m = first[v + 1] - first[v];
-    for (int j = first[other]; j < first[other + 1]; ++j)
-      for (int i = 0; i < m; ++i) rows[first[v] + i].push_back({j, block[m * (j - first[other]) + i]});
-  });
-  coarsest_ = {};
-  coarsest_.row_start = {0};
-  for (auto& row : rows) {
-    std::sort(row.begin(), row.end());
-    for (const auto& [column, value] : row) {
-      coarsest_.column.push_back(column);
-      coarsest_.value.push_back(value);
-    }
-    coarsest_.row_start.push_back(static_cast<int>(coarsest_.column.size()));
-  }
-  direct_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, coarsest_);
-  const InertiaSolver::Signs signs = direct_->factorize(coarsest_);
+  Level& level = *levels_[used_ - 1];
+  direct_.reset();  // one at a time
+  const SparseMatrix coarsest = level.matrix();
+  if (used_ > 1) level.drop_values();
+  direct_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, coarsest);
+  const InertiaSolver::Signs signs = direct_->factorize(coarsest);
+  direct_->drop_matrix();
   if (signs.negative > 0) throw NegativeCurvature("the coarsest matrix has negative eigenvalues");
 }
 

@@ -41,7 +41,6 @@ class Hierarchy {
     LevelVector residual, x, step, other;
   };
   std::vector<Vectors> vectors_;
-  SparseMatrix coarsest_;
   std::unique_ptr<InertiaSolver> direct_;
 };
 

@@ -239,9 +239,34 @@ void Level::unscale(const LevelVector& scaled, const KernelView<double*>& x) con
   });
 }
 
-void Level::each_block(const std::function<void(int, int, const double*)>& action) const {
-  for (int v = 0; v < nodes_; ++v)
-    for (int s = row_[v]; s < row_[v + 1]; ++s) action(v, slot_[s][2], value_.data() + block_[s]);
+SparseMatrix Level::matrix() const {
+  SparseMatrix matrix;
+  matrix.row_start.reserve(unknowns() + 1);
+  matrix.row_start.push_back(0);
+  matrix.column.reserve(unknowns() + block_.back());
+  matrix.value.reserve(unknowns() + block_.back());
+  std::vector<int> slots;
+  const auto add = [&matrix](int column, double value) {
+    matrix.column.push_back(column);
+    matrix.value.push_back(value);
+  };
+  for (int v = 0; v < nodes_; ++v) {
+    slots.resize(row_[v + 1] - row_[v]);
+    std::iota(slots.begin(), slots.end(), row_[v]);
+    std::stable_sort(slots.begin(), slots.end(), [&](int s, int t) { return slot_[s][2] < slot_[t][2]; });
+    const auto behind = std::find_if(slots.begin(), slots.end(), [&](int s) { return slot_[s][2] > v; });
+    const int m = unknowns_of(v);
+    for (int i = 0; i < m; ++i) {
+      for (auto s = slots.begin();; ++s) {
+        if (s == behind) add(unknown_[v] + i, 1.0);
+        if (s == slots.end()) break;
+        const int first = unknown_[slot_[*s][2]], n = unknowns_of(slot_[*s][2]);
+        for (int j = 0; j < n; ++j) add(first + j, value_(block_[*s] + static_cast<size_t>(m) * j + i));
+      }
+      matrix.row_start.push_back(static_cast<int>(matrix.column.size()));
+    }
+  }
+  return matrix;
 }
 
 }  // namespace mixbeam

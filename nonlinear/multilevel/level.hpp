@@ -8,6 +8,7 @@
 #pragma once
 
 #include "kernels/loops/block.hpp"
+#include "nonlinear/linear/inertia_solver.hpp"
 #include "nonlinear/multilevel/aggregates.hpp"
 
 #include <algorithm>
@@ -104,6 +105,9 @@ class Level {
   /// Blocks off the diagonal from now on as single precision: of coarse levels they are the most that an iteration
   /// reads, and the preconditioner alone uses them.
   void round();
+  /// What a cycle does not read: of coarse levels the factors of nodes, of the coarsest its blocks too.
+  void drop_scale() { inverse_ = {}; }
+  void drop_values() { value_ = {}; }
   /// Modes of each aggregate with eigenvalue below `tau`, and the next level's blocks from them.
   struct Coarse {
     std::vector<int> unknown;
@@ -133,9 +137,8 @@ class Level {
   void scale_rows(const KernelView<const double*>& b, const LevelVector& scaled) const;
   void unscale(const LevelVector& scaled, const KernelView<double*>& x) const;
 
-  /// Row-wise access for the direct solver of the coarsest level: (i, j, block of A^, rows x columns column-major).
-  void each_block(const std::function<void(int, int, const double*)>& action) const;
-  const std::vector<int>& first_unknown() const { return unknown_; }
+  /// A^, for the direct solver of the coarsest level.
+  SparseMatrix matrix() const;
 
  private:
   void build_rows();

@@ -298,6 +298,11 @@ TEST(InertiaSolver, MatricesOfAnySizeHaveTheSignsThatTheyWereMadeWith) {
         EXPECT_EQ(solver.factorize(reflected(rows, negative + 1)).negative, negative + 1);
         EXPECT_EQ(solver.factorizations(), 2);
       }
+      solver.factorize(matrix);
+      solver.drop_matrix();  // the factors are enough
+      std::vector<double> again(rows, 1.0);
+      solver.solve(again.data(), 1);
+      EXPECT_EQ(again, x) << rows;
     }
 }
 
