@@ -126,6 +126,14 @@ Scene with_overhang(Scene scene, int order, int elements) {
   return scene;
 }
 
+Quantity displacement_of_tip(Scene rod) {
+  Quantity tip;
+  tip.name = "tip";
+  tip.kind = "displacement";
+  tip.point = tip_load(rod).point;
+  return tip;
+}
+
 /// A quarter each: displacements and moments at places of the rod, distances to its tip, extremes along all of it.
 std::vector<Quantity> hundred_quantities(Scene rod) {
   constexpr int kQuantities = 100;
@@ -199,6 +207,9 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
       {"quantities",
        {"no quantities asked for, result file written", rod, solver, false, true},
        {"100 quantities, 25 of them extremes along the rod", rod, solver, false, true, hundred_quantities(rod)}},
+      {"one_quantity",
+       {"no quantity asked for, result file written", rod, solver, false, true},
+       {"displacement of the tip asked for", rod, solver, false, true, {displacement_of_tip(rod)}}},
       {"stresses",
        {"stresses along members off, result file written", with_shape(rod), without_stresses, false, true},
        {"stresses at the end, of a rectangle", with_shape(rod), solver, false, true}},
