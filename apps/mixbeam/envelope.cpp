@@ -2,6 +2,9 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/results/table_file.hpp"
+#include "discretization/scene/load_cases.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/result_names.hpp"
 #include "mixbeam/version.hpp"
 
 #include <cmath>
@@ -37,12 +40,13 @@ std::vector<QuantityEnvelope> envelope_of(const std::vector<FollowedQuantity>& q
 }
 
 /// Every run beside the envelope, from which pictures and reports are made. Layout: results.md.
-void write_columns(const Application& app, const std::filesystem::path& file) {
+void write_columns(const Application& app, const std::vector<FollowedQuantity>& quantities,
+                   const std::filesystem::path& file) {
   const std::vector<QuantityEnvelope>& envelope = app.summary.envelope;
   std::map<std::string, std::size_t> index;  // of the runs, in their order
   std::vector<std::vector<double>> values;
   std::string runs, names;
-  for (const FollowedQuantity& quantity : app.summary.quantities) {
+  for (const FollowedQuantity& quantity : quantities) {
     if (index.emplace(quantity.run, index.size()).second) {
       runs += quantity.run + "\n";
       values.emplace_back();
@@ -59,15 +63,16 @@ void write_columns(const Application& app, const std::filesystem::path& file) {
   }
   for (const auto& [run, i] : index) columns.push_back({"values/" + std::to_string(i), values[i]});
   write_table_file(file, columns,
-                   {{"scene", app.xml.text}, {"version", kVersion}, {"quantities", names}, {"runs", runs}}, "envelope");
+                   {{"scene", app.xml.text}, {"version", kVersion}, {"quantities", names}, {kEnvelopeRuns, runs}},
+                   kEnvelope);
 }
 
-}  // namespace
-
-void write_envelope(Application& app, const std::filesystem::path& file) {
-  app.summary.envelope = envelope_of(app.summary.quantities);
+/// Of these runs; nothing where fewer than two of them have quantities.
+void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& quantities,
+                       const std::filesystem::path& file) {
+  app.summary.envelope = envelope_of(quantities);
   if (app.summary.envelope.empty() || !app.writes_files()) return;
-  write_columns(app, file);
+  write_columns(app, quantities, file);
   const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-envelope.csv");
   CsvTable table(csv, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
   app.out() << text_of("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
@@ -81,6 +86,54 @@ void write_envelope(Application& app, const std::filesystem::path& file) {
   }
   table.close();
   app.out() << "envelope: " << file.string() << ", " << csv.string() << "\n";
+}
+
+/// Of the run that has just ended, or of its file. Throws InputError: why it is not known there.
+std::vector<FollowedQuantity> quantities_of(const Application& app, const std::filesystem::path& file) {
+  std::vector<FollowedQuantity> found;
+  for (const FollowedQuantity& quantity : app.summary.quantities)
+    if (quantity.run == file.stem().string()) found.push_back(quantity);
+  if (!found.empty()) return found;
+  const StoredRun run(file);
+  const std::string name = file.filename().string();
+  if (run.header().scene_xml != app.xml.text || run.header().imported != app.xml.source.files())
+    throw InputError(name + " is of another scene");
+  if (app.solver.analysis.control || run.steps().empty() || run.steps().back().load_factor != app.scene.stages)
+    throw InputError("the run in " + name + " has not come to its end");
+  const std::size_t last = run.steps().size() - 1;
+  for (const MonitoredSeries& series : run.monitor())
+    for (std::size_t i = 0; i < series.columns && series.name == kQuantitySeries; ++i)
+      if (const QuantitySet::Column& column = app.quantities.columns()[i]; column.is_value)
+        found.push_back({file.stem().string(), column.name, series.values[last * series.columns + i]});
+  return found;
+}
+
+}  // namespace
+
+void write_envelope(Application& app, const std::filesystem::path& file) {
+  write_envelope_of(app, app.summary.quantities, file);
+}
+
+void renew_envelope(Application& app, const std::filesystem::path& file) {
+  const std::vector<std::string> cases = alternatives(app.scene);
+  if (cases.size() < 2 || app.quantities.empty()) return;
+  const auto warn = [&](const std::string& reason) {
+    app.summary.warnings.push_back(file.string() + ": the envelope is that of an earlier run: " + reason);
+    app.out() << "warning: " << app.summary.warnings.back() << "\n";
+  };
+  try {
+    std::vector<FollowedQuantity> quantities;
+    for (const std::string& load_case : cases)
+      for (FollowedQuantity& one :
+           quantities_of(app, result_file_of(file.parent_path(), file.stem().string(), load_case)))
+        quantities.push_back(std::move(one));
+    const SharedResultLock lock = lock_or_warn(app, file);
+    write_envelope_of(app, quantities, file);
+  } catch (const InputError& error) {
+    if (std::filesystem::exists(file)) warn(error.what());  // else there is nothing that could mislead
+  } catch (const ResultFileError& error) {
+    warn(error.what());
+  }
 }
 
 }  // namespace mixbeam

@@ -49,6 +49,13 @@ void say_where(const Application& app, const StoredRun& run) {
               << run.steps().back().load_factor << ".\n";
 }
 
+/// Nothing where the file has another name than the run gave it.
+void renew_envelope_beside(Application& app, const StoredRun& run) {
+  const std::string ending = "-" + property(run, "load_case"), stem = run.path().stem().string();
+  if (stem.size() <= ending.size() || stem.substr(stem.size() - ending.size()) != ending) return;
+  renew_envelope(app, result_file_of(run.path().parent_path(), stem.substr(0, stem.size() - ending.size()), ""));
+}
+
 /// Before MPI starts. Under the lock, because a run that goes on writes the copies of its file in turn: who resumes it
 /// meanwhile hears of that run, not of damage. The lock is taken again for the run itself.
 void require_whole_and_free(const std::filesystem::path& results, std::optional<int> last_step) {
@@ -82,6 +89,7 @@ int resume_command(const Arguments& arguments) {
     return finish_runs(app, line, [&] {
       const RunEnd end = run_case(app, property(run, "load_case"), run.path(), {lock, line.durable}, &run);
       if (end == RunEnd::arrived) fail_what_was_missed(app, {property(run, "load_case")});
+      if (end == RunEnd::arrived) renew_envelope_beside(app, run);
       return end;
     });
   });

@@ -66,7 +66,7 @@ int run_command(const Arguments& arguments) {
       for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
         end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), {locks[i], line.durable});
       if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
-      if (end == RunEnd::arrived) write_envelope(app, of_all);
+      if (end == RunEnd::arrived) line.load_case ? renew_envelope(app, of_all) : write_envelope(app, of_all);
       return end;
     });
   });

@@ -33,6 +33,11 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
 /// the summary. Nothing where fewer than two runs have any. Throws as CsvTable and write_table_file.
 void write_envelope(Application& app, const std::filesystem::path& file);
 
+/// The same after one run of several: those of the others come from their files. Where a file is missing, of another
+/// scene or of a run that has not ended, an envelope that is there stays, with a warning. Not of paths with a
+/// controlled displacement, of which a file does not tell whether they are complete.
+void renew_envelope(Application& app, const std::filesystem::path& file);
+
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.
 int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases);
 

@@ -1,6 +1,7 @@
 #include "discretization/results/records.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 #include "discretization/text/result_names.hpp"
 
 #include <algorithm>
@@ -12,6 +13,15 @@ namespace mixbeam {
 namespace {
 
 const std::string kFormat = "mixbeam results";
+
+/// Of an envelope: "2 runs; allowed: out/frame-snow.h5, out/frame-wind.h5".
+std::string files_of_runs(hid_t file, const std::string& name) {
+  std::vector<std::string> files;
+  std::istringstream runs(hdf5::read_text(file, kEnvelopeRuns));
+  for (std::string run; std::getline(runs, run);)
+    files.push_back(std::filesystem::path(name).replace_filename(run + ".h5").string());
+  return std::to_string(files.size()) + " runs; allowed: one of theirs, " + quoted_list(files);
+}
 
 }  // namespace
 
@@ -62,7 +72,10 @@ bool holds_run(hid_t file) {
 }
 
 void require_known_format(hid_t file, const std::string& name, bool is_sealed) {
-  if (!holds_run(file)) throw InputError(name + ": HDF5, but no result file of mixbeam");
+  if (!holds_run(file))
+    throw InputError(name + ": HDF5, but no result file of " +
+                     (hdf5::has_link(file, kEnvelope) ? "a run: the envelope of " + files_of_runs(file, name)
+                                                      : std::string("mixbeam")));
   int version = 0;
   hdf5::read_attribute(file, "format_version", version);
   if (version < kFirstFormatWithStates)

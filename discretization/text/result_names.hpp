@@ -19,6 +19,10 @@ bool is_own_time_series(const std::string& name);
 /// The series of all numbers that the list "Quantities" of a scene asks for; the header of the file names them.
 inline constexpr const char* kQuantitySeries = "quantities";
 
+/// The group of an envelope of several runs, and the text beside it that names them, one to a line.
+inline constexpr const char* kEnvelope = "envelope";
+inline constexpr const char* kEnvelopeRuns = "runs";
+
 /// Why this cannot name an entry of a result file (HDF5 takes names for paths), and what is allowed; empty if it can.
 Problem result_name_problem(const std::string& name);
 

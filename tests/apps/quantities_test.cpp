@@ -111,6 +111,47 @@ TEST_F(Quantities, AreTheSameWhenARunIsResumed) {
   EXPECT_EQ(text_of(folder_ / "out/scene-monitor.csv"), before);
 }
 
+/// The elastica under a force of 10 and of `other` across the tip; its moment at the clamp is not linear in them.
+std::string two_cases(const std::string& other) {
+  const std::string force = "<Parameter name=\"Force\" type=\"Array(double)\" value=\"{0, 0, ";
+  std::string text = changed(elastica_with(in_list("Quantities", kTip + kMoment)), "<ParameterList name=\"Points\">",
+                             "<Parameter name=\"Load Cases\" type=\"Array(string)\" value=\"{down, other}\"/>"
+                             "<ParameterList name=\"Points\">");
+  text.erase(text.find("<ParameterList name=\"Expected\">"));
+  const std::string loads = "<ParameterList name=\"Point Loads\">";
+  return changed(text, loads,
+                 loads + in_list("more", "<Parameter name=\"Point\" type=\"string\" value=\"tip\"/>" + force + other +
+                                             "}\"/><Parameter name=\"Case\" type=\"string\" value=\"other\"/>")) +
+         "</ParameterList>";
+}
+
+/// A run of one case alone renews the envelope from the files of the others, and says so where it cannot.
+TEST_F(Quantities, EnvelopesAreRenewedByRunsOfOneCase) {
+  const auto envelope = [this] { return text_of(folder_ / "out/scene-envelope.csv"); };
+  const auto resume = [this](const std::string& file) {
+    return run_process(program("mixbeam"), {"resume", file, "--quiet"}, folder_.path());
+  };
+  ASSERT_EQ(run(two_cases("3"), {"--case", "down"}).exit_code, kOk);
+  EXPECT_FALSE(fs::exists(folder_ / "out/scene.h5"));
+  ASSERT_EQ(run(two_cases("3"), {"--case", "other"}).exit_code, kOk);
+  const std::string one_by_one = envelope();
+  ASSERT_EQ(run(two_cases("3")).exit_code, kOk);
+  EXPECT_EQ(envelope(), one_by_one);
+  fs::remove(folder_ / "out/scene-envelope.csv");
+  ASSERT_EQ(resume("out/scene-other.h5").exit_code, kOk);
+  EXPECT_EQ(envelope(), one_by_one);
+  const Ended changed_scene = run(two_cases("4"), {"--case", "other"});
+  EXPECT_EQ(changed_scene.exit_code, kOk) << changed_scene.err;
+  expect_in(changed_scene.out,
+            {"out/scene.h5: the envelope is that of an earlier run", "scene-down.h5 is of another scene"});
+  EXPECT_EQ(envelope(), one_by_one);
+  ASSERT_EQ(run(two_cases("4"), {"--case", "down"}).exit_code, kOk);
+  EXPECT_NE(envelope(), one_by_one);
+  const Ended of_all = resume("out/scene.h5");
+  EXPECT_EQ(of_all.exit_code, kBadInput);
+  expect_in(of_all.err, {"the envelope of 2 runs", "\"out/scene-down.h5\", \"out/scene-other.h5\""});
+}
+
 TEST_F(Quantities, AreColumnsOfABatch) {
   const std::string forces = entry("force", "Parameter=Point Loads/weight/Force[1];First=-5;Last=-10");
   const std::string count = "<Parameter name=\"Count\" type=\"int\" value=\"6\"/></ParameterList>";
