@@ -130,7 +130,8 @@ Scene CaseScenes::scene_of(std::size_t index) {
   for (std::size_t i = 0; i < places_.size(); ++i) set(places_[i], batch_.value(index, i), index, batch_.columns[i]);
   try {
     const Scene scene = read_scene(app_.xml.list->sublist("Scene"), app_.xml.source);
-    return scene_of_case(with_mode_shapes(scene, app_.solver, app_.communicator), load_case_);
+    return scene_of_case(with_mode_shapes(scene, app_.solver, app_.communicator, {app_.xml.source, {"Scene"}}),
+                         load_case_);
   } catch (const InputError& error) {
     throw InputError(batch_.name_of_case(index) + ": " + error.what());
   }

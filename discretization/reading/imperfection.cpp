@@ -58,7 +58,7 @@ BoundList<Sway> sway_parameters() {
 
 BoundList<ModeImperfection> mode_parameters() {
   BoundList<ModeImperfection> mode("A mode of the linear buckling of the structure as it was drawn.");
-  mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100).by_default(),
+  mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100).required(),
             "Its number, by growing positive load factor.");
   mode.bind(&ModeImperfection::amplitude, real("Amplitude").required(),
             "Largest displacement of a vertex, with a sign [length].");
@@ -81,8 +81,10 @@ class Imperfection {
     if (list_.isParameter("Points File")) shift_by_table();
     for (const std::string& name : names_in("Bows"))
       bend(bow_parameters().read(list_.sublist("Bows").sublist(name)), place_["Bows"][name]);
-    for (const std::string& name : names_in("Modes"))
+    for (const std::string& name : names_in("Modes")) {
       scene_.imperfection_modes.push_back(mode_parameters().read(list_.sublist("Modes").sublist(name)));
+      scene_.imperfection_modes.back().name = name;
+    }
     if (list_.isParameter("Case")) scene_.imperfection_case = list_.get<std::string>("Case");
   }
 
@@ -101,6 +103,8 @@ class Imperfection {
   void lean(const Sway& sway) {
     for (const Member& member : scene_.members) require_line(member, place_["Sway"], "a sway");
     const Vector3 up = unit(sway.up), along = unit(sway.direction);
+    if (norm(cross(up, along)) < kAcross)
+      throw place_["Sway"]["Direction"].error("along \"Up\"; allowed: across it, as what leans does");
     double lowest = std::numeric_limits<double>::infinity();
     for (const Point& point : scene_.points) lowest = std::min(lowest, dot(point.position, up));
     for (Point& point : scene_.points)

@@ -211,6 +211,7 @@ struct Eigenstrain {
 
 /// A buckling mode that is laid on the geometry.
 struct ModeImperfection {
+  std::string name{};      ///< of its list
   int mode = 1;            ///< by growing positive load factor
   double amplitude = 0.0;  ///< largest displacement of a vertex
 };

@@ -28,7 +28,7 @@ double largest_displacement(const Model& model, const State& state) {
 }
 
 /// Undeformed structure, moved by the modes that are asked for.
-State moved_by_modes(BeamProblem& problem, const Scene& scene) {
+State moved_by_modes(BeamProblem& problem, const Scene& scene, const InputPlace& place) {
   int most = 0;
   for (const ModeImperfection& wanted : scene.imperfection_modes) most = std::max(most, wanted.mode);
   std::vector<EigenMode> modes;
@@ -39,14 +39,16 @@ State moved_by_modes(BeamProblem& problem, const Scene& scene) {
   const State reference = problem.model.reference_state();
   State moved = reference;
   for (const ModeImperfection& wanted : scene.imperfection_modes) {
+    const InputPlace here = place[wanted.name]["Mode"];
     if (static_cast<std::size_t>(wanted.mode) > modes.size())
-      throw InputError("\"Imperfection / Modes\": mode " + std::to_string(wanted.mode) +
-                       " is wanted; linear buckling " + "has found " + std::to_string(modes.size()) +
-                       " with a positive load factor");
+      throw here.error("value " + std::to_string(wanted.mode) + "; allowed: " +
+                       (modes.empty() ? "none, for no load factor above zero is critical by linear buckling"
+                                      : "1 to " + std::to_string(modes.size()) +
+                                            ", the modes of linear buckling with a load factor above zero"));
     const MixedVector& mode = modes[static_cast<std::size_t>(wanted.mode) - 1].mode;
     const double unit_size = largest_displacement(problem.model, problem.model.apply(reference, mode, 1.0));
     if (!(unit_size > 0.0))
-      throw InputError("\"Imperfection / Modes\": mode " + std::to_string(wanted.mode) + " moves no vertex");
+      throw here.error("value " + std::to_string(wanted.mode) + ": this mode moves no vertex; allowed: one that does");
     moved = problem.model.apply(moved, mode, wanted.amplitude / unit_size);
   }
   return moved;
@@ -138,18 +140,15 @@ class ModeShape {
 
 }  // namespace
 
-Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, const Communicator& comm) {
+Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
+                       const InputPlace& place) {
   if (scene.imperfection_modes.empty()) return scene;
-  const std::vector<std::string> cases = alternatives(scene);
-  if (cases.empty() != scene.imperfection_case.empty())
-    throw InputError("\"Imperfection / Case\": " +
-                     std::string(cases.empty() ? "given, but the scene has no load cases" : "missing") +
-                     "; allowed: a load case or combination of the scene, where it has some");
+  const InputPlace modes = place["Imperfection"]["Modes"];
   BeamProblem problem(scene_of_case(scene, scene.imperfection_case), comm, parameters);
   try {
-    return ModeShape(problem.model, moved_by_modes(problem, scene), scene).scene();
+    return ModeShape(problem.model, moved_by_modes(problem, scene, modes), scene).scene();
   } catch (const LinearSolverError& error) {
-    throw InputError(std::string("\"Imperfection / Modes\": no linear buckling: ") + error.what());
+    throw modes.error(std::string("no linear buckling: ") + error.what());
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "discretization/mesh/communicator.hpp"
+#include "discretization/parameters/input_place.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
@@ -11,7 +12,8 @@ namespace mixbeam {
 /// its vertices and element middles, with the displaced tangents at its ends and a twist that follows its sections (C1
 /// in centerline and triads; the fourth power of the distance between these places is what it deviates from the mode).
 /// The mode's sign: positive where its largest entry occurs first. Unchanged where there are none. Collective.
-/// Throws InputError where the structure has fewer modes, or a load case is missing.
-Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+/// Throws InputError where the structure has fewer modes. `place`: of the scene.
+Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, const Communicator& comm,
+                       const InputPlace& place);
 
 }  // namespace mixbeam

@@ -312,6 +312,9 @@ TEST(LoadCases, AreCombined) {
   EXPECT_TRUE(scene_of_case(scene, "snow").point_loads.empty());
   expect_refused(combined(number("wnd", "1")), {"Combinations / both / wnd", "did you mean \"wind\"?"});
   expect_refused(combined(number("Stage 0", "1")), {"not a load case"});
+  expect_refused(combined(number("wind", "1") + number("Stage 2", "1")),
+                 {"Combinations / both / Stage 2", "nothing acts in this stage"});
+  expect_refused(loads + list("Imperfection", word("Case", "wnd")), {"Imperfection / Case", "did you mean \"wind\"?"});
   expect_refused(combined(""), {"Combinations / both", "0 entries"});
   expect_refused(loads + list("Combinations", list("wind", number("wind", "1"))), {"the name of a load case too"});
 }

@@ -135,7 +135,7 @@ std::string vector(double x, double y, double z = 0.0) {
 
 Scene read(const std::string& lists) {
   XmlParameters xml = parse_xml(list("test", list("Scene", lists)), "scene.xml");
-  return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank());
+  return with_mode_shapes(read_scene(xml.list->sublist("Scene"), xml.source), {}, this_rank(), {xml.source, {"Scene"}});
 }
 
 std::string section(double axial) {

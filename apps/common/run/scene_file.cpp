@@ -132,7 +132,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
                                "given, but this program's meshes are those of its study; allowed: "
                                "in scenes for mixbeam run");
   app.solver = read_solver_parameters(app.xml.list->sublist("Solver"), app.xml.source);
-  app.scene = with_mode_shapes(app.scene, app.solver, app.communicator);
+  app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {app.xml.source, {"Scene"}});
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   if (app.xml.list->isSublist("Quantities")) read_quantities_of(app);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities,

@@ -118,6 +118,7 @@ class ConditionReader {
   }
   void check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case, const List& list,
                       const InputPlace& place);
+  void check_case_of_modes() const;
   void check_stages();
   void check_stages_of_case(const std::set<std::string>& acting) const;
   void check_amplitudes() const;

@@ -55,6 +55,7 @@ void read_conditions(const Teuchos::ParameterList& scene_list, const InputPlace&
 void ConditionReader::read() {
   read_load_cases();
   read_combinations();
+  check_case_of_modes();
   read_supports();
   read_joints();
   read_point_loads();
@@ -108,6 +109,19 @@ void ConditionReader::read_combinations() {
   }
 }
 
+/// Modes of buckling belong to the loads of one of several cases.
+void ConditionReader::check_case_of_modes() const {
+  const std::vector<std::string> known = alternatives(scene_);
+  const std::string& chosen = scene_.imperfection_case;
+  const InputPlace place = place_["Imperfection"]["Case"];
+  if (chosen.empty() && !known.empty() && !scene_.imperfection_modes.empty())
+    throw place.error("missing; needed with \"Modes\", one of: " + quoted_list(known));
+  if (chosen.empty() || std::find(known.begin(), known.end(), chosen) != known.end()) return;
+  throw place.error("value \"" + excerpt(chosen) + "\" is not a load case or combination of the scene; allowed: " +
+                    (known.empty() ? "none, the scene has no load cases" : quoted_list(known)) +
+                    did_you_mean(chosen, known));
+}
+
 void ConditionReader::check_schedule(Stage stage, const std::string& amplitude, const std::string& load_case,
                                      const List& list, const InputPlace& place) {
   const std::vector<std::string>& cases = scene_.load_cases;
@@ -135,6 +149,11 @@ void ConditionReader::check_stages() {
     check_stages_of_case(acting);
   }
   scene_.stages = stages_in_use(scene_);
+  for (const Combination& combination : scene_.combinations)
+    for (const auto& [stage, factor] : combination.stages)
+      if (stage > scene_.stages)
+        throw place_["Combinations"][combination.name]["Stage " + std::to_string(stage)].error(
+            "nothing acts in this stage; allowed: 1 to " + std::to_string(scene_.stages));
 }
 
 void ConditionReader::check_stages_of_case(const std::set<std::string>& acting) const {
