@@ -59,7 +59,7 @@ def curve_figure(view, ordinate, abscissa):
     for name, series in zip((ordinate, abscissa), values):
         exponent = fields.power_of_ten(np.nanmax(np.abs(series), initial=0.0))
         series /= 10.0 ** exponent
-        labels.append(style.literal(name) + fields.times(exponent))
+        labels.append(style.literal(name) + fields.times(exponent, run.unit_of(name)))
     y, x = values
     stable, jumps = [step.stable for step in run.steps], _jumps(view)
     for at in jumps:

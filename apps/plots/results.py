@@ -272,18 +272,33 @@ class Run:
         known = {**self.monitor(), **self.quantities()}
         if name in known and known[name].ndim == 1:
             return known[name]
+        vector, component = self._component(name, known)
+        if vector:
+            values = known[vector]
+            return np.linalg.norm(values, axis=1) if component == "norm" else values[:, "xyz".index(component)]
+        names = [other for other in known if known[other].ndim == 1]
+        names += [f"{other}.{axis}" for other in known if known[other].ndim == 2 for axis in "xyz"]
+        near = difflib.get_close_matches(name, names, 4, 0.0)
+        raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
+
+    def unit_of(self, name):
+        """Of a series of a point; empty where the scene names no units, and for numbers that it has given names of its own."""
+        length, force = self.units
+        vector, _ = self._component(name, self.monitor()) if length and name not in self.quantities() else ("", "")
+        kinds = {"displacement": length, "reaction_force": force, "reaction_moment": f"{force} {length}"}
+        return kinds.get(vector.rpartition(".")[2], "")
+
+    @staticmethod
+    def _component(name, known):
+        """(vector among `known`, component) that a name means; empty where there is none."""
         point, _, component = name.rpartition(".")
         kind, colon, rest = point.partition(":")
         kinds = {"force": "reaction_force", "moment": "reaction_moment", "rotation": "rotation"}
         of_point = f"{rest}.{kinds.get(kind, kind)}" if colon else f"{point}.displacement"
         for vector in (point, of_point):
             if vector in known and known[vector].ndim == 2 and component in ("x", "y", "z", "norm"):
-                values = known[vector]
-                return np.linalg.norm(values, axis=1) if component == "norm" else values[:, "xyz".index(component)]
-        names = [other for other in known if known[other].ndim == 1]
-        names += [f"{other}.{axis}" for other in known if known[other].ndim == 2 for axis in "xyz"]
-        near = difflib.get_close_matches(name, names, 4, 0.0)
-        raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
+                return vector, component
+        return "", ""
 
     def properties(self):
         """Program, machine, threads, ...: {name: text}, with the version."""

@@ -11,6 +11,7 @@ namespace {
 
 /// `s and x`
 std::string listed(const std::vector<std::string>& variables) {
+  if (variables.empty()) return "numbers";
   std::string text;
   for (std::size_t i = 0; i < variables.size(); ++i) {
     if (i > 0) text += i + 1 == variables.size() ? " and " : ", ";

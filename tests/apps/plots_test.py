@@ -280,6 +280,10 @@ class Plots(unittest.TestCase):
                                    monitor["a.reaction_force"][:, 0], rtol=1e-12)  # up to a power of ten
         np.testing.assert_array_equal(np.sign(line.get_xdata()), (0.0, 1.0))
         self.assertTrue(figure.axes[0].get_ylabel().startswith("force:a.x"))
+        self.assertTrue(figure.axes[0].get_ylabel().endswith("kN]"))
+        self.assertTrue(figure.axes[0].get_xlabel().endswith("m]"))
+        self.assertEqual(path_figures.curve_figure(view, "load_factor", "rotation:b.y").axes[0].get_ylabel(), "load_factor")
+        self.assertEqual(view.run.unit_of("b.nonsense"), "")
         self.assertEqual(view.run.series("load_factor").tolist(), [0.0, 1.0])
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
             path_figures.curve_figure(view, "load_factor", "bb.x")

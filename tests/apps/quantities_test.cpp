@@ -228,6 +228,14 @@ TEST_F(Quantities, StressPointsOfSectionsGivenByStiffnesses) {  // E = 1 / I: M 
   expect_in(ended.out, {"largest stress in"});
 }
 
+TEST_F(Quantities, FormulasReferToWhatStandsAboveThem) {
+  const std::string twice = entry("twice", "Quantity=formula;Formula=2 * sag_y");
+  EXPECT_EQ(run(elastica_with(in_list("Quantities", kTip + twice))).exit_code, kOk);
+  const Ended below = run(elastica_with(in_list("Quantities", twice + kTip)));
+  EXPECT_EQ(below.exit_code, kBadInput);
+  expect_in(below.err, {"Quantities / twice / Formula", "\"sag_y\"", "allowed: a formula of numbers with"});
+}
+
 TEST_F(Quantities, NamesOfOtherSeriesAreRefused) {
   const Ended ended = run(
       elastica_with(in_list("Quantities", entry("tip.displacement", "Quantity=displacement;Point=tip;Component=x"))));
