@@ -90,7 +90,7 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
   return modes;
 }
 
-Level::Coarse Level::coarsen(double tau, const KernelView<double*>& self, const LinkSource& links) {
+Level::Coarse Level::find_modes(double tau, const KernelView<double*>& self, const LinkSource& links) {
   const int count = aggregates();
   std::vector<std::vector<double>> modes(count), eigenvalues(count);
   for_each(count, [&](int a) { modes[a] = modes_of(a, tau, self, links, eigenvalues[a]); });
@@ -108,22 +108,30 @@ Level::Coarse Level::coarsen(double tau, const KernelView<double*>& self, const 
   modes_ = {};
   modes_ = numbers(mode_block_.back());
   coarse.self = numbers(square.back());
-  // modes in unscaled unknowns of this level, for the links: V^T L^-1
-  const KernelView<double*> unscaled = numbers(mode_block_.back());
   for_each(count, [&](int a) {
     std::copy(modes[a].begin(), modes[a].end(), modes_.data() + mode_block_[a]);
+    std::vector<double>().swap(modes[a]);
     const int m = mode_[a + 1] - mode_[a];
     double* block = coarse.self.data() + square[a];
     std::fill(block, block + static_cast<size_t>(m) * m, 0.0);
     for (int q = 0; q < m; ++q) block[m * q + q] = eigenvalues[a][q];
+  });
+  return coarse;
+}
+
+void Level::project_links(const LinkSource& links, Coarse& coarse) const {
+  // modes in unscaled unknowns of this level: V^T L^-1
+  const KernelView<double*> unscaled = numbers(mode_block_.back());
+  for_each(aggregates(), [&](int a) {
+    const int m = mode_[a + 1] - mode_[a];
+    const double* modes = modes_.data() + mode_block_[a];
     double* to = unscaled.data() + mode_block_[a];
-    std::fill(to, to + modes[a].size(), 0.0);
+    std::fill(to, unscaled.data() + mode_block_[a + 1], 0.0);
     for (int v = first_[a]; v < first_[a + 1]; ++v) {
       const int n = unknowns_of(v);
       const size_t at = static_cast<size_t>(m) * (unknown_[v] - unknown_[first_[a]]);
-      dense::add_product(m, n, n, modes[a].data() + at, m, inverse_.data() + square_[v], 1, n, to + at, m);
+      dense::add_product(m, n, n, modes + at, m, inverse_.data() + square_[v], 1, n, to + at, m);
     }
-    std::vector<double>().swap(modes[a]);
   });
   coarse.ends = coarse_ends_;
   coarse.block.assign(coarse_ends_.size() + 1, 0);
@@ -162,7 +170,6 @@ Level::Coarse Level::coarsen(double tau, const KernelView<double*>& self, const 
       dense::add_product(n, nb, n, product.data(), n, wb, n, 1, second, n);
     }
   });
-  return coarse;
 }
 
 LinkSource Level::Coarse::source() const {

@@ -49,14 +49,15 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
   used_ = 1;
   while (used_ < levels_.size() && levels_[used_ - 1]->unknowns() > kDirectUnknowns) {
     Level& fine = *levels_[used_ - 1];
-    auto next = std::make_unique<Level::Coarse>(fine.coarsen(used_ == 1 ? kSoftMode : kSoftModeLater, self, links));
+    auto next = std::make_unique<Level::Coarse>(fine.find_modes(used_ == 1 ? kSoftMode : kSoftModeLater, self, links));
     if (next->unknown.back() > kLeastReduction * fine.unknowns()) break;
+    if (used_ > 1) fine.round();  // before the links of two levels lie in memory
+    fine.project_links(links, *next);
     self = next->self;
     present = std::move(next);
     links = present->source();
     levels_[used_]->set(present->unknown, self, links);
     fine.set_coarse_scale(*levels_[used_]);
-    if (used_ > 1) fine.round();
     ++used_;
   }
   for (size_t l = 1; l < used_; ++l) levels_[l]->drop_scale();

@@ -108,7 +108,7 @@ class Level {
   /// What a cycle does not read: of coarse levels the factors of nodes, of the coarsest its blocks too.
   void drop_scale() { inverse_ = {}; }
   void drop_values() { value_ = {}; }
-  /// Modes of each aggregate with eigenvalue below `tau`, and the next level's blocks from them.
+  /// What the next level is made of.
   struct Coarse {
     std::vector<int> unknown;
     std::vector<size_t> block;  ///< (link): of its first number in `links`
@@ -116,7 +116,11 @@ class Level {
     LinkSource source() const;
     LinkEnds ends;
   };
-  Coarse coarsen(double tau, const KernelView<double*>& self, const LinkSource& links);
+  /// Modes of each aggregate with eigenvalue below `tau`, and the next level's nodes from them. Afterwards round() may
+  /// be called.
+  Coarse find_modes(double tau, const KernelView<double*>& self, const LinkSource& links);
+  /// The next level's links.
+  void project_links(const LinkSource& links, Coarse& coarse) const;
   /// The modes span what the next level's scaled unknowns stand for; its factors.
   void set_coarse_scale(const Level& coarse);
 
