@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace mixbeam {
@@ -24,24 +25,29 @@ namespace {
 // what the layouts do not tell follows from that.
 
 /// States and vectors that are alive at the peak of a load step: the groups of NOX and LOCA, their copies, our own.
-constexpr double kStatesAlive = 10.5, kVectorsAlive = 10.5;
+constexpr double kCopiesAlive = 10.5;
 /// Mesh, adjacency, rows of vertices and numbering of chains. [byte per element]
 constexpr double kPlainBytes = 340.0;
-/// Names, curve, samples and their places in a file. [byte per member]
-constexpr double kBytesOfMember = 10000.0;
+/// The same where no factors are made and idle ones are given back, from heaps of cubes of 30 and 40 junctions a side.
+constexpr double kCopiesIterated = 3.8;
+/// Two copies of its names and numbers, curve, fields of samples and their places in a file. [byte per member]
+constexpr double kBytesOfMember = 2700.0;
 /// Numbers of each element beside its tangent and response while stability is looked at.
 constexpr double kStabilityNumbers = 127.0;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
 constexpr double kShareDuringEstimate = 0.5;
 
 /// Factors of networks, with the fronts from which MUMPS makes them; matrix, its copies and what gathers it. [byte]
-constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 100.0;
+constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 60.0;
+/// Where it is iterated with: the matrix, and of each junction its rows of all levels; the coarsest level is as large
+/// in every network. [byte]
+constexpr double kBytesOfIteratedEntry = 14.0, kBytesOfIteratedJunction = 7000.0, kBytesOfCoarsestLevel = 1.5e8;
 /// A factorisation by MUMPS with OpenBLAS, from cubes of 10, 15 and 20 junctions a side (27 ms, 0.22 s, 1.4 s) and
 /// sheets of 60 and 100 (54 ms, 0.3 s): of each multiplication, and of each number of the factor. [s]
 constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
-/// Of an iteration for each junction where there are no factors: coarse spaces and conjugate gradients, from a cube of
-/// 30 junctions a side. [s]
-constexpr double kSecondsOfIteratedJunction = 2e-4;
+/// Of an iteration where there are no factors, coarse spaces and conjugate gradients: for n junctions n^(4/3) times
+/// this, because iterations grow with the side. From cubes of 30 to 70 junctions a side. [s]
+constexpr double kSecondsOfIteratedJunction = 8e-6;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
@@ -96,19 +102,19 @@ double tangent_numbers(const Kind& kind, bool planar) {
 double chain_factor(bool planar) { return vertex_factor_size(planar ? kPlanarDofs : kSpatialDofs); }
 
 /// Bytes of an element with the vertex behind it while a path is followed, without samples.
-double run_bytes(const Kind& kind, bool planar) {
+double run_bytes(const Kind& kind, bool planar, double copies) {
   const double state = 7 + 4 + kind.interior().unknowns(), vector = 6 + kind.interior().increments();
   const double constant = reference_numbers(kind, planar) + tangent_numbers(kind, planar) + chain_factor(planar);
-  return kPlainBytes + sizeof(double) * (kStatesAlive * state + kVectorsAlive * vector + constant);
+  return kPlainBytes + sizeof(double) * (copies * (state + vector) + constant);
 }
 
 double stability_bytes(const Kind& kind) { return sizeof(double) * (tangent_numbers(kind, false) + kStabilityNumbers); }
 
 /// Of the elements that the error estimate puts in place of one: of one order more, or two.
-double estimate_bytes(const Kind& kind, bool planar) {
-  if (kind.order == kMaximumOrder) return 2.0 * run_bytes(kind, planar);
+double estimate_bytes(const Kind& kind, bool planar, double copies) {
+  if (kind.order == kMaximumOrder) return 2.0 * run_bytes(kind, planar, copies);
   const int more = kind.force_points > kind.order ? 2 : 1;
-  return run_bytes({kind.order + 1, kind.force_points + more, kind.general, kind.elements}, planar);
+  return run_bytes({kind.order + 1, kind.force_points + more, kind.general, kind.elements}, planar, copies);
 }
 
 /// Points that members, loads and supports name, and ends that joints give a vertex of their own.
@@ -154,18 +160,24 @@ int least_steps(const Scene& scene, const SolverParameters& parameters) {
   return 1 + static_cast<int>(std::min(1e9, of_stage * scene.stages));
 }
 
+/// See junction_factor().
+double most_factor_entries(const std::string& method) {
+  if (method == kIterative) return 0.0;
+  return method == kAutomatic ? kMostFactorEntries : std::numeric_limits<double>::infinity();
+}
+
 /// Sums over all members.
 struct Sums {
   double samples = 0.0, state = 0.0;  ///< of the file; numbers of a state
   double run = 0.0, stability = 0.0, estimate = 0.0, seconds = 0.0;
 
-  void add(const Kind& kind, bool planar, int points) {
+  void add(const Kind& kind, bool planar, int points, double copies) {
     const double n = static_cast<double>(kind.elements);
     samples += n * points;
     state += n * (4 + kind.interior().unknowns());
-    run += n * run_bytes(kind, planar);
+    run += n * run_bytes(kind, planar, copies);
     stability += n * stability_bytes(kind);
-    estimate += n * estimate_bytes(kind, planar);
+    estimate += n * estimate_bytes(kind, planar, copies);
     const double* of_kind = planar ? kPlanarSeconds : kSpatialSeconds;
     seconds += n * (of_kind[0] + kind.order * of_kind[1]);
   }
@@ -216,24 +228,28 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     needs.interior += kind.elements * kind.interior().increments();
     smooth_samples += static_cast<double>(kind.elements) * smooth_points(kind.order);
   }
+  const JunctionFactor junctions = junction_factor(scene, most_factor_entries(parameters.linear.method));
+  const bool iterates = junctions.is_larger;
   Sums sums;
   for (const Kind& kind : kinds)
-    sums.add(kind, needs.planar, smooth_samples <= kMostSmoothSamples ? smooth_points(kind.order) : 2);
+    sums.add(kind, needs.planar, smooth_samples <= kMostSmoothSamples ? smooth_points(kind.order) : 2,
+             iterates ? kCopiesIterated : kCopiesAlive);
   const double vertices = static_cast<double>(needs.vertices), elements = static_cast<double>(needs.elements),
                members = static_cast<double>(needs.members);
   // critical points are looked for in smaller structures even if nobody asks for the stability of steps
-  const bool counts = needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false);
+  const bool counts =
+      !iterates && (needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false));
   const double of_stresses = parameters.analysis.stresses == StressesOf::every_step ? kStressBytes : 0.0;
   const double samples = (kSampleBytes + of_stresses) * sums.samples, stability = counts ? sums.stability : 0.0;
+  // each of two meshes has its own
+  const double of_mesh =
+      kBytesOfMember * members + (iterates ? kBytesOfIteratedEntry : kBytesOfMatrixEntry) * junctions.matrix;
   needs.memory = sums.run + samples + stability;
   if (estimates_error(parameters.analysis, static_cast<size_t>(needs.elements)))
-    needs.memory = std::max(needs.memory, kShareDuringEstimate * sums.run + sums.estimate + stability);
-  JunctionFactor junctions = junction_factor(scene);
-  const std::string& method = parameters.linear.method;
-  const bool iterates = method == kIterative || (method == kAutomatic && junctions.entries > kMostFactorEntries);
-  if (iterates) junctions.entries = junctions.operations = 0.0;
-  needs.memory +=
-      kBytesOfMember * members + kBytesOfFactorEntry * junctions.entries + kBytesOfMatrixEntry * junctions.matrix;
+    needs.memory = std::max(needs.memory, iterates ? sums.run + sums.estimate + of_mesh
+                                                   : kShareDuringEstimate * sums.run + sums.estimate + stability);
+  needs.memory += of_mesh + kBytesOfFactorEntry * junctions.entries;
+  if (iterates) needs.memory += kBytesOfIteratedJunction * junctions.junctions + kBytesOfCoarsestLevel;
   needs.factors = sizeof(double) * (chain_factor(needs.planar) * elements + junctions.entries);
   needs.file = kFileBytesOfPlace * sums.samples + kFileBytesOfMember * members;
   needs.file_per_step = (kFileBytesOfSample + of_stresses) * sums.samples +
@@ -241,7 +257,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   needs.steps = least_steps(scene, parameters);
   needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation +
                   junctions.entries * kSecondsOfFactorEntry +
-                  (iterates ? junctions.junctions * kSecondsOfIteratedJunction : 0.0);
+                  (iterates ? std::pow(junctions.junctions, 4.0 / 3.0) * kSecondsOfIteratedJunction : 0.0);
   return needs;
 }
 
