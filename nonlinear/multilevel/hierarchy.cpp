@@ -17,6 +17,14 @@ constexpr double kLeastReduction = 0.75;
 
 LevelVector zeros(int count) { return LevelVector("mixbeam::multilevel::vector", count); }
 
+/// Modes of the aggregate that has most.
+int widest(const Level::Coarse& coarse) {
+  int most = 0;
+  for (size_t a = 0; a + 1 < coarse.unknown.size(); ++a)
+    most = std::max(most, coarse.unknown[a + 1] - coarse.unknown[a]);
+  return most;
+}
+
 }  // namespace
 
 Hierarchy::Hierarchy(int nodes, const LinkEnds& ends) {
@@ -50,7 +58,7 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
   while (used_ < levels_.size() && levels_[used_ - 1]->unknowns() > kDirectUnknowns) {
     Level& fine = *levels_[used_ - 1];
     auto next = std::make_unique<Level::Coarse>(fine.find_modes(used_ == 1 ? kSoftMode : kSoftModeLater, self, links));
-    if (next->unknown.back() > kLeastReduction * fine.unknowns()) break;
+    if (next->unknown.back() > kLeastReduction * fine.unknowns() || widest(*next) > Level::kMostModes) break;
     if (used_ > 1) fine.round();  // before the links of two levels lie in memory
     fine.project_links(links, *next);
     self = next->self;

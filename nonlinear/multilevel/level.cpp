@@ -16,7 +16,6 @@ using LevelRange = Kokkos::RangePolicy<ExecutionSpace>;
 constexpr int kFine = 6;          ///< unknowns of a node of the finest level
 constexpr double kLargest = 2.0;  ///< eigenvalue of A^: a link, being positive, is at most twice its own diagonal
 constexpr double kRatio = 20.0;   ///< of the largest to the least eigenvalue that the smoother damps
-constexpr int kMostModes = 1024;  ///< of a node
 constexpr int kDegree = 3;        ///< of the smoother
 
 }  // namespace
@@ -66,10 +65,6 @@ void Level::build_coarse_links() {
 
 void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links) {
   unknown_ = std::move(unknown);
-  for (int v = 0; v < nodes_; ++v)
-    if (unknowns_of(v) > kMostModes)
-      throw std::runtime_error("an aggregate of the network has more than " + std::to_string(kMostModes) +
-                               " soft modes");
   square_.assign(nodes_ + 1, 0);
   for (int v = 0; v < nodes_; ++v) {
     const size_t m = unknowns_of(v);

@@ -88,6 +88,8 @@ inline void add(double s, const LevelVector& b, const LevelVector& a) {
 
 class Level {
  public:
+  static constexpr int kMostModes = 4096;  ///< of a node: what set() takes; rows are summed up on the stack
+
   /// `first`: as Nesting::first of this level; empty: no aggregates.
   Level(int nodes, LinkEnds ends, std::vector<int> first);
 

@@ -46,7 +46,7 @@ constexpr double kBytesOfIteratedEntry = 14.0, kBytesOfIteratedJunction = 7000.0
 /// sheets of 60 and 100 (54 ms, 0.3 s): of each multiplication, and of each number of the factor. [s]
 constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
 /// Of an iteration where there are no factors, coarse spaces and conjugate gradients: for n junctions n^(4/3) times
-/// this, because iterations grow with the side. From cubes of 30 to 70 junctions a side. [s]
+/// this, because iterations grow with the side. From cubes of 30 and 40 junctions a side. [s]
 constexpr double kSecondsOfIteratedJunction = 8e-6;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
