@@ -2,6 +2,7 @@
 
 #include "apps/common/studies/variants.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -137,7 +137,8 @@ TEST_F(Room, ThreadsThatWaitLeaveTheProcessorToOthers) {
   const std::string path = scene(cantilever(10'000, 2, "{0.3, 1, 0.7}"));
   const long asleep = times_asleep(path, "NOTHING=", folder_.path());                   // 1,400 loops
   const long spinning = times_asleep(path, "GOMP_SPINCOUNT=infinite", folder_.path());  // reading and writing alone
-  EXPECT_GT(asleep, 4 * spinning) << spinning;
+  constexpr long kFarMore = 4;  // 14 to 60 times as often was seen, beside four other jobs too
+  EXPECT_GT(asleep, kFarMore * spinning) << spinning;
 }
 
 TEST_F(Room, ManyThreadsAreLimitedAndSaidSo) {
