@@ -6,9 +6,11 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "apps/mixbeam/verify_command.hpp"
 #include "discretization/parameters/parameter_file.hpp"
+#include "discretization/results/result_lock.hpp"
 #include "discretization/text/errors.hpp"
 #include "mixbeam/version.hpp"
 
+#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -56,16 +58,19 @@ void renew_envelope_beside(Application& app, const StoredRun& run) {
   renew_envelope(app, result_file_of(run.path().parent_path(), stem.substr(0, stem.size() - ending.size()), ""));
 }
 
-/// Before MPI starts. Under the lock, because a run that goes on writes the copies of its file in turn: who resumes it
-/// meanwhile hears of that run, not of damage. The lock is taken again for the run itself.
-void require_whole_and_free(const std::filesystem::path& results, std::optional<int> last_step) {
-  std::optional<ResultLock> lock;
+/// The lock of the run itself, none on other ranks than the first. Taken before MPI starts and before the file is
+/// looked at: a run that goes on writes the copies of its file in turn, and who resumes it meanwhile hears of that run,
+/// not of damage.
+SharedResultLock lock_whole_file(const std::filesystem::path& results, std::optional<int> last_step) {
+  SharedResultLock lock;
   try {
-    if (std::filesystem::is_regular_file(results) && is_first_process()) lock.emplace(results);
+    if (std::filesystem::is_regular_file(results) && is_first_process())
+      lock = std::make_shared<const ResultLock>(results);
   } catch (const ResultFileError& error) {
     throw InputError(error.what());
   }
   require_whole(results, last_step);
+  return lock;
 }
 
 }  // namespace
@@ -75,12 +80,12 @@ int resume_command(const Arguments& arguments) {
       arguments.count(), arguments.values.data(),
       {"--from", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "result file");
   if (!line.scene_file) throw InputError("a result file is missing: mixbeam resume RESULTS.h5");
-  require_whole_and_free(*line.scene_file, line.last_step);
+  const SharedResultLock lock = lock_whole_file(*line.scene_file, line.last_step);
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
-    const SharedResultLock lock = lock_or_warn(app, *line.scene_file);  // first: the file of a run that goes on changes
+    warn_without_lock(app, lock);
     const StoredRun run(*line.scene_file, line.last_step);
     set_up(app, line, run);
     require_reachable(app, {property(run, "load_case")});

@@ -59,11 +59,15 @@ std::filesystem::path result_file_of(const std::filesystem::path& folder, const 
   return folder / (name + (load_case.empty() ? "" : "-" + load_case) + ".h5");
 }
 
-SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file) {
-  SharedResultLock lock = lock_result(file, *app.communicator);
-  if (!lock || lock->warning().empty()) return lock;
+void warn_without_lock(Application& app, const SharedResultLock& lock) {
+  if (!lock || lock->warning().empty()) return;
   app.summary.warnings.push_back(lock->warning());
   app.out() << "warning: " << lock->warning() << "\n";
+}
+
+SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file) {
+  SharedResultLock lock = lock_result(file, *app.communicator);
+  warn_without_lock(app, lock);
   return lock;
 }
 

@@ -12,6 +12,9 @@ enum class RunEnd { arrived, interrupted };
 /// Why the runs of a program with this scene cannot be resumed, empty if they can.
 std::string obstacle_to_resuming(const Application& app);
 
+/// Where the file system of a result file has no locks.
+void warn_without_lock(Application& app, const SharedResultLock& lock);
+
 /// Takes the lock of a result file, and warns where its file system has none. Throws ResultFileError when another run
 /// holds it. Collective.
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
