@@ -21,7 +21,7 @@ constexpr int kLanes = 2;
 #endif
 
 /// Registers of W numbers and of W conditions (all bits of a lane set where a comparison holds, none elsewhere), and
-/// the numbers as they stand in an array of double.
+/// the numbers as they stand in an array of double or single precision.
 template <int W>
 struct Registers;
 #define MIXBEAM_REGISTERS(W)                                                                         \
@@ -30,6 +30,7 @@ struct Registers;
     typedef double Numbers __attribute__((vector_size(W * sizeof(double))));                         \
     typedef long long Conditions __attribute__((vector_size(W * sizeof(long long))));                \
     typedef double InMemory __attribute__((vector_size(W * sizeof(double)), aligned(8), may_alias)); \
+    typedef float Rounded __attribute__((vector_size(W * sizeof(float)), aligned(4), may_alias));    \
   };
 MIXBEAM_REGISTERS(2)
 MIXBEAM_REGISTERS(4)
@@ -54,6 +55,9 @@ struct Pack {
   /// W consecutive numbers. (In one instruction: GCC 12 makes two of a memcpy, for which the next access has to wait.)
   static Pack loaded(const double* numbers) {
     return Pack(Vector(*reinterpret_cast<const typename Registers<W>::InMemory*>(numbers)));
+  }
+  static Pack loaded(const float* numbers) {
+    return Pack(__builtin_convertvector(*reinterpret_cast<const typename Registers<W>::Rounded*>(numbers), Vector));
   }
   void store(double* numbers) const { *reinterpret_cast<typename Registers<W>::InMemory*>(numbers) = v; }
 
@@ -119,6 +123,10 @@ struct Pack<W, true> {
 
   Pack() = default;
   KOKKOS_FORCEINLINE_FUNCTION Pack(double x) : v(x) {}  // NOLINT(google-explicit-constructor): stands for double
+  template <class Value>
+  KOKKOS_FORCEINLINE_FUNCTION static Pack loaded(const Value* number) {
+    return static_cast<double>(*number);
+  }
   template <class Place>
   KOKKOS_FORCEINLINE_FUNCTION static Pack gathered(const Place& place) {
     return place(0);

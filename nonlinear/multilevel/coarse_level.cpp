@@ -72,9 +72,9 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
       add_own(v, link_of(v, s, links, room), block);
       if (other > v) continue;  // lower triangle: rows of the later node
       const int column = unknown_[other] - origin, mo = unknowns_of(other);
-      for (int j = 0; j < mo; ++j)
-        for (int i = 0; i < m; ++i)
-          matrix[static_cast<size_t>(n) * (column + j) + at + i] += value_(block_[s] + static_cast<size_t>(m) * j + i);
+      for (int i = 0; i < m; ++i)
+        for (int j = 0; j < mo; ++j)
+          matrix[static_cast<size_t>(n) * (column + j) + at + i] += value_(block_[s] + static_cast<size_t>(mo) * i + j);
     }
     product.assign(static_cast<size_t>(m) * m, 0.0);
     const double* inverse = inverse_.data() + square_[v];
@@ -106,7 +106,7 @@ Level::Coarse Level::find_modes(double tau, const KernelView<double*>& self, con
   }
   mode_ = coarse.unknown;
   modes_ = {};
-  modes_ = numbers(mode_block_.back());
+  modes_ = multilevel::numbers_for_lanes(mode_block_.back());
   coarse.self = numbers(square.back());
   for_each(count, [&](int a) {
     std::copy(modes[a].begin(), modes[a].end(), modes_.data() + mode_block_[a]);
@@ -209,13 +209,9 @@ void Level::prolong(const LevelVector& coarse, const LevelVector& fine) const {
   double* to = fine.data();
   for_each(aggregates(), [&](int a) {
     const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
-    const double *column = modes + mode_block_[a], *y = from + mode_[a];
-    for (int j = 0; j < n; ++j, column += m) {
-      double sum = 0.0;
-#pragma omp simd reduction(+ : sum)
-      for (int q = 0; q < m; ++q) sum += column[q] * y[q];
-      to[at + j] = sum;
-    }
+    const dense::TransposedFactor<double> of_modes{modes + mode_block_[a], m, from + mode_[a]};
+    std::fill_n(to + at, n, 0.0);
+    dense::add_transposed(&of_modes, 1, n, to + at);
   });
 }
 

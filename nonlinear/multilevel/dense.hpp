@@ -1,6 +1,8 @@
 /// Products of small dense blocks, column-major, in loops that compilers turn into vector instructions.
 #pragma once
 
+#include "kernels/execution/pack.hpp"
+
 #include <cmath>
 #include <cstddef>
 
@@ -32,6 +34,72 @@ inline void add_times_vector(int m, int n, const Value* __restrict__ a, const do
   for (int j = 0; j < columns; ++j)
 #pragma GCC ivdep
     for (int i = 0; i < rows; ++i) y[i] += static_cast<double>(a[rows * j + i]) * x[j];
+}
+
+/// y += A^T x, A of fixed size.
+template <int Size, class Value>
+inline void add_transposed_times_vector(const Value* __restrict__ a, const double* __restrict__ x,
+                                        double* __restrict__ y) {
+  for (int j = 0; j < Size; ++j) {
+    double sum = 0.0;
+    for (int i = 0; i < Size; ++i) sum += static_cast<double>(a[Size * j + i]) * x[i];
+    y[j] += sum;
+  }
+}
+
+/// A^T x of several A (m x n), summed up: a block, its rows and its vector.
+template <class Value>
+struct TransposedFactor {
+  const Value* a;
+  int m;
+  const double* x;
+};
+
+/// Columns that are summed up side by side.
+inline constexpr int kColumnsAtOnce = 8;
+
+/// y (columns from `first`) += sum of A^T x. Reads up to kLanes - 1 finite numbers behind each A.
+template <int Columns, class Value>
+inline void add_transposed_columns(const TransposedFactor<Value>* factors, int count, int first, double* sums) {
+  Pack<kLanes> sum[Columns];
+  for (int c = 0; c < Columns; ++c) sum[c] = 0.0;
+  for (int k = 0; k < count; ++k) {
+    const int m = factors[k].m;
+    const Value* a = factors[k].a + static_cast<size_t>(m) * first;
+    const double* x = factors[k].x;
+    int i = 0;
+    for (; i + kLanes <= m; i += kLanes) {
+      const Pack<kLanes> some = Pack<kLanes>::loaded(x + i);
+      for (int c = 0; c < Columns; ++c) sum[c] += some * Pack<kLanes>::loaded(a + m * c + i);
+    }
+    if (i == m) continue;
+    double rest[kLanes] = {};
+    for (int l = 0; i + l < m; ++l) rest[l] = x[i + l];
+    const Pack<kLanes> some = Pack<kLanes>::loaded(rest);
+    for (int c = 0; c < Columns; ++c) sum[c] += some * Pack<kLanes>::loaded(a + m * c + i);
+  }
+  for (int c = 0; c < Columns; ++c) {
+    double total = 0.0;
+    for (int l = 0; l < kLanes; ++l) total += sum[c][l];
+    sums[c] = total;
+  }
+}
+
+/// y (n) += sum of A^T x.
+template <class Value>
+inline void add_transposed(const TransposedFactor<Value>* factors, int count, int n, double* y) {
+  double sums[kColumnsAtOnce];
+  if (count == 0) return;
+  for (int j = 0; j < n;) {
+    if (n < kColumnsAtOnce) {
+      add_transposed_columns<1>(factors, count, j, sums);
+      y[j++] += sums[0];
+      continue;
+    }
+    const int first = j + kColumnsAtOnce <= n ? j : n - kColumnsAtOnce;  // the last ones overlap those before
+    add_transposed_columns<kColumnsAtOnce>(factors, count, first, sums);
+    for (; j < first + kColumnsAtOnce; ++j) y[j] += sums[j - first];
+  }
 }
 
 /// Inverse of the Cholesky factor L of a (m x m, lower triangle read); false where a is not positive definite.

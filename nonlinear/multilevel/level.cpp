@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 namespace mixbeam {
 
@@ -16,6 +17,7 @@ using LevelRange = Kokkos::RangePolicy<ExecutionSpace>;
 constexpr int kFine = 6;          ///< unknowns of a node of the finest level
 constexpr double kLargest = 2.0;  ///< eigenvalue of A^: a link, being positive, is at most twice its own diagonal
 constexpr double kRatio = 20.0;   ///< of the largest to the least eigenvalue that the smoother damps
+constexpr int kMostAtOnce = 32;   ///< blocks of a row that are multiplied together
 constexpr int kDegree = 3;        ///< of the smoother
 
 }  // namespace
@@ -70,18 +72,29 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
     const size_t m = unknowns_of(v);
     square_[v + 1] = square_[v] + m * m;
   }
-  block_.resize(slot_.size() + 1);
-  block_[0] = 0;
-  for (int v = 0; v < nodes_; ++v)
-    for (int s = row_[v]; s < row_[v + 1]; ++s) {
-      const int other = slot_[s][2];
-      block_[s + 1] =
-          block_[s] + static_cast<size_t>(unknown_[v + 1] - unknown_[v]) * (unknown_[other + 1] - unknown_[other]);
-    }
+  const size_t numbers_of_blocks = number_blocks();
   if (inverse_.extent(0) != square_.back()) inverse_ = numbers(square_.back());
   rounded_ = {};
-  if (value_.extent(0) != block_.back()) value_ = {}, value_ = numbers(block_.back());
+  if (value_.extent(0) != numbers_of_blocks + kLanes)
+    value_ = {}, value_ = multilevel::numbers_for_lanes(numbers_of_blocks);
   scale(self, links);
+}
+
+/// Blocks lie in the order in which rows meet them first. How many numbers they have.
+size_t Level::number_blocks() {
+  std::vector<size_t> of_link(ends_.size());
+  block_.resize(slot_.size());
+  size_t count = 0;
+  for (int v = 0; v < nodes_; ++v)
+    for (int s = row_[v]; s < row_[v + 1]; ++s) {
+      const auto& [link, end, other] = slot_[s];
+      if (other > v) {
+        of_link[link] = count;
+        count += static_cast<size_t>(unknowns_of(v)) * unknowns_of(other);
+      }
+      block_[s] = of_link[link];
+    }
+  return count;
 }
 
 LinkBlocks Level::link_of(int node, int slot, const LinkSource& links, std::vector<double>& room) const {
@@ -110,6 +123,7 @@ void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
     std::vector<double> room, product;
     for (int s = row_[v]; s < row_[v + 1]; ++s) {
       const int other = slot_[s][2], n = unknowns_of(other);
+      if (other < v) continue;
       product.assign(static_cast<size_t>(m) * n, 0.0);
       const LinkBlocks link = link_of(v, s, links, room);
       // product (m x n) = L^-1 K
@@ -124,11 +138,12 @@ void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
 }
 
 void Level::round() {
-  rounded_ = KernelView<float*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), block_.back());
+  const size_t count = value_.extent(0);
+  rounded_ = KernelView<float*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), count);
   const double* from = value_.data();
   float* to = rounded_.data();
   Kokkos::parallel_for(
-      "mixbeam::multilevel::round", Kokkos::RangePolicy<ExecutionSpace>(0, block_.back()),
+      "mixbeam::multilevel::round", Kokkos::RangePolicy<ExecutionSpace>(0, count),
       KOKKOS_LAMBDA(size_t i) { to[i] = static_cast<float>(from[i]); });
   value_ = {};
 }
@@ -144,11 +159,20 @@ void Level::for_each_row(const Value* value, const LevelVector& x, const Finish&
         double sum[Size > 0 ? Size : kMostModes];
         const int at = unknown[v], m = Size > 0 ? Size : unknown[v + 1] - at;
         for (int i = 0; i < m; ++i) sum[i] = from[at + i];
+        dense::TransposedFactor<Value> earlier[kMostAtOnce];
+        int count = 0;
         for (int s = row[v]; s < row[v + 1]; ++s) {
-          const int other = unknown[slot[s][2]];
-          dense::add_times_vector<Size>(m, Size > 0 ? Size : unknown[slot[s][2] + 1] - other, value + block[s],
-                                        from + other, sum);
+          const int other = unknown[slot[s][2]], n = Size > 0 ? Size : unknown[slot[s][2] + 1] - other;
+          if (slot[s][2] > v) {
+            dense::add_times_vector<Size>(m, n, value + block[s], from + other, sum);
+          } else if constexpr (Size > 0) {
+            dense::add_transposed_times_vector<Size>(value + block[s], from + other, sum);
+          } else {
+            if (count == kMostAtOnce) dense::add_transposed(earlier, std::exchange(count, 0), m, sum);
+            earlier[count++] = {value + block[s], n, from + other};
+          }
         }
+        if constexpr (Size == 0) dense::add_transposed(earlier, count, m, sum);
         finish(at, m, sum);
       });
 }
@@ -238,8 +262,8 @@ SparseMatrix Level::matrix() const {
   SparseMatrix matrix;
   matrix.row_start.reserve(unknowns() + 1);
   matrix.row_start.push_back(0);
-  matrix.column.reserve(unknowns() + block_.back());
-  matrix.value.reserve(unknowns() + block_.back());
+  matrix.column.reserve(unknowns() + 2 * value_.extent(0));
+  matrix.value.reserve(unknowns() + 2 * value_.extent(0));
   std::vector<int> slots;
   const auto add = [&matrix](int column, double value) {
     matrix.column.push_back(column);
@@ -256,7 +280,10 @@ SparseMatrix Level::matrix() const {
         if (s == behind) add(unknown_[v] + i, 1.0);
         if (s == slots.end()) break;
         const int first = unknown_[slot_[*s][2]], n = unknowns_of(slot_[*s][2]);
-        for (int j = 0; j < n; ++j) add(first + j, value_(block_[*s] + static_cast<size_t>(m) * j + i));
+        const bool is_stored = slot_[*s][2] > v;  // else its transpose
+        for (int j = 0; j < n; ++j)
+          add(first + j,
+              value_(block_[*s] + (is_stored ? static_cast<size_t>(m) * j + i : static_cast<size_t>(n) * i + j)));
       }
       matrix.row_start.push_back(static_cast<int>(matrix.column.size()));
     }

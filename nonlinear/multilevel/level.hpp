@@ -7,6 +7,7 @@
 /// thread, and sums over all rows in fixed pieces: results do not depend on the number of threads.
 #pragma once
 
+#include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
 #include "nonlinear/multilevel/aggregates.hpp"
@@ -47,6 +48,13 @@ namespace multilevel {
 /// Numbers without values yet.
 inline KernelView<double*> numbers(size_t count) {
   return KernelView<double*>(Kokkos::view_alloc("mixbeam::multilevel", Kokkos::WithoutInitializing), count);
+}
+
+/// The same, with zeros behind them for kernels that read in whole lanes.
+inline KernelView<double*> numbers_for_lanes(size_t count) {
+  const KernelView<double*> all = numbers(count + kLanes);
+  std::fill_n(all.data() + count, kLanes, 0.0);
+  return all;
 }
 
 /// Room that a source of links needs for one between nodes of so many unknowns.
@@ -148,6 +156,7 @@ class Level {
 
  private:
   void build_rows();
+  size_t number_blocks();
   void build_coarse_links();
   void scale(const KernelView<double*>& self, const LinkSource& links);
   /// What a slot says of its link; `room` is made large enough for `links`.
@@ -171,7 +180,7 @@ class Level {
   std::vector<int> row_;                  ///< (node, and one more): first slot
   std::vector<std::array<int, 3>> slot_;  ///< link, its end here, node at the other end
   std::vector<size_t> block_;             ///< (slot): first number of its block in value_
-  KernelView<double*> value_;             ///< blocks of A^ off the diagonal
+  KernelView<double*> value_;             ///< blocks of A^ off the diagonal, each once: rows of the earlier node
   KernelView<float*> rounded_;            ///< the same; one of both is empty
   KernelView<double*> inverse_;           ///< L^-1 of the nodes
   // coarse links
