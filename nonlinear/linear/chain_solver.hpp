@@ -16,7 +16,7 @@ class TangentSolver {
   /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
   virtual void factorize(const Tangent& tangent) = 0;
   /// As LinearSolver::solve.
-  virtual double solve(const DofVector& b, DofVector& x) = 0;
+  virtual double solve(const DofVector& b, DofVector& x, double enough = 0.0) = 0;
   /// As LinearSolver::iterates.
   virtual bool iterates() const { return false; }
   /// As LinearSolver::forget.
@@ -43,7 +43,7 @@ class ChainSolver : public TangentSolver {
               const RemainingSolver& solver = {});
 
   void factorize(const Tangent& tangent) override;
-  double solve(const DofVector& b, DofVector& x) override;
+  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
   bool iterates() const override { return remaining_->iterates(); }
   void forget() override { remaining_->forget(); }
   void take_over(TangentSolver& other) override {
@@ -57,8 +57,8 @@ class ChainSolver : public TangentSolver {
   const CondensedSystem& system() const { return system_; }
 
  private:
-  double solve_condensed(const DofVector& b, DofVector& x);
-  void solve_once(const DofVector& b, DofVector& x, double& remaining_error);
+  double solve_condensed(const DofVector& b, DofVector& x, double enough);
+  void solve_once(const DofVector& b, DofVector& x, double enough, double& remaining_error);
   void factorize_whole();
 
   const Model& model_;

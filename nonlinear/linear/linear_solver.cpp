@@ -94,7 +94,7 @@ class DirectSolver : public LinearSolver {
     if (failed) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
   }
 
-  double solve(const DofVector& b, DofVector& x) override {
+  double solve(const DofVector& b, DofVector& x, double /*enough*/) override {
     solve_once(b, x);
     double error = backward_error(*matrix_, x, b);
     if (!(error <= tolerance_)) {

@@ -25,8 +25,9 @@ class LinearSolver {
   virtual void factorize() = 0;
 
   /// Solves A x = b and checks the result: its backward error must not exceed the tolerance, else one step of iterative
-  /// refinement is tried, then LinearSolverError is thrown. Returns that error.
-  virtual double solve(const DofVector& b, DofVector& x) = 0;
+  /// refinement is tried, then LinearSolverError is thrown. Returns that error. Where it is iterated, the share
+  /// `enough` of the error may be left, in energy, and the tolerance is no smaller.
+  virtual double solve(const DofVector& b, DofVector& x, double enough = 0.0) = 0;
 
   /// Eigenvalues below zero of the matrix factorised last; none where the factors do not tell. Collective.
   virtual std::optional<long> negative_eigenvalues() const { return {}; }

@@ -316,13 +316,13 @@ bool NetworkSolver::iterate_with_spaces(const DofVector& b, DofVector& x, double
   return false;
 }
 
-double NetworkSolver::solve(const DofVector& b, DofVector& x) {
+double NetworkSolver::solve(const DofVector& b, DofVector& x, double enough) {
   if (objection_.empty()) {
     try {
-      for (double reduction : {reduction_, kSmallReduction}) {
+      for (double reduction : {std::max(reduction_, enough), kSmallReduction}) {
         if (!iterate_with_spaces(b, x, reduction)) break;
         const double error = backward_error(*system_.matrix(), x, b);
-        if (error > tolerance_) continue;
+        if (error > std::max(tolerance_, enough)) continue;
         has_solved_ = true;
         return error;
       }

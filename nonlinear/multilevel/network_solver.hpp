@@ -20,7 +20,7 @@ class NetworkSolver : public LinearSolver {
                 double reduction = kReduction);
 
   void factorize() override;
-  double solve(const DofVector& b, DofVector& x) override;
+  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
   bool iterates() const override { return true; }
   /// Where factors were taken theirs; else what the solves with the last matrix have met: none, or at least one.
   std::optional<long> negative_eigenvalues() const override;

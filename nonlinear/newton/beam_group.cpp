@@ -2,6 +2,7 @@
 
 #include <LOCA_Extended_MultiAbstractGroup.H>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -33,7 +34,8 @@ BeamGroup::BeamGroup(const BeamGroup& other, NOX::CopyType type)
       newton_(Teuchos::rcp(new BeamVector(*other.newton_, type))),
       point_(other.point_),
       observer_(other.observer_),
-      choice_(other.choice_) {
+      choice_(other.choice_),
+      norm_before_(other.norm_before_) {
   if (type == NOX::DeepCopy) {
     valid_f_ = other.valid_f_;
     valid_newton_ = other.valid_newton_;
@@ -57,6 +59,7 @@ void BeamGroup::copy(const NOX::Abstract::Group& source) {
   LOCA::Abstract::Group::copy(source);
   parameters_ = other.parameters_;
   choice_ = other.choice_;
+  norm_before_ = other.norm_before_;
   state_ = other.state_;
   *x_ = *other.x_;
   reset();
@@ -96,6 +99,7 @@ void BeamGroup::computeX(const NOX::Abstract::Group& from, const NOX::Abstract::
   const BeamGroup& source = of(from);
   const MixedVector& d = BeamVector::of(direction);
   reset();
+  norm_before_ = source.valid_f_ ? source.getNormF() : 0.0;
   state_ = problem_->model.apply(source.state_, d, step);
   x_->values().update(1.0, source.x_->values(), step, d, 0.0);
 }
@@ -117,13 +121,32 @@ Linearization& BeamGroup::linearization() {
   return *linearization_;
 }
 
+namespace {
+
+/// An increment that is not exact leaves so much less of the residual than its linearisation does, and than the
+/// tolerance of the residual: in its largest row an error in energy is up to ten times larger.
+constexpr double kLessThanCurvature = 0.01, kLessThanTolerance = 0.01;
+/// Of the tolerance: where the linearisation will leave no more, it often leaves less, and the iteration is the last.
+constexpr double kNearlyThere = 100.0;
+
+}  // namespace
+
+/// The linearisation leaves the square of what it left in the last step.
+double BeamGroup::enough_for_increment() const {
+  if (choice_.enough == 0.0 || norm_before_ == 0.0) return choice_.enough;
+  const double norm = getNormF(), tolerance = problem_->model.options().residual_tolerance;
+  const double square = norm / norm_before_ * norm / norm_before_;
+  const bool is_last = square * norm <= kNearlyThere * tolerance;
+  return std::min(choice_.enough, is_last ? kLessThanTolerance * tolerance / norm : kLessThanCurvature * square);
+}
+
 NOX::Abstract::Group::ReturnType BeamGroup::computeJacobian() {
   if (valid_newton_ && isJacobian()) return Ok;
   linearization();
   // the condensed residual is that of F now: the Newton increment costs one solve
   newton_cap_ = linearization_->tangent().cap();
   try {
-    linearization_->newton_increment(newton_->values());
+    linearization_->newton_increment(newton_->values(), enough_for_increment());
     if (!choice_.keeps_cap && remove_cap_compliance_where_it_slows(*linearization_, f_->values(), newton_->values()))
       newton_cap_ = {};
   } catch (const LinearSolverError& error) {
@@ -177,7 +200,7 @@ NOX::Abstract::Group::ReturnType BeamGroup::applyJacobianInverse(Teuchos::Parame
   BeamVector increment(problem_->model.create_vector());
   try {
     if (linearization_->tangent().is_planar() && !problem_->model.is_in_plane(rhs)) linearize(true);
-    linearization_->solve(rhs, increment.values());
+    linearization_->solve(rhs, increment.values(), choice_.enough);
     if (!choice_.keeps_cap) {
       const double cap_ratio = linearization_->tangent().cap().least_ratio;
       remove_cap_compliance(*linearization_, cap_ratio > 0.0 ? cap_ratio : kRigidRatio, increment.values());

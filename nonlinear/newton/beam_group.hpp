@@ -94,6 +94,7 @@ class BeamGroup : public LOCA::Abstract::Group {
   }
   Cap cap() const { return cap_for(problem_->model, point_.scales, choice_.cap_raise); }
   void linearize(bool in_space) const;
+  double enough_for_increment() const;
 
   Teuchos::RCP<LOCA::GlobalData> global_;
   Teuchos::RCP<BeamProblem> problem_;
@@ -104,7 +105,8 @@ class BeamGroup : public LOCA::Abstract::Group {
   StepObserver observer_;
   TangentChoice choice_;
   bool valid_f_ = false, valid_newton_ = false;
-  Cap newton_cap_;  ///< left in the Newton increment; of no stiffness where it was taken out
+  double norm_before_ = 0.0;  ///< of F where the last step began; zero: not known
+  Cap newton_cap_;            ///< left in the Newton increment; of no stiffness where it was taken out
   mutable std::unique_ptr<Linearization> linearization_;  ///< here; copies take their own when they need it
 };
 

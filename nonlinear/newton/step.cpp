@@ -16,21 +16,21 @@ Linearization::Linearization(BeamProblem& problem, const EvaluationPoint& point,
   }
 }
 
-void Linearization::newton_increment(MixedVector& increment) {
+void Linearization::newton_increment(MixedVector& increment, double enough) {
   tangent_.condense_residual();
-  solve_condensed(increment);
+  solve_condensed(increment, enough);
 }
 
-void Linearization::solve(const MixedVector& scaled_rhs, MixedVector& increment) {
+void Linearization::solve(const MixedVector& scaled_rhs, MixedVector& increment, double enough) {
   tangent_.condense(scaled_rhs);
-  solve_condensed(increment);
+  solve_condensed(increment, enough);
 }
 
-void Linearization::solve_condensed(MixedVector& increment) {
+void Linearization::solve_condensed(MixedVector& increment, double enough) {
   if (!failure_.empty()) throw LinearSolverError(failure_);
   DofVector& rhs = tangent_.condensed_rows();
   rhs.scale(-1.0);
-  solver_->solve(rhs, increment.vertex_dofs());
+  solver_->solve(rhs, increment.vertex_dofs(), enough);
   tangent_.recover(increment);
 }
 

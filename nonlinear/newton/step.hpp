@@ -21,7 +21,13 @@ struct TangentChoice {
   bool keeps_cap = false;
   bool in_space = false;         ///< also in the plane of the scene: for right-hand sides that leave it
   bool counts_interior = false;  ///< Tangent::interior_count() is asked for
+  /// As of LinearSolver::solve. Newton increments are solved better where its convergence would suffer.
+  double enough = 0.0;
 };
+
+/// Of tangents of a path, and at most of Newton increments: what the path bends by in a step, and what the
+/// linearisation leaves of an imbalance, is more.
+inline constexpr double kEnoughForTangents = 1e-4, kEnoughForIncrements = 1e-3;
 
 /// Bordered systems next to a critical point combine several solves with a nearly singular tangent, whose errors cancel
 /// only if it is one and the same; and there the cap of the tangent is felt more than its condition: with the usual one
@@ -39,10 +45,10 @@ class Linearization {
   /// Why it could not be factorised: then every solve throws a LinearSolverError. Empty where it was.
   const std::string& failure() const { return failure_; }
 
-  /// d with J_c d = -residual, J_c the capped tangent. Throws LinearSolverError.
-  void newton_increment(MixedVector& increment);
+  /// d with J_c d = -residual, J_c the capped tangent. `enough`: as of LinearSolver::solve. Throws LinearSolverError.
+  void newton_increment(MixedVector& increment, double enough = 0.0);
   /// The same for another right-hand side, scaled as the residual.
-  void solve(const MixedVector& scaled_rhs, MixedVector& increment);
+  void solve(const MixedVector& scaled_rhs, MixedVector& increment, double enough = 0.0);
   /// K dx = b of the condensed equations: forces and moments on all vertices that are projected on free motions.
   void solve_vertices(const DofVector& b, DofVector& x) { solver_->solve(b, x); }
   const TangentSolver& solver() const { return *solver_; }
@@ -50,7 +56,7 @@ class Linearization {
   void cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const;
 
  private:
-  void solve_condensed(MixedVector& increment);
+  void solve_condensed(MixedVector& increment, double enough);
 
   Tangent tangent_;
   std::shared_ptr<TangentSolver> solver_;

@@ -112,14 +112,25 @@ Teuchos::RCP<BeamGroup> group_at(const Teuchos::RCP<LOCA::GlobalData>& global, c
 
 }  // namespace
 
+namespace {
+
+/// What the next iteration removes need not be solved for.
+TangentChoice of_iteration() {
+  TangentChoice choice;
+  choice.enough = kEnoughForIncrements;
+  return choice;
+}
+
+}  // namespace
+
 Correction Corrector::at_load(const Guess& guess, int most_iterations) {
-  const auto group = group_at(global_, problem_, guess);
+  const auto group = group_at(global_, problem_, guess, of_iteration());
   if (guess.moved != nullptr) group->setX(BeamVector(*guess.moved));
   return solve(group, most_iterations);
 }
 
 Correction Corrector::at_load_along(const Guess& guess, const MixedVector* prediction, int most_iterations) {
-  const auto start = group_at(global_, problem_, guess);
+  const auto start = group_at(global_, problem_, guess, of_iteration());
   if (prediction == nullptr) return solve(start, most_iterations);
   start->computeF();
   const auto group = Teuchos::rcp(new BeamGroup(*start, NOX::DeepCopy));

@@ -105,6 +105,7 @@ Station StepJudge::station(const State& state, double load_factor, const PathDir
   {
     TangentChoice choice;
     choice.counts_interior = counts;
+    choice.enough = kEnoughForTangents;
     BeamGroup group(corrector_.global(), problem_, state, load_factor, {}, choice);
     group.computeF();
     if (counts) here.stability = count_by(group.linearization());

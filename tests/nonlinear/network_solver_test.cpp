@@ -6,6 +6,7 @@
 #include "tests/support/ranks.hpp"
 #include "tests/support/same_bits.hpp"
 #include "tests/support/scenes.hpp"
+#include "tests/support/solve.hpp"
 
 #include <gtest/gtest.h>
 
@@ -171,6 +172,44 @@ TEST(NetworkSolver, SolutionOfTheDirectSolver) {
     x.scale(1.0 + 2.0 * kAgreement);
     EXPECT_GT(relative_difference(x, y), kAgreement) << "the comparison sees an error";
   }
+}
+
+TEST(NetworkSolver, LeavesOfTheErrorWhatIsEnough) {
+  const Tangents tangents(scene_of(cubic(10, 20.0)));
+  Iterative solver(tangents.model);
+  const DofVector exact = tangents.solution(solver.chains);
+  const int all = solver.network->iterations();
+  DofVector x(tangents.model.map());
+  double last = 0.1;  // in another norm than that of the energy
+  for (double enough : {1e-3, 1e-5}) {
+    solver.chains.solve(*tangents.rows, x, enough);
+    const double error = relative_difference(x, exact);
+    EXPECT_LE(error, last) << enough;
+    EXPECT_GT(error, 1e-3 * enough) << "it stops there";
+    last = 0.1 * error;
+  }
+  EXPECT_LT(solver.network->iterations(), all);
+}
+
+/// Positions, as far as the tolerance of the residual tells them.
+constexpr double kSamePlace = 1e-9;
+
+/// Increments with errors that the next iteration removes cost none.
+TEST(NetworkSolver, NewtonsMethodTakesAsManyIterationsAsWithFactors) {
+  Scene scene = scene_of(cubic(6, 20.0));
+  for (PointLoad& load : scene.point_loads) load.force = {0.3, 0.6, 0.15};
+  std::vector<Simulation> runs;
+  for (const char* method : {kChains, kIterative}) {
+    SolverParameters parameters;
+    parameters.linear.method = method;
+    parameters.analysis.stability = false;
+    runs.emplace_back(solved(scene, parameters));
+  }
+  EXPECT_EQ(runs[0].result().newton_iterations, runs[1].result().newton_iterations);
+  EXPECT_GT(runs[0].result().newton_iterations, 2) << "it is far from linear";
+  const std::string corner = scene.point_loads.back().point;
+  EXPECT_TRUE(agrees(runs[1].position(corner), runs[0].position(corner), kSamePlace));
+  EXPECT_FALSE(agrees(scene.points.back().position, runs[0].position(corner), 0.1)) << "it has moved";
 }
 
 TEST(NetworkSolver, SameBitsForAnyNumberOfThreads) {
