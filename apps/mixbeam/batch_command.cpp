@@ -5,7 +5,7 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
-#include "apps/mixbeam/batch_results.hpp"
+#include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"

@@ -1,4 +1,4 @@
-#include "apps/mixbeam/batch_results.hpp"
+#include "apps/mixbeam/batch_solver.hpp"
 
 #include "apps/common/tables/csv_table.hpp"
 #include "discretization/results/table_file.hpp"

@@ -71,4 +71,9 @@ class BatchSolver {
   const std::vector<Scene>* scenes_ = nullptr;
 };
 
+/// The files of a batch, <stem>.csv and <stem>.h5, with one row for each case that was tried. `scene_xml` goes to the
+/// latter.
+void write_batch(const std::filesystem::path& stem, const Batch& batch, const CaseQuantities& quantities,
+                 const std::vector<CaseResult>& results, const std::string& scene_xml);
+
 }  // namespace mixbeam

@@ -40,6 +40,8 @@ const std::map<std::string, const char*>& texts() {
        "of a benchmark's scene is ignored.\n\n"
        "  --output DIR         folder for results; default: results/NAME\n"
        "  --case NAME          only this load case\n"
+       "  --jobs N             up to N load cases at once, each in a process of its own with its share of the\n"
+       "                       processors; results are the same bits. Not under mpirun\n"
        "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
        "                       processors for scenes that are large enough to profit; results are the same bits\n"
        "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"

@@ -1,14 +1,19 @@
+#include "apps/common/run/room_check.hpp"
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/mpi_session.hpp"
+#include "apps/mixbeam/case_processes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
+#include "kernels/execution/execution_space.hpp"
 
 #include <algorithm>
+#include <cstdlib>
+#include <memory>
 #include <ostream>
 
 namespace mixbeam {
@@ -24,6 +29,18 @@ std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<st
                    (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
 }
 
+/// As many as are solved at once.
+std::size_t jobs_of(const CommandLine& line, const std::vector<std::string>& cases) {
+  return std::min(static_cast<std::size_t>(line.jobs), cases.size());
+}
+
+/// Between cases that are solved at once, where the user has not chosen a number of threads.
+void share_processors(Application& app, std::size_t jobs) {
+  if (app.solver.threads > 0 || std::getenv("OMP_NUM_THREADS") != nullptr) return;
+  set_number_of_threads(std::max(1, number_of_threads() / static_cast<int>(jobs)));
+  app.summary.threads = number_of_threads();
+}
+
 void set_up(Application& app, const CommandLine& line) {
   app.quiet = line.quiet;
   app.force = line.force;
@@ -31,6 +48,7 @@ void set_up(Application& app, const CommandLine& line) {
   read_scene_file(app, *line.scene_file, mixbeam_definition());
   describe_run(app, "mixbeam", line.threads);
   warn_of_scene(app);
+  if (line.jobs > 1) share_processors(app, jobs_of(line, chosen_cases(app.scene, line.load_case)));
   const std::filesystem::path scene(*line.scene_file);
   app.output = line.output ? std::filesystem::path(*line.output) : std::filesystem::path("results") / scene.stem();
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
@@ -40,32 +58,71 @@ void set_up(Application& app, const CommandLine& line) {
     app.out() << "The list \"Batch\" belongs to mixbeam batch; the scene is solved as it stands.\n";
 }
 
+std::filesystem::path file_of(const Application& app, const CommandLine& line, const std::string& load_case) {
+  return result_file_of(app.output, std::filesystem::path(*line.scene_file).stem().string(), load_case);
+}
+
+RunEnd solve_case(Application& app, const CommandLine& line, const std::string& load_case,
+                  const SharedResultLock& lock) {
+  const RunEnd end = run_case(app, load_case, file_of(app, line, load_case), {lock, line.durable});
+  if (end == RunEnd::arrived) fail_what_was_missed(app, {load_case});
+  return end;
+}
+
+/// Each case is judged by itself where it begins.
+void require_memory_side_by_side(const Application& app, const std::vector<std::string>& cases, std::size_t jobs) {
+  const double memory = needs_of_run(app, scene_of_case(app.scene, cases.front()), app.solver).memory;
+  require_memory(app, static_cast<double>(jobs) * memory, std::to_string(jobs) + " cases side by side");
+}
+
+bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }
+
+/// None where cases are solved one after the other. Before MPI starts.
+std::unique_ptr<CaseProcesses> case_processes(const CommandLine& line) {
+  if (line.jobs == 1 || line.load_case || is_under_mpirun()) return {};
+  CommandLine own = line;
+  own.summary.reset();
+  CaseWork work;
+  work.set_up = [own](Application& app) { set_up(app, own); };
+  work.solve = [own](Application& app, std::size_t number) {
+    return solve_case(app, own, chosen_cases(app.scene, {})[number], std::make_shared<const ResultLock>());
+  };
+  return std::make_unique<CaseProcesses>(line.jobs, work);
+}
+
 }  // namespace
 
 int run_command(const Arguments& arguments) {
   const CommandLine line = read_command_line(
       arguments.count(), arguments.values.data(),
-      {"--output", "--case", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"}, "scene file");
+      {"--output", "--case", "--jobs", "--threads", "--summary", "--durable", "--quiet", "--force", "--help"},
+      "scene file");
   if (!line.scene_file) throw InputError("a scene file is missing: mixbeam run SCENE.xml");
+  const std::unique_ptr<CaseProcesses> processes = case_processes(line);
   const MpiSession session;
   return guarded_run(session.communicator(), "mixbeam", [&] {
     Application app;
     app.communicator = session.communicator();
+    if (line.jobs > 1 && is_under_mpirun())
+      throw InputError("option --jobs: value \"" + std::to_string(line.jobs) +
+                       "\" under mpirun, whose ranks share each case; allowed: 1, or a run without mpirun");
     set_up(app, line);
     const auto cases = chosen_cases(app.scene, line.load_case);
     require_reachable(app, cases);
-    const std::string stem = std::filesystem::path(*line.scene_file).stem().string();
+    const std::size_t jobs = jobs_of(line, cases);
+    if (jobs > 1) require_memory_side_by_side(app, cases, jobs);
     std::vector<SharedResultLock> locks;  // of all cases before the first: the run is refused as a whole
-    for (const std::string& load_case : cases)
-      locks.push_back(lock_or_warn(app, result_file_of(app.output, stem, load_case)));
-    const std::filesystem::path of_all = result_file_of(app.output, stem, "");
+    for (const std::string& load_case : cases) locks.push_back(lock_or_warn(app, file_of(app, line, load_case)));
+    const std::filesystem::path of_all = file_of(app, line, "");
     if (cases.size() > 1 && !app.quantities.empty()) locks.push_back(lock_or_warn(app, of_all));
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;
-      for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
-        end = run_case(app, cases[i], result_file_of(app.output, stem, cases[i]), {locks[i], line.durable});
-      if (end == RunEnd::arrived) fail_what_was_missed(app, cases);
+      if (jobs > 1)
+        end = processes->solve(app, cases);
+      else
+        for (std::size_t i = 0; i < cases.size() && end == RunEnd::arrived; ++i)
+          end = solve_case(app, line, cases[i], locks[i]);
       if (end == RunEnd::arrived) line.load_case ? renew_envelope(app, of_all) : write_envelope(app, of_all);
       return end;
     });

@@ -16,6 +16,8 @@ class ResultLock {
   /// Throws ResultFileError, which names the file and the other process, when another run holds it, be it in this
   /// process. The folder must exist.
   explicit ResultLock(const std::filesystem::path& file);
+  /// For a process that writes on behalf of the one that holds the lock.
+  ResultLock() = default;
   /// Removes the hidden file.
   ~ResultLock();
   ResultLock(const ResultLock&) = delete;

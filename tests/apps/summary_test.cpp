@@ -11,6 +11,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <unistd.h>
+
 namespace mixbeam {
 namespace {
 
@@ -172,6 +174,40 @@ TEST(Summary, JsonHoldsEverything) {
   EXPECT_THROW(summary.write_json(fs::path(folder) / "no" / "summary.json"), std::runtime_error);
   EXPECT_THROW(summary.write_json(folder), std::runtime_error);
   fs::remove_all(folder);
+}
+
+std::string json_of(const Summary& summary) {
+  std::string file = (fs::temp_directory_path() / "mixbeam_summary_XXXXXX").string();
+  close(mkstemp(file.data()));
+  summary.write_json(file);
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  fs::remove(file);
+  return text.str();
+}
+
+TEST(Summary, WhatIsPackedComesBackToTheBit) {
+  Summary summary;
+  summary.load_steps = 2;
+  summary.newton_iterations = 6;
+  summary.seconds = {{"solve", 0.1}, {"read", std::nan("")}};
+  summary.warnings = {"broken \xff name"};
+  summary.ends = {{"first", 1.0 / 3.0, "false", "true", 2, false, {{0.1, 0.2, 0.3, 0.4, 0.5, "tip", 7}}}};
+  summary.quantities = {{"first", "sag", -0.0, kInfinity, 0.7, 3, "rod", 0.1, -1}, {"first", "M", std::nan("")}};
+  summary.estimated_errors = {{"first", "", {{"strain energy", -2e-6, 1e-6}}}, {"second", "too coarse", {}}};
+  summary.chosen_meshes = {{"first", 1e-6, 1e-7, "reached", {{"rod", 1, 3, 8}}, {{8, true, 2, 6, 0.1, 1e-7, "no"}}}};
+  summary.check_relative("x", 1.0 / 3.0, 0.3333, 1e-3, kSource);
+  summary.check_word("end", "false", "true", kSource);
+  summary.fail("limit point", "0.3386", kSource, "did not come");
+  Summary other;
+  other.append(summary.packed());
+  EXPECT_EQ(json_of(other), json_of(summary));
+  EXPECT_TRUE(std::signbit(other.quantities[0].value));
+  EXPECT_FALSE(other.ends[0].has_potential);
+  other.append(summary.packed());
+  EXPECT_EQ(other.load_steps, 4);
+  EXPECT_EQ(other.checks().size(), 6u);
+  EXPECT_NE(json_of(other), json_of(summary)) << "the twin";
 }
 
 }  // namespace

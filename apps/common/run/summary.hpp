@@ -160,6 +160,11 @@ class Summary {
   /// checks and warnings.
   void print_checks(std::ostream& stream, bool every_check = true) const;
 
+  /// What runs have added, to be sent to another process.
+  std::string packed() const;
+  /// Adds what runs of another process have added to the summary that was packed there.
+  void append(const std::string& packed);
+
   /// Writes everything as one JSON object, replacing `path` only when complete. Numbers that are not finite become the
   /// strings "nan", "inf", "-inf". Throws std::runtime_error with path and reason.
   void write_json(const std::filesystem::path& path) const;

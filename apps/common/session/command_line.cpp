@@ -11,7 +11,7 @@ namespace mixbeam {
 
 namespace {
 
-constexpr int kMostThreads = 1024, kMostSteps = 999999999;
+constexpr int kMostThreads = 1024, kMostJobs = 1024, kMostSteps = 999999999;
 
 /// "-1" is a value, if a bad one.
 bool is_option(const std::string& argument) {
@@ -73,6 +73,8 @@ void read_option(const std::string& name, int& i, int argc, const char* const* a
     line.load_case = value_after(i, argc, argv);
   else if (name == "--threads")
     line.threads = number_from(name, value_after(i, argc, argv), 1, kMostThreads);
+  else if (name == "--jobs")
+    line.jobs = number_from(name, value_after(i, argc, argv), 1, kMostJobs);
   else if (name == "--from")
     line.last_step = number_from(name, value_after(i, argc, argv), 0, kMostSteps);
 }

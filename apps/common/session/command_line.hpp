@@ -11,6 +11,7 @@ namespace mixbeam {
 struct CommandLine {
   std::optional<std::string> scene_file, output, summary, load_case;
   std::optional<int> threads, last_step;
+  int jobs = 1;
   bool help = false, print_parameters = false, single = false, quiet = false, markdown = false, durable = false;
   bool force = false, json = false;
 };

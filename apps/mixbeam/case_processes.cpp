@@ -1,0 +1,221 @@
+#include "apps/mixbeam/case_processes.hpp"
+
+#include "apps/common/run/scene_file.hpp"
+#include "apps/common/session/interrupt.hpp"
+#include "apps/common/session/mpi_session.hpp"
+#include "discretization/results/disk_file.hpp"
+#include "discretization/results/result_file.hpp"
+#include "discretization/text/errors.hpp"
+#include "discretization/text/memory_error.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstring>
+#include <iostream>
+#include <sstream>
+
+namespace mixbeam {
+
+namespace {
+
+enum class CaseEnd { arrived, interrupted, no_convergence, bad_input, not_written, no_memory, other };
+
+/// What a process tells of a case: "end", and of a failure its "problem"; what was "printed"; the "summary", packed.
+using Answer = nlohmann::json;
+
+Answer answer_with(CaseEnd end, const std::string& problem) { return {{"end", end}, {"problem", problem}}; }
+
+bool is_failure(const Answer& answer) { return answer["end"] > CaseEnd::interrupted; }
+
+Answer answer_of(Application& app, const std::function<RunEnd()>& action) {
+  try {
+    return answer_with(action() == RunEnd::arrived ? CaseEnd::arrived : CaseEnd::interrupted, "");
+  } catch (const MemberError& error) {
+    return answer_with(CaseEnd::bad_input, placed(app, error).what());
+  } catch (const InputError& error) {
+    return answer_with(CaseEnd::bad_input, error.what());
+  } catch (const ConvergenceError& error) {
+    return answer_with(CaseEnd::no_convergence, error.what());
+  } catch (const ResultFileError& error) {
+    return answer_with(CaseEnd::not_written, error.what());
+  } catch (const FileError& error) {
+    return answer_with(CaseEnd::not_written, error.what());
+  } catch (const std::exception& error) {
+    return answer_with(is_out_of_memory(error) ? CaseEnd::no_memory : CaseEnd::other, error.what());
+  } catch (const char* error) {  // NOX and LOCA throw texts
+    return answer_with(CaseEnd::other, error);
+  }
+}
+
+/// A failure as answer_of() has caught it.
+[[noreturn]] void throw_again(const Answer& failure) {
+  const std::string problem = failure["problem"];
+  switch (failure["end"].get<CaseEnd>()) {
+    case CaseEnd::no_convergence:
+      throw ConvergenceError(problem);
+    case CaseEnd::bad_input:
+      throw InputError(problem);
+    case CaseEnd::not_written:
+      throw ResultFileError(problem);
+    case CaseEnd::no_memory:
+      throw std::bad_alloc();
+    default:
+      throw std::runtime_error(problem);
+  }
+}
+
+/// What cannot be sent to a process that has ended is noticed where its answer is missing.
+void send(FILE* socket, const Answer& answer) {
+  const std::vector<std::uint8_t> bytes = Answer::to_cbor(answer);  // numbers and texts as they are
+  const std::size_t size = bytes.size();
+  fwrite(&size, sizeof size, 1, socket);
+  fwrite(bytes.data(), 1, size, socket);
+  fflush(socket);
+}
+
+/// None from a process that has ended.
+std::optional<Answer> received(FILE* socket) {
+  std::size_t size = 0;
+  if (fread(&size, sizeof size, 1, socket) != 1) return {};
+  std::vector<std::uint8_t> bytes(size);
+  if (fread(bytes.data(), 1, size, socket) != size) return {};
+  return Answer::from_cbor(bytes);
+}
+
+/// The life of a process.
+void answer_questions(FILE* socket, const CaseWork& work) {
+  std::optional<Answer> number = received(socket);
+  if (!number) return;
+  std::ostringstream printed;
+  std::cout.rdbuf(printed.rdbuf());
+  const MpiSession session;
+  Application app;
+  app.communicator = session.communicator();
+  app.asked_to_stop = [socket] {  // while a case is solved nothing comes but the end of the questions
+    pollfd question{fileno(socket), POLLIN, 0};
+    return poll(&question, 1, 0) > 0;
+  };
+  for (bool is_first = true; number; is_first = false, number = received(socket)) {
+    Answer answer = answer_of(app, [&] {
+      if (is_first) work.set_up(app);
+      printed.str("");  // who asks has told what belongs to the scene
+      Summary of_case;
+      of_case.threads = app.summary.threads;
+      app.summary = of_case;
+      return work.solve(app, *number);
+    });
+    answer["printed"] = printed.str();
+    answer["summary"] = app.summary.packed();
+    send(socket, answer);
+  }
+}
+
+Answer answer_of_ended(pid_t process, const std::string& load_case) {
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) continue;
+  const std::string end =
+      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit " + std::to_string(WEXITSTATUS(status));
+  return answer_with(CaseEnd::other, "case \"" + load_case + "\": the process that solved it was ended (" + end +
+                                         "); every completed step is on disk");
+}
+
+void tell(Application& app, const Answer& answer) {
+  if (!answer.contains("summary")) return;  // of a process that was ended
+  app.out() << answer["printed"].get_ref<const std::string&>() << std::flush;
+  app.summary.append(answer["summary"]);
+}
+
+}  // namespace
+
+CaseProcesses::CaseProcesses(int count, const CaseWork& work) {
+  const pid_t parent = getpid();
+  for (int i = 0; i < count; ++i) {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+      throw std::runtime_error(std::string("no socket: ") + std::strerror(errno));
+    const pid_t id = fork();
+    if (id < 0) throw std::runtime_error(std::string("no process: ") + std::strerror(errno));
+    if (id > 0) {
+      close(ends[1]);
+      processes_.push_back({id, fdopen(ends[0], "r+")});
+      continue;
+    }
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) _exit(0);
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_IGN);
+    for (const Process& other : processes_) close(fileno(other.socket));  // else that one would wait for ever
+    close(ends[0]);
+    answer_questions(fdopen(ends[1], "r+"), work);
+    _exit(0);
+  }
+}
+
+CaseProcesses::~CaseProcesses() {
+  stop();
+  for (const Process& process : processes_) {
+    while (waitpid(process.id, nullptr, 0) < 0 && errno == EINTR) continue;
+    fclose(process.socket);
+  }
+}
+
+void CaseProcesses::stop() {
+  for (const Process& process : processes_) shutdown(fileno(process.socket), SHUT_WR);
+}
+
+void CaseProcesses::ask(Process& process, std::size_t number) {
+  process.number = number;
+  process.is_busy = true;
+  send(process.socket, number);
+}
+
+RunEnd CaseProcesses::solve(Application& app, const std::vector<std::string>& cases) {
+  constexpr int kLook = 50;  // milliseconds between two looks whether this process is asked to stop
+  std::vector<Answer> answers(cases.size());
+  std::size_t asked = 0, told = 0, open = 0;
+  bool goes_on = true, stopped = false;
+  const auto ask_next = [&](Process& process) {
+    if (!goes_on || asked == cases.size()) return;
+    ask(process, asked++);
+    ++open;
+  };
+  for (Process& process : processes_) ask_next(process);
+  while (open > 0) {
+    if (!stopped && interrupt_requested_here()) {
+      stop();
+      stopped = true;
+      goes_on = false;
+    }
+    std::vector<pollfd> sockets;
+    for (const Process& process : processes_)
+      sockets.push_back({process.is_busy ? fileno(process.socket) : -1, POLLIN, 0});
+    if (poll(sockets.data(), sockets.size(), kLook) <= 0) continue;
+    for (std::size_t i = 0; i < processes_.size(); ++i) {
+      if (sockets[i].revents == 0) continue;
+      Process& process = processes_[i];
+      const std::optional<Answer> answer = received(process.socket);
+      answers[process.number] = answer ? *answer : answer_of_ended(process.id, cases[process.number]);
+      goes_on = goes_on && !is_failure(answers[process.number]);
+      process.is_busy = false;
+      --open;
+      ask_next(process);
+    }
+    for (; told < asked && !answers[told].is_null(); ++told) tell(app, answers[told]);
+  }
+  const auto failure = std::find_if(answers.begin(), answers.begin() + told, is_failure);
+  if (failure != answers.begin() + told) throw_again(*failure);
+  const auto is_interrupted = [](const Answer& answer) { return answer["end"] == CaseEnd::interrupted; };
+  const bool all = told == cases.size() && std::none_of(answers.begin(), answers.end(), is_interrupted);
+  return all ? RunEnd::arrived : RunEnd::interrupted;
+}
+
+}  // namespace mixbeam
