@@ -72,7 +72,7 @@ RunEnd solve_case(Application& app, const CommandLine& line, const std::string& 
 /// Each case is judged by itself where it begins.
 void require_memory_side_by_side(const Application& app, const std::vector<std::string>& cases, std::size_t jobs) {
   const double memory = needs_of_run(app, scene_of_case(app.scene, cases.front()), app.solver).memory;
-  require_memory(app, static_cast<double>(jobs) * memory, std::to_string(jobs) + " cases side by side");
+  require_memory(app, static_cast<double>(jobs) * memory, std::to_string(jobs) + " cases side by side (--jobs)");
 }
 
 bool is_under_mpirun() { return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr; }

@@ -29,7 +29,7 @@ def load_displacement_figure(view):
     canvas, panels = style.figure(max(4.3 * columns, 6.2), 3.5 * rows + 0.4, rows, columns, squeeze=False)
     for axes in panels.flat[len(curves):]:
         axes.set_visible(False)
-    for axes, (name, factor, values, symbol) in zip(panels.flat, curves):
+    for axes, (name, factor, values, symbol, unit) in zip(panels.flat, curves):
         exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
         values = values.reshape(len(values), -1) / 10.0 ** exponent
         marker = "o" if len(factor) <= 30 else None
@@ -42,8 +42,7 @@ def load_displacement_figure(view):
         axes.set_title(name if len(name) < 44 else name[:41] + "...")
         axes.set_xlabel("load factor")
         axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-        if exponent:
-            axes.set_ylabel(fields.times(exponent))
+        axes.set_ylabel(fields.times(exponent, unit).strip())
         if axes.get_legend_handles_labels()[1]:
             axes.legend(loc="best", ncol=1)
     canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}{_end(view)}", fontsize=13)
@@ -110,13 +109,13 @@ def _critical_path_figure(view):
     canvas, panels = style.figure(max(4.6 * columns, 6.6), 4.2 * rows + 0.5, rows, columns, squeeze=False)
     for axes in panels.flat[len(curves):]:
         axes.set_visible(False)
-    for axes, (title, _, values, symbol) in zip(panels.flat, curves):
-        _draw_critical_path(axes, view, title, values, symbol)
+    for axes, (title, _, *curve) in zip(panels.flat, curves):
+        _draw_critical_path(axes, view, title, *curve)
     canvas.suptitle(f"{view.scene_words}: load path of {_steps(view)}; dashed: unstable{_end(view)}", fontsize=13)
     return canvas
 
 
-def _draw_critical_path(axes, view, title, values, symbol):
+def _draw_critical_path(axes, view, title, values, symbol, unit):
     factor, path, stable, points = _through_critical_points(view, title, values)
     steps = np.setdiff1d(np.arange(len(factor)), [at for at, _ in points])
     jumps = steps[_jumps(view)]
@@ -140,7 +139,7 @@ def _draw_critical_path(axes, view, title, values, symbol):
         if number < MOST_NAMED:
             axes.annotate(f"{factor[at]:.6g}", (path[at, moving[-1]], factor[at]), xytext=(6, 5), textcoords="offset points", fontsize=9.5)
     axes.axhline(0.0, color=style.GREY, linewidth=0.7, zorder=1)
-    axes.set(xlabel=title + fields.times(exponent), ylabel="load factor")
+    axes.set(xlabel=title + fields.times(exponent, unit), ylabel="load factor")
     axes.legend(loc="best")
 
 
@@ -182,7 +181,7 @@ def _title(name):
 
 
 def _monitored(view):
-    """[(title, load factors, values, symbol)] of monitored quantities that change, the largest first where many."""
+    """[(title, load factors, values, symbol, unit)] of monitored quantities that change, the largest first where many."""
     monitor = view.run.monitor()
     factor = monitor.get("load_factor", np.array([]))
     if len(factor) < 2:
@@ -198,7 +197,7 @@ def _monitored(view):
         kind = name.rsplit(".", 1)[-1]
         symbol = {"rotation": r"\theta", "reaction_force": "R", "reaction_moment": "M"}.get(kind, "u")
         if np.ptp(values, axis=0).max() > STILL * scale[symbol]:
-            curves.append((_title(name), factor, values, symbol))
+            curves.append((_title(name), factor, values, symbol, view.run.unit_of_kind(kind)))
     largest = sorted(curves, key=lambda curve: -np.ptp(curve[2], axis=0).max() / (scale[curve[3]] or 1.0))
     kept = [curve[0] for curve in largest if curve[3] == "u"][:MOST_DISPLACEMENTS]
     kept += [curve[0] for curve in largest if curve[3] != "u"][:MOST_QUANTITIES - len(kept)]
@@ -207,13 +206,14 @@ def _monitored(view):
 
 def _asked_for(view):
     """Quantities of the scene that change, as _monitored; without the places of extremes."""
-    quantities, curves = view.run.quantities(), []
+    quantities, units, curves = view.run.quantities(), view.run.quantity_units(), []
     factor = np.array([step.load_factor for step in view.run.steps])
     for name, values in quantities.items():
         is_place = name.rpartition(".")[2] in ("member", "arc_length", "side") and name.rpartition(".")[0] in quantities
         known = values[np.isfinite(values)]
         if not is_place and len(values) == len(factor) and len(known) > 1 and np.ptp(known) > STILL * np.abs(known).max():
-            curves.append((style.literal(name), factor, np.where(np.isfinite(values), values, np.nan), ""))
+            values = np.where(np.isfinite(values), values, np.nan)
+            curves.append((style.literal(name), factor, values, "", units.get(name, "")))
     return curves[:MOST_ASKED]
 
 
@@ -225,7 +225,7 @@ def _farthest(view):
     factor = np.array([step.load_factor for step in steps])
     member = next(m for m in view.run.members if m.samples.start <= farthest < m.samples.stop)
     at = member.arc_length[farthest - member.samples.start]
-    return [(f"farthest point: member {style.literal(member.name)}, $s$ = {at:.4g}", factor, values, "u")]
+    return [(f"farthest point: member {style.literal(member.name)}, $s$ = {at:.4g}", factor, values, "u", view.run.units[0])]
 
 
 def iteration_figure(view):

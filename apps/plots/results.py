@@ -266,6 +266,11 @@ class Run:
         names = _text(self._file["quantities"][()]).split("\n") if asked is not None else []
         return {name: asked[:, i] for i, name in enumerate(names) if name}
 
+    def quantity_units(self):
+        """{name: unit} of those that have one, where the scene names units."""
+        lines = _text(self._file["quantity_units"][()]).split("\n") if "quantity_units" in self._file else []
+        return dict(zip(self.quantities(), lines))
+
     def series(self, name):
         """Over the steps: a quantity, a time series of the run, or [force:|moment:|rotation:]POINT.x, .y, .z, .norm
         (without a word before it: the displacement)."""
@@ -282,11 +287,16 @@ class Run:
         raise InputError(f"{self.path}: nothing is followed as {name}; the nearest are {', '.join(near)}")
 
     def unit_of(self, name):
-        """Of a series of a point; empty where the scene names no units, and for numbers that it has given names of its own."""
+        """Of a quantity or a series of a point; empty where the scene names no units, and for formulas."""
+        if name in self.quantities():
+            return self.quantity_units().get(name, "")
+        return self.unit_of_kind(self._component(name, self.monitor())[0].rpartition(".")[2])
+
+    def unit_of_kind(self, kind):
+        """Of displacement, rotation, reaction_force, reaction_moment of points, where the scene names units."""
         length, force = self.units
-        vector, _ = self._component(name, self.monitor()) if length and name not in self.quantities() else ("", "")
-        kinds = {"displacement": length, "reaction_force": force, "reaction_moment": f"{force} {length}"}
-        return kinds.get(vector.rpartition(".")[2], "")
+        kinds = {"displacement": length, "rotation": "rad", "reaction_force": force, "reaction_moment": f"{force} {length}"}
+        return kinds.get(kind, "") if length else ""
 
     @staticmethod
     def _component(name, known):

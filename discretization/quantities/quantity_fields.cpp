@@ -1,6 +1,8 @@
 #include "discretization/quantities/quantity_fields.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 
 namespace mixbeam {
@@ -54,6 +56,21 @@ bool is_motion(const std::string& kind) {
   return kind == "displacement" || kind == "position" || kind == "rotation" || kind == "triad";
 }
 bool is_reaction(const std::string& kind) { return kind == "reaction force" || kind == "reaction moment"; }
+
+std::string unit_of(const std::string& kind, const std::string& length, const std::string& force) {
+  const auto is_one_of = [&kind](std::initializer_list<const char*> kinds) {
+    return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+  };
+  if (is_one_of({"displacement", "position", "distance", "length"})) return length;
+  if (is_one_of({"rotation", "angle"})) return "rad";
+  if (is_one_of({"material force", "spatial force", "reaction force"})) return force;
+  if (is_one_of(
+          {"material moment", "spatial moment", "reaction moment", "strain energy", "force energy", "moment energy"}))
+    return force + " " + length;
+  if (is_one_of({"material curvature", "spatial curvature"})) return "1/" + length;
+  if (is_one_of({"normal stress", "shear stress", "von Mises stress"})) return force + "/" + length + "\u00b2";
+  return "";
+}
 
 std::vector<int> numbers_of(const Quantity& quantity) {
   static const std::map<std::string, std::vector<int>> of_component = {

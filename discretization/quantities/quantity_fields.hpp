@@ -26,6 +26,9 @@ std::vector<Vector3> MemberSamples::*recorded_field(const std::string& kind);
 bool is_motion(const std::string& kind);
 bool is_reaction(const std::string& kind);
 
+/// Unit of a kind's numbers, by the names of those of length and force: "kN m". Empty where it has none that is known.
+std::string unit_of(const std::string& kind, const std::string& length, const std::string& force);
+
 /// Which of Numbers a quantity asks for; kNorm: the norm of the vector.
 std::vector<int> numbers_of(const Quantity& quantity);
 inline constexpr int kNorm = -1;

@@ -5,6 +5,7 @@
 #include "discretization/quantities/quantity_fields.hpp"
 #include "discretization/quantities/quantity_place.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -18,6 +19,8 @@ namespace mixbeam {
 namespace {
 
 using vector_algebra::to_array;
+
+constexpr const char* kArcLength = ".arc_length";
 
 Numbers not_there() {
   Numbers numbers;
@@ -78,6 +81,19 @@ std::vector<std::string> QuantitySet::names() const {
   std::vector<std::string> all;
   for (const Column& column : columns_) all.push_back(column.name);
   return all;
+}
+
+std::vector<std::string> QuantitySet::units(const std::string& scene_units) const {
+  const std::size_t comma = scene_units.find(',');
+  if (comma == std::string::npos) return {};
+  const std::string length = trimmed(scene_units.substr(0, comma)), force = trimmed(scene_units.substr(comma + 1));
+  std::vector<std::string> found;
+  for (const Column& column : columns_) {
+    const bool is_length = !column.is_value && column.name.rfind(kArcLength) != std::string::npos;
+    const std::string kind = column.is_value ? (*resolved_)[column.quantity].asked.kind : "";
+    found.push_back(is_length ? length : unit_of(kind, length, force));
+  }
+  return found;
 }
 
 void QuantitySet::find_in_members(const Quantity& quantity, const QuantityPlaces& found, const InputPlace& place,
@@ -148,7 +164,7 @@ void QuantitySet::resolve(const Quantity& quantity, std::size_t index, const Sce
     for (const QuantityPlace& p : one.places)
       add_columns(quantity, index, one.places.size() == 1 ? "" : "[" + p.label + "]");
   if (one.is_along_members())
-    for (const char* ending : {".member", ".arc_length", ".side"})
+    for (const char* ending : {".member", kArcLength, ".side"})
       columns_.push_back({quantity.name + ending, index, false, std::string(ending) == ".member", {}});
   resolved_->push_back(std::move(one));
 }

@@ -50,6 +50,8 @@ class QuantitySet {
   };
   const std::vector<Column>& columns() const { return columns_; }
   std::vector<std::string> names() const;
+  /// Of every column, empty where it has none; `scene_units`: Scene::units, without which nothing is known.
+  std::vector<std::string> units(const std::string& scene_units) const;
   bool empty() const { return columns_.empty(); }
 
   /// Of every column. Collective.

@@ -23,6 +23,21 @@ std::string files_of_runs(hid_t file, const std::string& name) {
   return std::to_string(files.size()) + " runs; allowed: one of theirs, " + quoted_list(files);
 }
 
+/// Nothing where there are none.
+void write_lines(hid_t file, const std::string& name, const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  if (!lines.empty()) hdf5::write_text(file, name, text);
+}
+
+std::vector<std::string> read_lines(hid_t file, const std::string& name) {
+  std::vector<std::string> lines;
+  if (!hdf5::has_link(file, name)) return lines;
+  std::istringstream text(hdf5::read_text(file, name));
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
 }  // namespace
 
 void write_header(hid_t file, const ResultHeader& header) {
@@ -39,11 +54,8 @@ void write_header(hid_t file, const ResultHeader& header) {
     hdf5::write_attribute(group, "name", name);
     hdf5::write_text(group, "text", text);
   }
-  if (!header.quantities.empty()) {
-    std::string names;
-    for (const std::string& name : header.quantities) names += name + "\n";
-    hdf5::write_text(file, kQuantitySeries, names);
-  }
+  write_lines(file, kQuantitySeries, header.quantities);
+  write_lines(file, kQuantityUnits, header.quantity_units);
   hdf5::create_group(file, "members");
   hdf5::create_group(file, "steps");
   hdf5::create_group(file, "monitor");
@@ -101,10 +113,8 @@ ResultHeader read_header(hid_t file) {
     const auto group = hdf5::open_group(imported, number);
     header.imported[hdf5::read_text_attribute(group, "name")] = hdf5::read_text(group, "text");
   }
-  const auto links = hdf5::link_names(file);
-  if (std::find(links.begin(), links.end(), kQuantitySeries) == links.end()) return header;
-  std::istringstream names(hdf5::read_text(file, kQuantitySeries));
-  for (std::string name; std::getline(names, name);) header.quantities.push_back(name);
+  header.quantities = read_lines(file, kQuantitySeries);
+  header.quantity_units = read_lines(file, kQuantityUnits);
   return header;
 }
 
@@ -204,7 +214,7 @@ void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector
   write_header(target, read_header(source));
   for (const std::string& name : hdf5::link_names(source)) {
     const bool has_own_way = name == "scene" || name == "version" || name == "properties" || name == "imported" ||
-                             name == "steps" || name == "monitor" || name == kQuantitySeries;
+                             name == "steps" || name == "monitor" || name == kQuantitySeries || name == kQuantityUnits;
     if (has_own_way) continue;
     if (name == "members") hdf5::remove_link(target, name);  // the empty one
     hdf5::copy_link(source, name, target);

@@ -8,6 +8,7 @@
 ///     /properties               attributes: compiler, threads, ... as the caller names them
 ///     /quantities               names of the columns of /monitor/quantities, one to a line; only where the scene asks
 ///                               for quantities
+///     /quantity_units           of these columns, empty where there is none; only where the scene names units
 ///     /members                  names, first_sample, samples, points_per_element, order, elements (members);
 ///                               arc_length, element (n), reference_position (n,3). Before format 4 a group for each:
 ///                               /members/<name> with these numbers and index as attributes

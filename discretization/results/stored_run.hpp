@@ -18,6 +18,7 @@ struct ResultHeader {
   std::string version;                            ///< of the program
   std::map<std::string, std::string> properties;  ///< compiler, threads, ranks, ...
   std::vector<std::string> quantities{};          ///< names of the columns of the series of that name
+  std::vector<std::string> quantity_units{};      ///< of these columns, where the scene names units
   std::map<std::string, std::string> imported{};  ///< text of every file that the input names, by that name
 };
 

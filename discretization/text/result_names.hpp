@@ -18,6 +18,7 @@ bool is_own_time_series(const std::string& name);
 
 /// The series of all numbers that the list "Quantities" of a scene asks for; the header of the file names them.
 inline constexpr const char* kQuantitySeries = "quantities";
+inline constexpr const char* kQuantityUnits = "quantity_units";
 
 /// The group of an envelope of several runs, and the text beside it that names them, one to a line.
 inline constexpr const char* kEnvelope = "envelope";

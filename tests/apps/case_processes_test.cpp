@@ -226,6 +226,20 @@ TEST_F(SideBySide, IsRefusedAsAWhole) {
   end_of(other, folder_.path());
 }
 
+TEST_F(SideBySide, NeedTheMemoryOfAllThatRunAtOnce) {
+  const std::string elements = "\"Elements\" type=\"int\" value=";
+  write_text(folder_ / "scene.xml", changed(scene_of(1), elements + "\"8\"", elements + "\"200000\""));  // 2 GB each
+  const auto in_limit = [this](const std::string& command) {
+    return run_process("/bin/bash", {"-c", "ulimit -v 5000000; exec \"$0\" " + command, program("mixbeam").string()},
+                       folder_.path());
+  };
+  const Ended ended = in_limit("run scene.xml --output out --jobs 3");
+  EXPECT_EQ(ended.exit_code, kBadInput);
+  expect_in(ended.err, {"of memory for 3 cases side by side (--jobs)", "fewer cases"});
+  EXPECT_TRUE(fs::is_empty(folder_ / "out"));
+  EXPECT_EQ(in_limit("check scene.xml").exit_code, kOk) << "one fits";
+}
+
 TEST_F(SideBySide, BadOptionsAreNamed) {
   write_text(folder_ / "scene.xml", scene_of(1));
   for (const int jobs : {0, 1025}) {

@@ -68,6 +68,19 @@ def bent():
                  listed("Eigenstrains", strain), points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (1, 1, 0))))
 
 
+def with_list(text, more):
+    return text[:-len("</ParameterList>")] + more + "</ParameterList>"
+
+
+def asked_portal():
+    """A portal of which numbers with and without dimension are asked."""
+    of = lambda name, kind, *more: listed(name, entry("Quantity", "string", kind), *(entry(what, "string", text) for what, text in more))
+    return with_list(portal(), listed("Quantities", of("lean", "displacement", ("Point", "b"), ("Component", "x")),
+                                      of("foot", "reaction moment", ("Point", "a"), ("Component", "y")),
+                                      of("knee", "angle", ("Point", "a"), ("Corner", "b"), ("Other Point", "c")),
+                                      of("twice", "formula", ("Formula", "2*lean"))))
+
+
 def two_cases(push="0.05"):
     """A console under a case down, one up, and both."""
     force = lambda name, size: listed(name, entry("Point", "string", "b"), entry("Force", NUMBERS, f"{{0, 0, {size}}}"),
@@ -79,7 +92,7 @@ def two_cases(push="0.05"):
                  points=(("a", (0, 0, 0)), ("b", (1, 0, 0)), ("c", (2, 0, 0))))
     asked = listed("Quantities", of("sag", "displacement", entry("Point", "string", "c"), entry("Component", "string", "z")),
                    of("lift", "reaction force", entry("Point", "string", "a"), entry("Component", "string", "z")))
-    return text[:-len("</ParameterList>")] + asked + "</ParameterList>"
+    return with_list(text, asked)
 
 
 def named(figure, gid):
@@ -96,7 +109,8 @@ class Plots(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
-        for name, text in (("portal", portal()), ("wheel", wheel()), ("bent", bent()), ("down", cantilever("{0, -1, 0}")),
+        for name, text in (("portal", portal()), ("asked", asked_portal()),
+                           ("bare", asked_portal().replace(entry("Units", "string", "m, kN"), "")), ("wheel", wheel()), ("bent", bent()), ("down", cantilever("{0, -1, 0}")),
                            ("follower", cantilever("{0, -3, 0}", follower=True))):
             solve(PROGRAM, Path(cls.folder.name), name, text)
 
@@ -287,6 +301,22 @@ class Plots(unittest.TestCase):
         self.assertEqual(view.run.series("load_factor").tolist(), [0.0, 1.0])
         with self.assertRaisesRegex(InputError, "nothing is followed as bb.x; the nearest are .*b.displacement.x"):
             path_figures.curve_figure(view, "load_factor", "bb.x")
+
+    def test_units_of_quantities(self):
+        view, _ = self.view("asked")
+        label = lambda name: path_figures.curve_figure(view, name, "load_factor").axes[0].get_ylabel()
+        self.assertTrue(label("lean").startswith("lean  ["), label("lean"))
+        self.assertTrue(label("lean").endswith("m]"))
+        self.assertTrue(label("foot").endswith("kN m]"))
+        self.assertTrue(label("knee").endswith("rad]"))
+        self.assertNotIn("m]", label("twice"))
+        self.assertTrue(label("rotation:b.y").endswith("rad]"))
+        labels = {axes.get_title(): axes.get_ylabel() for axes in path_figures.load_displacement_figure(view).axes}
+        self.assertTrue(labels["lean"].endswith("m]"), labels)
+        self.assertTrue(labels["knee"].endswith("rad]"), labels)
+        self.assertNotIn("m]", labels["twice"])
+        self.assertTrue(labels["a: reaction force"].endswith("kN]"), labels)
+        self.assertEqual([self.run_of("bare").unit_of(name) for name in ("lean", "knee", "b.x")], ["", "", ""])
 
     def test_envelope(self):
         folder = Path(self.folder.name) / "cases"

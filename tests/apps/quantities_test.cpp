@@ -76,6 +76,30 @@ TEST_F(Quantities, StandInMonitorFileAndSummary) {
   expect_in(ended.out, {"sag.y", "largest size"});
 }
 
+TEST_F(Quantities, HaveTheUnitsOfTheScene) {
+  const std::string asked = kTip + kMoment + entry("turn", "Quantity=rotation;Point=tip;Component=z") +
+                            entry("wall", "Quantity=reaction force;Point=wall;Component=norm") +
+                            entry("kappa", "Quantity=spatial curvature;Point=tip;Component=z") +
+                            entry("strain", "Quantity=material strain;Point=tip;Component=1") +
+                            entry("work", "Quantity=strain energy") + entry("factor", "Quantity=load factor") +
+                            entry("long", "Quantity=length;Member=*;Take=sum") +
+                            entry("twice", "Quantity=formula;Formula=2*long");
+  const std::string scene = "<ParameterList name=\"Scene\">";
+  const std::string without = elastica_with(in_list("Quantities", asked));
+  ASSERT_EQ(
+      run(changed(without, scene, scene + "<Parameter name=\"Units\" type=\"string\" value=\"mm , kN\"/>")).exit_code,
+      kOk);
+  const auto contents = contents_of(folder_ / "out/scene.h5");
+  ASSERT_TRUE(contents);
+  expect_in(contents->at("quantities"), {"sag.x\nsag.y\nsag.z\nM\nM.member\nM.arc_length\nM.side\nturn\nwall\nkappa\n"
+                                         "strain\nwork\nfactor\nlong\ntwice\n"});
+  expect_in(contents->at("quantity_units"), {":mm\nmm\nmm\nkN mm\n\nmm\n\nrad\nkN\n1/mm\n\nkN mm\n\nmm\n\n"});
+  ASSERT_EQ(run_process(program("mixbeam"), {"resume", "out/scene.h5", "--from", "1"}, folder_.path()).exit_code, kOk);
+  EXPECT_EQ(contents_of(folder_ / "out/scene.h5")->at("quantity_units"), contents->at("quantity_units"));
+  ASSERT_EQ(run(without).exit_code, kOk);
+  EXPECT_EQ(contents_of(folder_ / "out/scene.h5")->count("quantity_units"), 0U) << "the twin: nothing is said";
+}
+
 TEST_F(Quantities, LimitsFailTheRunWhereTheyAreExceeded) {
   const auto limited = [](const std::string& limit) {
     return elastica_with(

@@ -44,7 +44,10 @@ class Application::Recorder {
         recording_(recording),
         points_(followed_points(scene)) {
     ResultHeader header = app.header(scene, recording.properties);
-    if (recording.quantities != nullptr) header.quantities = recording.quantities->names();
+    if (recording.quantities != nullptr) {
+      header.quantities = recording.quantities->names();
+      header.quantity_units = recording.quantities->units(scene.units);
+    }
     if (recording.file.empty()) return;
     results_ = recording.resume != nullptr
                    ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
