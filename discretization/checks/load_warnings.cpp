@@ -25,6 +25,10 @@ constexpr double kMostStrain = 0.1;
 constexpr double kLoadOfStrain = 100.0;
 // F l^2 / EI where nobody could measure a deflection: a millionth of a millimetre on a metre.
 constexpr double kLeastLoad = 1e-6;
+// Gravity of the earth in m/s^2 beside an E that no solid has in kN/m^2 (diamond 1e9): the scene is in m, N and kg.
+constexpr double kLeastOfEarth = 9.5, kMostOfEarth = 10.1, kLeastModulusInPascal = 2e9;
+// E over density, square of the speed of sound [m^2/s^2]: metals and wood 3e7, carbon fibres 2e8, diamond 3e8.
+constexpr double kMostSpecificStiffness = 1e9;
 
 struct ActingForce {
   std::string at;
@@ -139,6 +143,23 @@ void warn_of_weightless(const SceneSurvey& survey, WarningList& list) {
                          "; usually \"Density\" in \"Material\", or \"Mass\", of their sections is missing");
 }
 
+/// Densities in g/cm^3. Of all sections: one alone may stand for something rigid.
+void warn_of_light(const SceneSurvey& survey, WarningList& list) {
+  if (survey.scene.gravity < kLeastOfEarth || survey.scene.gravity > kMostOfEarth) return;
+  const Section* lightest = nullptr;
+  for (const Member& member : survey.scene.members) {
+    const Section& section = survey.section_of(member);
+    if (!section.shape || section.mass == 0.0 || section.shape->youngs_modulus < kLeastModulusInPascal) continue;
+    if (section.shape->youngs_modulus < kMostSpecificStiffness * section.shape->density) return;
+    if (lightest == nullptr || section.shape->density < lightest->shape->density) lightest = &section;
+  }
+  if (lightest == nullptr) return;
+  list.add("scenes", warned_place("Sections", lightest->name) + "Density " + rounded(lightest->shape->density, 3) +
+                         " beside E = " + rounded(lightest->shape->youngs_modulus, 3) + " and a gravity of " +
+                         rounded(survey.scene.gravity, 3) +
+                         ": no solid is so light; usually g/cm3, where m, N and kg ask for kg/m3");
+}
+
 }  // namespace
 
 void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
@@ -151,7 +172,9 @@ void add_load_warnings(const SceneSurvey& survey, WarningList& list) {
   if (found.forces.empty() && !is_moved)
     list.add("scenes", "nothing acts: no loads, eigenstrains or prescribed motions");
   if (!is_moved) warn_of_small(found, stiffness, list);
-  if (scene.has_gravity) warn_of_weightless(survey, list);
+  if (scene.gravity == 0.0) return;
+  warn_of_weightless(survey, list);
+  warn_of_light(survey, list);
 }
 
 }  // namespace mixbeam

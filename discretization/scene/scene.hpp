@@ -241,7 +241,7 @@ struct Scene {
   std::vector<ModeImperfection> imperfection_modes{};  ///< see with_mode_shapes(): solving takes a scene without them
   std::string imperfection_case{};                     ///< whose loads make the structure buckle
   std::vector<Combination> combinations{};  ///< solved one by one too, each by itself; names differ from those of cases
-  bool has_gravity = false;                 ///< the weight of members with a mass is among the distributed loads
+  double gravity = 0.0;                     ///< size of the acceleration; the weights are among the distributed loads
   /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
   /// chosen (accurate_run.hpp), and those here mean nothing.
   std::optional<double> accuracy{};

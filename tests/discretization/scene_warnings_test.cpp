@@ -223,6 +223,42 @@ TEST(SceneWarnings, OfMembersThatGravityPassesOver) {
   EXPECT_EQ(of_gravity(told("heavy")), 0);
 }
 
+TEST(SceneWarnings, OfDensitiesInOtherUnits) {
+  const auto told = [](double modulus, double density, double gravity, double of_another = 0.0) {
+    const auto found = warnings(frame_with([&](Scene& s) {
+      SectionShape shape;
+      shape.youngs_modulus = modulus;
+      shape.density = density;
+      s.sections[0].shape = shape;
+      s.sections[0].mass = 1e-3 * density;
+      s.gravity = gravity;
+      if (of_another == 0.0) return;
+      s.sections.push_back(s.sections[0]);
+      s.sections[1].name = "other";
+      s.sections[1].shape->density = of_another;
+      s.members[0].section = "other";
+    }));
+    return std::count_if(found.begin(), found.end(), [](const std::string& text) {
+      return text.find("Density") != std::string::npos && text.find("no solid is so light") != std::string::npos;
+    });
+  };
+  struct Material {
+    double modulus, density;  // in N/m2, kg/m3
+  };
+  for (const Material& one :
+       {Material{206e9, 7850}, {70e9, 2700}, {11e9, 500}, {30e9, 2400}, {140e9, 1600}, {3e9, 1100}}) {
+    EXPECT_EQ(told(one.modulus, 1e-3 * one.density, 9.81), 1) << one.density;
+    EXPECT_EQ(told(one.modulus, one.density, 9.81), 0) << one.density;
+    EXPECT_EQ(told(1e-3 * one.modulus, 1e-3 * one.density, 9.81), 0) << "in kN and t";
+    EXPECT_EQ(told(1e-6 * one.modulus, 1e-9 * one.density, 9.81), 0) << "in mm and kg, with gravity in m/s2";
+    EXPECT_EQ(told(1e-6 * one.modulus, 1e-12 * one.density, 9810), 0) << "in mm and t";
+  }
+  EXPECT_EQ(told(1050e9, 3500, 9.81), 0) << "diamond";
+  EXPECT_EQ(told(206e9, 7.85, 0.0), 0) << "nothing weighs";
+  EXPECT_EQ(told(206e9, 7.85, 9.81, 7.85), 1);
+  EXPECT_EQ(told(206e9, 7.85, 9.81, 7850), 0) << "one alone may be meant to be rigid";
+}
+
 TEST(SceneWarnings, OfPointsThatNoMemberTouches) {
   expect_only(frame_with([](Scene& scene) {
                 scene.points.push_back({"far", {9, 9, 9}});

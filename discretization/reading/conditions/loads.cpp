@@ -224,7 +224,7 @@ void ConditionReader::read_gravity() {
   }
   if (!is_any)
     throw place.error("no section has a mass; allowed: \"Density\" in \"Material\", or \"Mass\", of some section");
-  scene_.has_gravity = true;
+  scene_.gravity = vector_algebra::norm(gravity.force);
 }
 
 void ConditionReader::read_eigenstrains() {
