@@ -90,6 +90,24 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
   return modes;
 }
 
+namespace {
+
+/// Numbers of the lower triangle of a symmetric matrix, column by column; those before column j.
+size_t triangle(size_t m) { return m * (m + 1) / 2; }
+size_t before_column(size_t m, size_t j) { return triangle(m) - triangle(m - j); }
+
+/// Lower triangle += A B, A (m x k), B (k x m) in rows `m` apart.
+void add_to_triangle(int m, int k, const double* a, const double* b, double* lower) {
+  for (int j = 0; j < m; ++j) dense::add_product(m - j, k, 1, a + j, m, b + j, m, 1, lower + before_column(m, j), m);
+}
+
+void unpack_triangle(int m, const double* lower, double* full) {
+  for (int j = 0; j < m; ++j)
+    for (int i = j; i < m; ++i) full[static_cast<size_t>(m) * j + i] = full[static_cast<size_t>(m) * i + j] = *lower++;
+}
+
+}  // namespace
+
 Level::Coarse Level::find_modes(double tau, const KernelView<double*>& self, const LinkSource& links) {
   const int count = aggregates();
   std::vector<std::vector<double>> modes(count), eigenvalues(count);
@@ -138,16 +156,16 @@ void Level::project_links(const LinkSource& links, Coarse& coarse) const {
   for (size_t l = 0; l < coarse_ends_.size(); ++l) {
     const size_t m = mode_[coarse_ends_[l][0] + 1] - mode_[coarse_ends_[l][0]];
     const size_t n = mode_[coarse_ends_[l][1] + 1] - mode_[coarse_ends_[l][1]];
-    coarse.block[l + 1] = coarse.block[l] + m * m + m * n + n * n;
+    coarse.block[l + 1] = coarse.block[l] + triangle(m) + m * n + triangle(n);
   }
   coarse.links = numbers(coarse.block.back());
   for_each(static_cast<int>(coarse_ends_.size()), [&](int l) {
     const int a = coarse_ends_[l][0], b = coarse_ends_[l][1];
     const int m = mode_[a + 1] - mode_[a], n = mode_[b + 1] - mode_[b];
     double* first = coarse.links.data() + coarse.block[l];
-    double* coupling = first + static_cast<size_t>(m) * m;
+    double* coupling = first + triangle(m);
     double* second = coupling + static_cast<size_t>(m) * n;
-    std::fill(first, second + static_cast<size_t>(n) * n, 0.0);
+    std::fill(first, second + triangle(n), 0.0);
     std::vector<double> room, product;
     for (int k = crossing_start_[l]; k < crossing_start_[l + 1]; ++k) {
       const int fine = crossing_[k] / 2;
@@ -161,24 +179,27 @@ void Level::project_links(const LinkSource& links, Coarse& coarse) const {
           unscaled.data() + mode_block_[b] + static_cast<size_t>(n) * (unknown_[vb] - unknown_[first_[b]]);
       product.assign(static_cast<size_t>(m) * std::max(na, nb), 0.0);
       dense::add_product(m, na, na, wa, m, link.first, 1, link.first_stride, product.data(), m);
-      dense::add_product(m, na, m, product.data(), m, wa, m, 1, first, m);
+      add_to_triangle(m, na, product.data(), wa, first);
       std::fill(product.begin(), product.end(), 0.0);
       dense::add_product(m, na, nb, wa, m, link.coupling, link.coupling_row, link.coupling_column, product.data(), m);
       dense::add_product(m, nb, n, product.data(), m, wb, n, 1, coupling, m);
       product.assign(static_cast<size_t>(n) * nb, 0.0);
       dense::add_product(n, nb, nb, wb, n, link.second, 1, link.second_stride, product.data(), n);
-      dense::add_product(n, nb, n, product.data(), n, wb, n, 1, second, n);
+      add_to_triangle(n, nb, product.data(), wb, second);
     }
   });
 }
 
 LinkSource Level::Coarse::source() const {
-  return [this](int link, double*) {
+  return [this](int link, double* room) {
     const int m = unknown[ends[link][0] + 1] - unknown[ends[link][0]];
     const int n = unknown[ends[link][1] + 1] - unknown[ends[link][1]];
     const double* first = links.data() + block[link];
-    const double* coupling = first + static_cast<size_t>(m) * m;
-    return LinkBlocks{first, coupling, coupling + static_cast<size_t>(m) * n, m, n, 1, m};
+    const double* coupling = first + triangle(m);
+    double* second = room + static_cast<size_t>(m) * m;
+    unpack_triangle(m, first, room);
+    unpack_triangle(n, coupling + static_cast<size_t>(m) * n, second);
+    return LinkBlocks{room, coupling, second, m, n, 1, m};
   };
 }
 

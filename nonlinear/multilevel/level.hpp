@@ -121,8 +121,8 @@ class Level {
   /// What the next level is made of.
   struct Coarse {
     std::vector<int> unknown;
-    std::vector<size_t> block;  ///< (link): of its first number in `links`
-    KernelView<double*> self, links;
+    std::vector<size_t> block;        ///< (link): of its first number in `links`
+    KernelView<double*> self, links;  ///< of a link the lower triangles of its symmetric blocks, the coupling between
     LinkSource source() const;
     LinkEnds ends;
   };
