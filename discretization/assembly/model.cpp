@@ -68,7 +68,7 @@ void Model::build_adjacency() {
   std::sort(elements.begin(), elements.end(),
             [this](int a, int b) { return structure_.local_element_to_mesh[a] < structure_.local_element_to_mesh[b]; });
   const auto for_each_end = [&](const auto& action) {
-    const ElementBlock* block = &structure_.blocks.front();
+    const ElementBlock* block = structure_.blocks.data();  // a rank may have none
     for (int element : elements) {
       if (element < block->first_element || element >= block->first_element + block->count)
         block = &structure_.block_of(element);
