@@ -53,7 +53,9 @@ class Started:
     def __init__(self, words, folder, ranks):
         self.began = time.monotonic()
         command = [*LAUNCH, str(ranks), *words] if ranks > 1 else words
-        environment = dict(os.environ, OMP_NUM_THREADS="1", OMP_WAIT_POLICY="passive", OMPI_MCA_mpi_yield_when_idle="1")
+        self.own = tempfile.TemporaryDirectory(prefix="mixbeam_mpi_")  # two mpirun get in each other's way in one folder
+        environment = dict(os.environ, OMP_NUM_THREADS="1", OMP_WAIT_POLICY="passive", OMPI_MCA_mpi_yield_when_idle="1",
+                           TMPDIR=self.own.name)
         self.messages = tempfile.TemporaryFile()
         self.process = subprocess.Popen(command, cwd=folder, env=environment, stdout=subprocess.DEVNULL, stderr=self.messages,
                                         start_new_session=True)
@@ -135,7 +137,8 @@ class Pairs:
                 awaited = awaited.with_name(f".{awaited.name}.lock")
             while pair[0].look() and not awaited.exists():
                 time.sleep(0.002)
-            time.sleep(part * 0.4 * self.seconds["batch" if first == "batch" else "run", ranks])
+            share = 0.2 if first == "resume" else 0.4  # less than half of what it has to do
+            time.sleep(part * share * self.seconds["batch" if first == "batch" else "run", ranks])
         pair.append(self.start(second, folder, ranks))
         self.wait(pair)
         problems = self.judge(pair, folder, (RESULT[first], ranks), staggered)
@@ -145,7 +148,8 @@ class Pairs:
     def judge(self, pair, folder, kind, staggered):
         result = kind[0]
         codes = [one.process.returncode for one in pair]
-        if codes == [0, 0] and staggered and pair[0].ended + pair[0].began < pair[1].began + 0.2:
+        launched = 0.2 + (self.launched if kind[1] > 1 else 0.0)  # what the second one takes to get as far as the lock
+        if codes == [0, 0] and staggered and pair[0].ended + pair[0].began < pair[1].began + launched:
             return None  # the first one was done: no pair
         if sorted(map(abs, codes)) != [0, 2]:
             return [f"exit codes {codes}: {' | '.join(one.words().strip()[:300] for one in pair)}"]
