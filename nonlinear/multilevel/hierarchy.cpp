@@ -1,5 +1,7 @@
 #include "nonlinear/multilevel/hierarchy.hpp"
 
+#include <malloc.h>
+
 #include <algorithm>
 
 namespace mixbeam {
@@ -77,6 +79,9 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
     if (const int n = levels_[l]->unknowns(); n != static_cast<int>(vectors_[l].x.extent(0)))
       vectors_[l] = {zeros(n), zeros(n), zeros(n), zeros(n)};
   factorize_coarsest();
+#ifdef __GLIBC__
+  malloc_trim(0);  // what making spaces has freed lies between what is kept: it would stay until the end of the run
+#endif
 }
 
 void Hierarchy::factorize_coarsest() {
