@@ -41,7 +41,7 @@ constexpr double kShareDuringEstimate = 0.5;
 constexpr double kBytesOfFactorEntry = 16.0, kBytesOfMatrixEntry = 60.0;
 /// Where it is iterated with: the matrix, and of each junction its rows of all levels; the coarsest level is as large
 /// in every network. [byte]
-constexpr double kBytesOfIteratedEntry = 14.0, kBytesOfIteratedJunction = 7000.0, kBytesOfCoarsestLevel = 1.5e8;
+constexpr double kBytesOfIteratedEntry = 14.0, kBytesOfIteratedJunction = 4100.0, kBytesOfCoarsestLevel = 1.5e8;
 /// A factorisation by MUMPS with OpenBLAS, from cubes of 10, 15 and 20 junctions a side (27 ms, 0.22 s, 1.4 s) and
 /// sheets of 60 and 100 (54 ms, 0.3 s): of each multiplication, and of each number of the factor. [s]
 constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
