@@ -58,7 +58,7 @@ struct TransposedFactor {
 /// Columns that are summed up side by side.
 inline constexpr int kColumnsAtOnce = 8;
 
-/// y (columns from `first`) += sum of A^T x. Reads up to kLanes - 1 finite numbers behind each A.
+/// Sums of A^T x in the rows from `first`. Reads up to kLanes - 1 numbers behind each A, which must be finite.
 template <int Columns, class Value>
 inline void add_transposed_columns(const TransposedFactor<Value>* factors, int count, int first, double* sums) {
   Pack<kLanes> sum[Columns];
