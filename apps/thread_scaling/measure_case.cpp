@@ -21,8 +21,8 @@ namespace {
 constexpr int kLeastRounds = 3;
 
 constexpr std::array<const char*, 4> kPhasesOfElements = {"residual", "element tangent", "recover", "update"};
-/// Of an increment. Small against one, so that iterations in turn from the undeformed state and from the one next to it
-/// are the same work; and not zero: factors of the same numbers are not made twice.
+/// Of an increment, there and back in turn. Small against one, so that every iteration is the same work; and not zero:
+/// factors of the same numbers are not made twice.
 constexpr double kStep = 1e-3;
 
 /// One Newton iteration as the nonlinear solver makes it, timed phase by phase.
@@ -45,11 +45,9 @@ class IterationTimer {
     const auto solver = problem_.take_solver();
     tangent_.reset();
     problem_.forget_tangents();
-    is_beside_ = !is_beside_ && beside_;
-    const State& state = is_beside_ ? *beside_ : state_;
     PhaseSeconds phases;
     const RunWatch whole;
-    const EvaluationPoint point = mixed_residual(model, state, 1.0, residual_);
+    const EvaluationPoint point = mixed_residual(model, state_, 1.0, residual_);
     tangent_.emplace(model, point, cap_for(model, point.scales));
     const RunWatch linear;
     solver->factorize(*tangent_);
@@ -57,9 +55,10 @@ class IterationTimer {
     solver->solve(tangent_->condensed_rows(), increment_.vertex_dofs());
     phases[kLinearSolver] = linear.seconds();
     tangent_->recover(increment_);
-    State moved = model.apply(state, increment_, kStep);
+    State moved = model.apply(state_, increment_, is_beside_ ? -kStep : kStep);
     phases[kWholeIteration] = whole.seconds();
-    if (!beside_) beside_ = std::move(moved);
+    state_ = std::move(moved);
+    is_beside_ = !is_beside_;
     double other = phases[kWholeIteration];
     for (const auto& [phase, total] : model.times()) {
       const auto earlier = before.find(phase);
@@ -88,8 +87,7 @@ class IterationTimer {
  private:
   BeamProblem problem_;
   State state_;
-  std::optional<State> beside_{};
-  bool is_beside_ = false;  ///< where the last iteration began
+  bool is_beside_ = false;  ///< the state is the one next to the undeformed one
   MixedVector residual_, increment_;
   std::optional<Tangent> tangent_;  ///< of the last time()
   std::string sparse_method_;
