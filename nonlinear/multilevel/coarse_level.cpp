@@ -92,13 +92,11 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
 
 namespace {
 
-/// Numbers of the lower triangle of a symmetric matrix, column by column; those before column j.
+/// Numbers of the lower triangle of a symmetric matrix, column by column.
 size_t triangle(size_t m) { return m * (m + 1) / 2; }
-size_t before_column(size_t m, size_t j) { return triangle(m) - triangle(m - j); }
 
-/// Lower triangle += A B, A (m x k), B (k x m) in rows `m` apart.
-void add_to_triangle(int m, int k, const double* a, const double* b, double* lower) {
-  for (int j = 0; j < m; ++j) dense::add_product(m - j, k, 1, a + j, m, b + j, m, 1, lower + before_column(m, j), m);
+void pack_triangle(int m, const double* full, double* lower) {
+  for (int j = 0; j < m; ++j) lower = std::copy_n(full + static_cast<size_t>(m) * j + j, m - j, lower);
 }
 
 void unpack_triangle(int m, const double* lower, double* full) {
@@ -162,11 +160,10 @@ void Level::project_links(const LinkSource& links, Coarse& coarse) const {
   for_each(static_cast<int>(coarse_ends_.size()), [&](int l) {
     const int a = coarse_ends_[l][0], b = coarse_ends_[l][1];
     const int m = mode_[a + 1] - mode_[a], n = mode_[b + 1] - mode_[b];
-    double* first = coarse.links.data() + coarse.block[l];
-    double* coupling = first + triangle(m);
-    double* second = coupling + static_cast<size_t>(m) * n;
-    std::fill(first, second + triangle(n), 0.0);
-    std::vector<double> room, product;
+    double* triangles = coarse.links.data() + coarse.block[l];
+    double* coupling = triangles + triangle(m);
+    std::fill_n(coupling, static_cast<size_t>(m) * n, 0.0);
+    std::vector<double> room, product, first(static_cast<size_t>(m) * m, 0.0), second(static_cast<size_t>(n) * n, 0.0);
     for (int k = crossing_start_[l]; k < crossing_start_[l + 1]; ++k) {
       const int fine = crossing_[k] / 2;
       const int end = crossing_[k] % 2, va = ends_[fine][end], vb = ends_[fine][1 - end];
@@ -177,16 +174,18 @@ void Level::project_links(const LinkSource& links, Coarse& coarse) const {
           unscaled.data() + mode_block_[a] + static_cast<size_t>(m) * (unknown_[va] - unknown_[first_[a]]);
       const double* wb =
           unscaled.data() + mode_block_[b] + static_cast<size_t>(n) * (unknown_[vb] - unknown_[first_[b]]);
-      product.assign(static_cast<size_t>(m) * std::max(na, nb), 0.0);
+      product.assign(static_cast<size_t>(m) * na, 0.0);
       dense::add_product(m, na, na, wa, m, link.first, 1, link.first_stride, product.data(), m);
-      add_to_triangle(m, na, product.data(), wa, first);
-      std::fill(product.begin(), product.end(), 0.0);
+      dense::add_lower_product(m, na, product.data(), m, wa, m, 1, first.data());
+      product.assign(static_cast<size_t>(m) * nb, 0.0);
       dense::add_product(m, na, nb, wa, m, link.coupling, link.coupling_row, link.coupling_column, product.data(), m);
       dense::add_product(m, nb, n, product.data(), m, wb, n, 1, coupling, m);
       product.assign(static_cast<size_t>(n) * nb, 0.0);
       dense::add_product(n, nb, nb, wb, n, link.second, 1, link.second_stride, product.data(), n);
-      add_to_triangle(n, nb, product.data(), wb, second);
+      dense::add_lower_product(n, nb, product.data(), n, wb, n, 1, second.data());
     }
+    pack_triangle(m, first.data(), triangles);
+    pack_triangle(n, second.data(), coupling + static_cast<size_t>(m) * n);
   });
 }
 
@@ -230,9 +229,9 @@ void Level::prolong(const LevelVector& coarse, const LevelVector& fine) const {
   double* to = fine.data();
   for_each(aggregates(), [&](int a) {
     const int m = mode_[a + 1] - mode_[a], at = unknown_[first_[a]], n = unknown_[first_[a + 1]] - at;
-    const dense::TransposedFactor<double> of_modes{modes + mode_block_[a], m, from + mode_[a]};
-    std::fill_n(to + at, n, 0.0);
-    dense::add_transposed(&of_modes, 1, n, to + at);
+    double own[kMostModes + kLanes];
+    std::fill(std::copy_n(from + mode_[a], m, own), own + m + kLanes, 0.0);
+    dense::multiply_both_ways<false>(m, n, modes + mode_block_[a], own, to + at);
   });
 }
 

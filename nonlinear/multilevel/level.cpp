@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
-#include <utility>
 
 namespace mixbeam {
 
@@ -17,7 +16,6 @@ using LevelRange = Kokkos::RangePolicy<ExecutionSpace>;
 constexpr int kFine = 6;          ///< unknowns of a node of the finest level
 constexpr double kLargest = 2.0;  ///< eigenvalue of A^: a link, being positive, is at most twice its own diagonal
 constexpr double kRatio = 20.0;   ///< of the largest to the least eigenvalue that the smoother damps
-constexpr int kMostAtOnce = 32;   ///< blocks of a row that are multiplied together
 constexpr int kDegree = 3;        ///< of the smoother
 
 }  // namespace
@@ -80,20 +78,33 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
   scale(self, links);
 }
 
-/// Blocks lie in the order in which rows meet them first. How many numbers they have.
+/// Blocks lie in the order in which rows meet them first, summands of a row behind each other. How many numbers blocks
+/// have.
 size_t Level::number_blocks() {
-  std::vector<size_t> of_link(ends_.size());
+  std::vector<int> slot_of_link(ends_.size());  // that of its earlier node
   block_.resize(slot_.size());
-  size_t count = 0;
-  for (int v = 0; v < nodes_; ++v)
+  summand_.resize(slot_.size());
+  first_summand_.resize(nodes_ + 1);
+  size_t count = 0, summands = 0;
+  for (int v = 0; v < nodes_; ++v) {
+    const size_t m = unknowns_of(v);
+    first_summand_[v] = summands;
+    summands += m;
     for (int s = row_[v]; s < row_[v + 1]; ++s) {
       const auto& [link, end, other] = slot_[s];
       if (other > v) {
-        of_link[link] = count;
-        count += static_cast<size_t>(unknowns_of(v)) * unknowns_of(other);
+        slot_of_link[link] = s;
+        block_[s] = count;
+        count += m * unknowns_of(other);
+        continue;
       }
-      block_[s] = of_link[link];
+      block_[s] = block_[slot_of_link[link]];
+      summand_[slot_of_link[link]] = summands;
+      summands += m;
     }
+  }
+  first_summand_[nodes_] = summands;
+  if (summands_.extent(0) != summands) summands_ = {}, summands_ = numbers(summands);
   return count;
 }
 
@@ -148,31 +159,37 @@ void Level::round() {
   value_ = {};
 }
 
+/// Each block is read once, for both nodes: first what rows sum up themselves and what later nodes owe them, then the
+/// sums over both, in the order of the nodes.
 template <int Size, class Value, class Finish>
 void Level::for_each_row(const Value* value, const LevelVector& x, const Finish& finish) const {
   const double* from = x.data();
   const auto* slot = slot_.data();
   const int *row = row_.data(), *unknown = unknown_.data();
-  const size_t* block = block_.data();
+  const size_t *block = block_.data(), *place = summand_.data(), *first = first_summand_.data();
+  double* summands = summands_.data();
+  Kokkos::parallel_for(
+      "mixbeam::multilevel::blocks", LevelRange(0, nodes_), KOKKOS_LAMBDA(int v) {
+        double own[(Size > 0 ? Size : kMostModes) + kLanes], sum[(Size > 0 ? Size : kMostModes) + kLanes];
+        const int at = unknown[v], m = Size > 0 ? Size : unknown[v + 1] - at;
+        for (int i = 0; i < m; ++i) own[i] = sum[i] = from[at + i];
+        for (int i = m; i < m + kLanes; ++i) own[i] = sum[i] = 0.0;
+        for (int s = row[v]; s < row[v + 1]; ++s) {
+          if (slot[s][2] < v) continue;
+          const int other = unknown[slot[s][2]], n = Size > 0 ? Size : unknown[slot[s][2] + 1] - other;
+          if constexpr (Size > 0)
+            dense::add_columns<Size, true>(Size, value + block[s], own, summands + place[s], from + other, sum);
+          else
+            dense::multiply_both_ways<true>(m, n, value + block[s], own, summands + place[s], from + other, sum);
+        }
+        for (int i = 0; i < m; ++i) summands[first[v] + i] = sum[i];
+      });
   Kokkos::parallel_for(
       "mixbeam::multilevel::rows", LevelRange(0, nodes_), KOKKOS_LAMBDA(int v) {
-        double sum[Size > 0 ? Size : kMostModes];
         const int at = unknown[v], m = Size > 0 ? Size : unknown[v + 1] - at;
-        for (int i = 0; i < m; ++i) sum[i] = from[at + i];
-        dense::TransposedFactor<Value> earlier[kMostAtOnce];
-        int count = 0;
-        for (int s = row[v]; s < row[v + 1]; ++s) {
-          const int other = unknown[slot[s][2]], n = Size > 0 ? Size : unknown[slot[s][2] + 1] - other;
-          if (slot[s][2] > v) {
-            dense::add_times_vector<Size>(m, n, value + block[s], from + other, sum);
-          } else if constexpr (Size > 0) {
-            dense::add_transposed_times_vector<Size>(value + block[s], from + other, sum);
-          } else {
-            if (count == kMostAtOnce) dense::add_transposed(earlier, std::exchange(count, 0), m, sum);
-            earlier[count++] = {value + block[s], n, from + other};
-          }
-        }
-        if constexpr (Size == 0) dense::add_transposed(earlier, count, m, sum);
+        double* sum = summands + first[v];
+        for (size_t k = first[v] + m; k < first[v + 1]; k += m)
+          for (int i = 0; i < m; ++i) sum[i] += summands[k + i];
         finish(at, m, sum);
       });
 }

@@ -180,9 +180,12 @@ class Level {
   std::vector<int> row_;                  ///< (node, and one more): first slot
   std::vector<std::array<int, 3>> slot_;  ///< link, its end here, node at the other end
   std::vector<size_t> block_;             ///< (slot): first number of its block in value_
-  KernelView<double*> value_;             ///< blocks of A^ off the diagonal, each once: rows of the earlier node
-  KernelView<float*> rounded_;            ///< the same; one of both is empty
-  KernelView<double*> inverse_;           ///< L^-1 of the nodes
+  std::vector<size_t> summand_;           ///< (slot of the earlier node): what the later one's row gets from it
+  std::vector<size_t> first_summand_;     ///< (node, and one more): what its row sums up
+  KernelView<double*> summands_;
+  KernelView<double*> value_;    ///< blocks of A^ off the diagonal, each once: rows of the earlier node
+  KernelView<float*> rounded_;   ///< the same; one of both is empty
+  KernelView<double*> inverse_;  ///< L^-1 of the nodes
   // coarse links
   LinkEnds coarse_ends_;
   std::vector<int> crossing_start_, crossing_;  ///< (coarse link, and one more); 2 * link + 1 where it is turned round
