@@ -6,9 +6,12 @@
 #include <algorithm>
 
 extern "C" {
-void dsyevx_(const char*, const char*, const char*, const int*, double*, const int*, const double*, const double*,
-             const int*, const int*, const double*, int*, double*, double*, const int*, double*, const int*, int*, int*,
-             int*);
+void dsytrd_(const char*, const int*, double*, const int*, double*, double*, double*, double*, const int*, int*);
+void dsterf_(const int*, double*, double*, int*);
+void dstein_(const int*, const double*, const double*, const int*, const double*, const int*, const int*, double*,
+             const int*, double*, int*, int*, int*);
+void dormtr_(const char*, const char*, const char*, const int*, const int*, const double*, const int*, const double*,
+             double*, const int*, double*, const int*, int*);
 void dsyevd_(const char*, const char*, const int*, double*, const int*, double*, double*, const int*, int*, const int*,
              int*);
 }
@@ -17,26 +20,49 @@ namespace mixbeam {
 
 namespace {
 
+/// Entries beside the diagonal of a tridiagonal form that count as none: rounding of its eigenvalues, from 0 to 2.
+constexpr double kNoLink = 1e-16;
+
 using multilevel::for_each, multilevel::numbers;
 
-/// Absolute, of eigenvalues in modes: against those of slender struts, 1e-6 and more.
-constexpr double kEigenvalueError = 1e-10;
-
-/// Eigenvalues of a symmetric matrix (lower triangle read) up to `tau`, with eigenvectors in the columns of `vectors`.
+/// Eigenvalues of a symmetric matrix (lower triangle read) up to `tau`, with eigenvectors in the columns of `vectors`:
+/// all values of the tridiagonal form by iterations without roots, which take a fifth of the time of bisection for
+/// those wanted (LAPACK's dsyevx), and their vectors by inverse iteration.
 struct SoftModes {
   std::vector<double> values, vectors;
 
-  SoftModes(int n, std::vector<double> matrix, double tau) : values(n), vectors(matrix.size()) {
-    std::vector<double> given = matrix, work(40 * static_cast<size_t>(n));
-    std::vector<int> integers(5 * static_cast<size_t>(n)), failed(n);
-    const double none = -1e300, tolerance = kEigenvalueError;
-    const int unused = 0, size = static_cast<int>(work.size());
-    int found = 0, info = 0;
+  SoftModes(int n, std::vector<double> matrix, double tau) : vectors(matrix.size()) {
+    std::vector<double> form = matrix, diagonal(n), beside(n), reflectors(n), work(40 * static_cast<size_t>(n));
+    const int size = static_cast<int>(work.size());
+    int info = 0;
     const auto turn = turn_for_blas();
-    dsyevx_("V", "V", "L", &n, given.data(), &n, &none, &tau, &unused, &unused, &tolerance, &found, values.data(),
-            vectors.data(), &n, work.data(), &size, integers.data(), failed.data(), &info);
-    if (info != 0) found = among_all(n, std::move(matrix), tau);
-    values.resize(found);
+    dsytrd_("L", &n, form.data(), &n, diagonal.data(), beside.data(), reflectors.data(), work.data(), &size, &info);
+    std::vector<int> block, last;  // (mode): its block of the tridiagonal form; (block): last row, both from one
+    for (int begin = 0; begin < n && info == 0;) {
+      int end = begin + 1;
+      while (end < n && std::abs(beside[end - 1]) > kNoLink) ++end;
+      std::vector<double> all(&diagonal[begin], &diagonal[0] + end), off(&beside[begin], &beside[0] + end);
+      const int rows = end - begin;
+      dsterf_(&rows, all.data(), off.data(), &info);
+      last.push_back(end);
+      for (const double value : all)
+        if (value <= tau) {
+          values.push_back(value);
+          block.push_back(static_cast<int>(last.size()));
+        }
+      begin = end;
+    }
+    const int found = static_cast<int>(values.size());
+    std::vector<int> integers(n), failed(found);
+    last.resize(n);
+    if (info == 0 && found > 0) {
+      dstein_(&n, diagonal.data(), beside.data(), &found, values.data(), block.data(), last.data(), vectors.data(), &n,
+              work.data(), integers.data(), failed.data(), &info);
+      int other = 0;
+      dormtr_("L", "L", "N", &n, &found, form.data(), &n, reflectors.data(), vectors.data(), &n, work.data(), &size,
+              &other);
+    }
+    if (info != 0) values.resize(among_all(n, std::move(matrix), tau));
   }
 
  private:
@@ -47,6 +73,7 @@ struct SoftModes {
     std::vector<int> integers(3 + 5 * static_cast<size_t>(n));
     const int size = static_cast<int>(work.size()), integer_size = static_cast<int>(integers.size());
     int info = 0;
+    values.resize(n);
     dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &size, integers.data(), &integer_size, &info);
     if (info != 0) throw std::runtime_error("LAPACK's dsyevd did not find the modes of an aggregate");
     vectors = std::move(matrix);
