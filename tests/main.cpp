@@ -14,15 +14,18 @@ class FailuresOfRank : public testing::EmptyTestEventListener {
   explicit FailuresOfRank(int rank) : rank_(rank) {}
 
  private:
+  // which test it is cannot be asked for while a result is reported: Google Test holds a lock
+  void OnTestStart(const testing::TestInfo& test) override { test_ = &test; }
   void OnTestPartResult(const testing::TestPartResult& result) override {
     if (!result.failed()) return;
     const char* file = result.file_name() == nullptr ? "unknown file" : result.file_name();
     std::fprintf(stderr, "rank %d: %s:%d: failure in %s.%s\n%s\n", rank_, file, result.line_number(),
-                 testing::UnitTest::GetInstance()->current_test_info()->test_suite_name(),
-                 testing::UnitTest::GetInstance()->current_test_info()->name(), result.message());
+                 test_ == nullptr ? "" : test_->test_suite_name(), test_ == nullptr ? "" : test_->name(),
+                 result.message());
   }
 
   int rank_;
+  const testing::TestInfo* test_ = nullptr;
 };
 
 int run_tests(int rank) {
