@@ -1,7 +1,7 @@
 /// The order of pivots in a sparse factorisation.
 #pragma once
 
-#include "nonlinear/linear/inertia_solver.hpp"
+#include "nonlinear/linear/sparse_matrix.hpp"
 
 #include <vector>
 

@@ -1,28 +1,14 @@
-/// Factorisation of a sparse matrix on one rank that also tells the signs of its pivots: by Sylvester's law of inertia
-/// a symmetric matrix has as many negative eigenvalues as its L D L^T has negative pivots. Done by MUMPS, because none
-/// of the solvers behind Amesos2 reports them, and by LAPACK where it is small.
+/// Factorisation of a sparse matrix that also tells the signs of its pivots: by Sylvester's law of inertia a symmetric
+/// matrix has as many negative eigenvalues as its L D L^T has negative pivots. Done by MUMPS, because none of the
+/// solvers behind Amesos2 reports them, and by LAPACK where it is small.
 #pragma once
+
+#include "nonlinear/linear/sparse_matrix.hpp"
 
 #include <memory>
 #include <vector>
 
 namespace mixbeam {
-
-/// Square matrix in compressed rows; both triangles, whether symmetric or not. The columns of a row need no order.
-struct SparseMatrix {
-  std::vector<int> row_start, column;
-  std::vector<double> value;
-
-  int rows() const { return static_cast<int>(row_start.size()) - 1; }
-  /// y = A x
-  void multiply(const double* x, double* y) const;
-};
-
-/// Largest |A_ij - A_ji| / sqrt(max(|A_ii|, 1) max(|A_jj|, 1)): entries are numbers without unit.
-double asymmetry(const SparseMatrix& a);
-
-/// (A + A^T) / 2 where the entries of A^T have a place in A, as those of structures have.
-SparseMatrix symmetric_part(SparseMatrix a);
 
 /// Ordered by METIS' nested dissection on groups of rows with the same columns.
 class InertiaSolver {
@@ -39,6 +25,9 @@ class InertiaSolver {
 
   /// Analyses the structure of the matrix, whose values do not matter yet. Throws LinearSolverError.
   InertiaSolver(Kind kind, const SparseMatrix& structure);
+  /// Of the rows that each rank holds. All functions are then collective, errors occur on every rank, and vectors have
+  /// one column, each rank its rows.
+  InertiaSolver(Kind kind, const SparseMatrix& structure, SharedRows share);
   ~InertiaSolver();
   InertiaSolver(const InertiaSolver&) = delete;
   InertiaSolver& operator=(const InertiaSolver&) = delete;

@@ -21,7 +21,7 @@ using DofMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, 
 using Amesos2Solver = Amesos2::Solver<DofMatrix, DofMultiVector>;
 
 /// By a solver behind Amesos2.
-class Amesos2Factors : public LocalFactors {
+class Amesos2Factors : public MatrixFactors {
  public:
   Amesos2Factors(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, PhaseTimes& times) : times_(times) {
     const auto map = matrix->getRowMap();
@@ -44,6 +44,9 @@ class Amesos2Factors : public LocalFactors {
 /// Networks with fewer independent loops are left to KLU2: measured on cubic lattices (5^3 vertices, 96 loops: 23 ms by
 /// KLU2, 7 to 21 ms by MUMPS with OpenBLAS and the reference BLAS) and square ones (16^2, 195: 40, 41 to 54 ms).
 constexpr double kLeastLoops = 100;
+/// With fewer rows factors of rank 0 alone are as quick: measured on two ranks with cubic lattices (8^3 vertices: as
+/// quick, 20^3: half the time) and square ones (20^2: slower, 40^2: as quick).
+constexpr Tpetra::global_size_t kLeastSharedRows = 5000;
 
 /// Independent loops in the graph of the vertices of a matrix, or fewer: a graph of several parts has more.
 double independent_loops(const DofMatrix& matrix) {
@@ -64,7 +67,8 @@ class DirectSolver : public LinearSolver {
     if (method == kAutomatic) method_ = independent_loops(*matrix) < kLeastLoops ? "KLU2" : kMumps;
     if (method_ != kMumps && !Amesos2::query(method_))
       throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
-    if (matrix->getRowMap()->getComm()->getSize() > 1) root_ = std::make_unique<RootCopy>(matrix);
+    const bool is_shared = method_ == kMumps && matrix->getGlobalNumRows() >= kLeastSharedRows;
+    if (matrix->getRowMap()->getComm()->getSize() > 1 && !is_shared) root_ = std::make_unique<RootCopy>(matrix);
   }
 
   void forget() override {
@@ -90,8 +94,8 @@ class DirectSolver : public LinearSolver {
     std::string problem;
     if (root_ == nullptr || root_->is_root()) problem = factorize_here();
     int failed = problem.empty() ? 0 : 1;
-    if (root_ != nullptr) MPI_Bcast(&failed, 1, MPI_INT, 0, root_->communicator());
-    if (failed) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
+    MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, communicator_of(*matrix_));
+    if (failed != 0) throw LinearSolverError("factorisation failed: " + (problem.empty() ? "see rank 0" : problem));
   }
 
   double solve(const DofVector& b, DofVector& x, double /*enough*/) override {
@@ -165,22 +169,24 @@ class DirectSolver : public LinearSolver {
   double tolerance_;
   PhaseTimes& times_;
   std::unique_ptr<RootCopy> root_;  ///< several ranks only
-  std::unique_ptr<LocalFactors> factors_;
+  std::unique_ptr<MatrixFactors> factors_;
   Teuchos::RCP<DofVector> x_, b_;  ///< of rank 0; several ranks only
   Teuchos::RCP<DofVector> correction_, residual_;
 };
 
 }  // namespace
 
-double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b) {
+DofVector in_columns(const DofMatrix& matrix, const DofVector& x) {
   const auto importer = matrix.getGraph()->getImporter();
-  DofVector ghosted(matrix.getColMap());
-  const DofVector* columns = &x;
-  if (!importer.is_null()) {
-    ghosted.doImport(x, *importer, Tpetra::REPLACE);
-    columns = &ghosted;
-  }
-  const auto xv = columns->getLocalViewHost(Tpetra::Access::ReadOnly);
+  if (importer.is_null()) return x;
+  DofVector all(matrix.getColMap());
+  all.doImport(x, *importer, Tpetra::REPLACE);
+  return all;
+}
+
+double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVector& b) {
+  const DofVector columns = in_columns(matrix, x);
+  const auto xv = columns.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto bv = b.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto local = matrix.getLocalMatrixHost();
   const KernelView<const double*> xs(xv.data(), xv.extent(0)), bs(bv.data(), bv.extent(0));
@@ -206,11 +212,8 @@ double backward_error(const DofMatrix& matrix, const DofVector& x, const DofVect
 }
 
 double form_of_sizes(const DofMatrix& matrix, const DofVector& x) {
-  DofVector ghosted(matrix.getColMap());
-  const auto importer = matrix.getGraph()->getImporter();
-  if (!importer.is_null()) ghosted.doImport(x, *importer, Tpetra::REPLACE);
-  const KernelView<const double*> rows = MixedVector::view_of(x),
-                                  columns = importer.is_null() ? rows : MixedVector::view_of(ghosted);
+  const DofVector ghosted = in_columns(matrix, x);
+  const KernelView<const double*> rows = MixedVector::view_of(x), columns = MixedVector::view_of(ghosted);
   const auto local = matrix.getLocalMatrixHost();
   double sum = 0.0, all = 0.0;
   for (int i = 0; i < local.numRows(); ++i)

@@ -49,11 +49,14 @@ inline constexpr const char* kMumps = "MUMPS";
 
 /// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2"), kMumps or
 /// kAutomatic.
-/// On several ranks the matrix is gathered to rank 0 and factorised there: Amesos2's own gathering hands KLU2 a
-/// compressed column matrix, and that path returns wrong solutions without a message in Trilinos 13.2 built with
-/// GCC 12.
+/// On several ranks MUMPS factorises large networks on all of them. What is smaller is gathered to rank 0 and
+/// factorised there, and so is what Amesos2 gets: its own gathering hands KLU2 a compressed column matrix, and that
+/// path returns wrong solutions without a message in Trilinos 13.2 built with GCC 12.
 std::unique_ptr<LinearSolver> make_direct_solver(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method,
                                                  double residual_tolerance, PhaseTimes& times);
+
+/// x and what others own of the columns of a matrix; on one rank x itself, with the same numbers. Collective.
+DofVector in_columns(const DofMatrix& matrix, const DofVector& x);
 
 /// max over rows of |b - A x|_i / (|A| X + |b|)_i, X the largest displacement or rotation in x: dimensionless, and
 /// blind to the units of rows and columns. Collective.

@@ -4,6 +4,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -25,13 +26,38 @@ constexpr double kReduction = 1e-9;
 /// So many iterations tell how many it will take.
 constexpr int kForecast = 2;
 
-double inner_product(const std::vector<double>& a, const std::vector<double>& b) {
-  return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-}
-
 bool is_moment(int row) { return row % kVertexDofs >= 3; }
 
 }  // namespace
+
+NetworkFactors::NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times)
+    : matrix_(matrix), times_(times) {
+  share_.communicator = communicator_of(*matrix);
+}
+
+bool NetworkFactors::on_all_ranks(bool here) const {
+  int all = here ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, share_.communicator);
+  return all == 1;
+}
+
+double NetworkFactors::inner_product(const std::vector<double>& a, const std::vector<double>& b) const {
+  double sum = std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, share_.communicator);
+  return sum;
+}
+
+/// Behind the values of the rows here those of columns that belong to others.
+void NetworkFactors::complete(std::vector<double>& values) const {
+  if (!share_.has_several_ranks()) return;
+  DofVector mine(matrix_->getRowMap());
+  const KernelView<double*> own = MixedVector::view_of(mine);
+  for (int r = 0; r < remaining_.rows(); ++r) own(column_[r]) = values[r];
+  const DofVector all = in_columns(*matrix_, mine);
+  const KernelView<const double*> known = MixedVector::view_of(all);
+  values.resize(column_.size());
+  for (size_t c = remaining_.rows(); c < column_.size(); ++c) values[c] = known(column_[c]);
+}
 
 /// 1 where a row has no other entry than that on the diagonal.
 std::vector<unsigned char> NetworkFactors::rows_alone() const {
@@ -48,18 +74,15 @@ void NetworkFactors::take_out(std::vector<unsigned char> alone) {
   const int rows = static_cast<int>(alone.size());
   factors_.reset();
   alone_ = std::move(alone);
-  row_.clear();
+  number_columns();
   entry_.clear();
   remaining_ = SparseMatrix();
-  std::vector<int> number(rows, -1);
-  for (int i = 0; i < rows; ++i)
-    if (alone_[i] == 0) {
-      number[i] = static_cast<int>(row_.size());
-      row_.push_back(i);
-    }
   remaining_.row_start = {0};
-  std::vector<std::pair<int, size_t>> of_row;  // columns ascend, also in what several ranks have gathered
-  for (int i : row_) {
+  std::vector<int> number(matrix_->getColMap()->getNodeNumElements(), -1);
+  for (size_t c = 0; c < column_.size(); ++c) number[column_[c]] = static_cast<int>(c);
+  std::vector<std::pair<int, size_t>> of_row;  // columns ascend
+  for (int i = 0; i < rows; ++i) {
+    if (alone_[i] != 0) continue;
     of_row.clear();
     for (size_t k = graph.row_map(i); k < graph.row_map(i + 1); ++k)
       if (number[graph.entries(k)] >= 0) of_row.push_back({number[graph.entries(k)], k});
@@ -71,8 +94,29 @@ void NetworkFactors::take_out(std::vector<unsigned char> alone) {
     remaining_.row_start.push_back(static_cast<int>(entry_.size()));
   }
   remaining_.value.resize(entry_.size());
-  rhs_.resize(row_.size());
   find_mirrors();
+  if (share_.has_several_ranks()) find_mirrors_of_others();
+}
+
+/// Ranks learn from the owners of their columns which of those remain, and as which numbers.
+void NetworkFactors::number_columns() {
+  const int rows = static_cast<int>(alone_.size()),
+            remain = static_cast<int>(std::count(alone_.begin(), alone_.end(), 0));
+  share_.rows = GatherPlan(share_.communicator, remain);
+  share_.first = share_.rows.offsets[matrix_->getRowMap()->getComm()->getRank()];
+  DofVector mine(matrix_->getRowMap());
+  const KernelView<double*> own = MixedVector::view_of(mine);
+  int next = share_.first;
+  for (int i = 0; i < rows; ++i) own(i) = alone_[i] != 0 ? -1.0 : next++;
+  const DofVector all = in_columns(*matrix_, mine);
+  const KernelView<const double*> known = MixedVector::view_of(all);
+  column_.clear();
+  share_.column_number.clear();
+  for (size_t c = 0; c < known.extent(0); ++c)
+    if (known(c) >= 0.0) {
+      column_.push_back(static_cast<int>(c));
+      share_.column_number.push_back(static_cast<int>(known(c)));
+    }
 }
 
 void NetworkFactors::find_mirrors() {
@@ -81,9 +125,36 @@ void NetworkFactors::find_mirrors() {
   for (int i = 0; i < remaining_.rows(); ++i)
     for (int k = remaining_.row_start[i]; k < remaining_.row_start[i + 1]; ++k) {
       const int j = remaining_.column[k];
+      if (j >= remaining_.rows()) continue;
       const auto found = std::lower_bound(at(j), at(j + 1), i);
       if (found != at(j + 1) && *found == i) mirror_[k] = static_cast<int>(found - remaining_.column.begin());
     }
+}
+
+void NetworkFactors::find_mirrors_of_others() {
+  using Place = std::array<int, 2>;  // row and column
+  const auto transposed = [](const Place& p) { return Place{p[1], p[0]}; };
+  std::vector<Place> mine;
+  border_.clear();
+  for (int i = 0; i < remaining_.rows(); ++i)
+    for (int k = remaining_.row_start[i]; k < remaining_.row_start[i + 1]; ++k)
+      if (remaining_.column[k] >= remaining_.rows()) {
+        border_.push_back(k);
+        mine.push_back({share_.first + i, share_.column_number[remaining_.column[k]]});
+      }
+  borders_ = GatherPlan(share_.communicator, static_cast<int>(mine.size()));
+  std::vector<Place> all(borders_.total());
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_2INT, all.data(), borders_.counts.data(),
+                 borders_.offsets.data(), MPI_2INT, share_.communicator);
+  std::vector<int> order(all.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return all[a] < all[b]; });
+  for (size_t b = 0; b < border_.size(); ++b) {
+    const Place wanted = transposed(mine[b]);
+    const auto found =
+        std::lower_bound(order.begin(), order.end(), wanted, [&](int a, const Place& place) { return all[a] < place; });
+    if (found != order.end() && all[*found] == wanted) mirror_[border_[b]] = static_cast<int>(entry_.size()) + *found;
+  }
 }
 
 /// In units of the largest entries of the rows, forces by displacements and moments by rotations.
@@ -96,34 +167,43 @@ bool NetworkFactors::has_symmetry() const {
     return true;
   };
   each_entry([&](int i, int k) {
-    if (is_moment(row_[i]) == is_moment(row_[remaining_.column[k]]))
+    if (is_moment(column_[i]) == is_moment(column_[remaining_.column[k]]))
       size[i] = std::max(size[i], std::abs(remaining_.value[k]));
     return true;
   });
-  return each_entry([&](int i, int k) {
-    const double transposed = mirror_[k] < 0 ? 0.0 : remaining_.value[mirror_[k]];
+  complete(size);
+  std::vector<double> mine, others(borders_.total());
+  for (int k : border_) mine.push_back(remaining_.value[k]);
+  if (share_.has_several_ranks())
+    MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, others.data(), borders_.counts.data(),
+                   borders_.offsets.data(), MPI_DOUBLE, share_.communicator);
+  const int entries = static_cast<int>(entry_.size());
+  return on_all_ranks(each_entry([&](int i, int k) {
+    const int mirror = mirror_[k];
+    const double transposed = mirror < 0 ? 0.0 : mirror < entries ? remaining_.value[mirror] : others[mirror - entries];
     const double difference = std::abs(remaining_.value[k] - transposed);
     return difference <= kSymmetryOfRounding * std::sqrt(size[i] * size[remaining_.column[k]]);
-  });
+  }));
 }
 
 /// Of the rows that are taken out.
 bool NetworkFactors::diagonal_is_positive() const {
   const auto local = matrix_->getLocalMatrixHost();
+  bool positive = true;
   for (size_t i = 0; i < alone_.size(); ++i)
     for (size_t k = local.graph.row_map(i); alone_[i] != 0 && k < local.graph.row_map(i + 1); ++k)
-      if (local.graph.entries(k) == static_cast<int>(i) && !(local.values(k) > 0.0)) return false;
-  return true;
+      if (local.graph.entries(k) == static_cast<int>(i) && !(local.values(k) > 0.0)) positive = false;
+  return on_all_ranks(positive);
 }
 
 void NetworkFactors::factorize() {
   std::vector<unsigned char> alone = rows_alone();
-  if (alone != alone_) take_out(std::move(alone));
+  if (!on_all_ranks(alone == alone_ && !share_.rows.counts.empty())) take_out(std::move(alone));
   const auto values = matrix_->getLocalMatrixHost().values;
   for (size_t k = 0; k < entry_.size(); ++k) remaining_.value[k] = values(entry_[k]);
   negative_.reset();
   is_earlier_ = false;
-  if (row_.empty()) return;
+  if (unknowns() == 0) return;
   const auto kind = has_symmetry() ? InertiaSolver::Kind::symmetric : InertiaSolver::Kind::general;
   if (kind != kind_) factors_.reset();
   kind_ = kind;
@@ -139,7 +219,7 @@ void NetworkFactors::factorize_now() {
   if (factors_ == nullptr || factors_.use_count() > 1) {
     PhaseTimer timer(times_, "symbolic factorisation");
     factors_.reset();
-    factors_ = std::make_shared<InertiaSolver>(kind_, remaining_);
+    factors_ = std::make_shared<InertiaSolver>(kind_, remaining_, share_);
   }
   PhaseTimer timer(times_, "numeric factorisation");
   const InertiaSolver::Signs signs = factors_->factorize(remaining_);
@@ -153,7 +233,8 @@ void NetworkFactors::take_over(const NetworkFactors& other) {
   const auto same = [](const auto& a, const auto& b) {
     return a.extent(0) == b.extent(0) && std::equal(a.data(), a.data() + a.extent(0), b.data());
   };
-  if (!other.serves_next_ || !same(here.row_map, there.row_map) || !same(here.entries, there.entries)) return;
+  if (!on_all_ranks(other.serves_next_ && same(here.row_map, there.row_map) && same(here.entries, there.entries)))
+    return;
   take_out(other.alone_);
   kind_ = other.kind_;
   factors_ = other.factors_;
@@ -181,7 +262,9 @@ bool NetworkFactors::iterate(std::vector<double>& b) {
     if (left_ <= 0 || is_hopeless) return false;
     const double beta = iterations_ == 0 ? 0.0 : energy / last;
     for (size_t i = 0; i < p.size(); ++i) p[i] = z[i] + beta * p[i];
+    complete(p);
     remaining_.multiply(p.data(), q.data());
+    p.resize(q.size());
     const double curvature = inner_product(p, q);
     if (!(curvature > 0.0)) return false;
     for (size_t i = 0; i < p.size(); ++i) x[i] += energy / curvature * p[i];
@@ -206,14 +289,18 @@ void NetworkFactors::solve(const DofVector& b, DofVector& x) {
     for (size_t k = local.graph.row_map(i); alone_[i] != 0 && k < local.graph.row_map(i + 1); ++k)
       if (local.graph.entries(k) == static_cast<int>(i)) found(i) = given(i) / local.values(k);
   }
-  for (size_t r = 0; r < row_.size(); ++r) {
-    rhs_[r] = given(row_[r]);
-    for (size_t k = local.graph.row_map(row_[r]); k < local.graph.row_map(row_[r] + 1); ++k)
-      rhs_[r] -= local.values(k) * found(local.graph.entries(k));  // zero where the unknown is not known yet
+  const DofVector all = in_columns(*matrix_, x);
+  const KernelView<const double*> known = MixedVector::view_of(all);
+  std::vector<double> rhs(remaining_.rows());
+  for (size_t r = 0; r < rhs.size(); ++r) {
+    const int row = column_[r];
+    rhs[r] = given(row);
+    for (size_t k = local.graph.row_map(row); k < local.graph.row_map(row + 1); ++k)
+      rhs[r] -= local.values(k) * known(local.graph.entries(k));  // zero where the unknown is not known yet
   }
-  if (is_earlier_ && !iterate(rhs_)) factorize_now();
-  if (!row_.empty() && !is_earlier_) factors_->solve(rhs_.data(), 1);
-  for (size_t r = 0; r < row_.size(); ++r) found(row_[r]) = rhs_[r];
+  if (is_earlier_ && !iterate(rhs)) factorize_now();
+  if (unknowns() > 0 && !is_earlier_) factors_->solve(rhs.data(), 1);
+  for (size_t r = 0; r < rhs.size(); ++r) found(column_[r]) = rhs[r];
 }
 
 }  // namespace mixbeam

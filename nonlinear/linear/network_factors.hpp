@@ -1,4 +1,4 @@
-/// Factors of a matrix that one rank holds; of the matrices of networks by MUMPS.
+/// Factors of a matrix; of the matrices of networks by MUMPS, on all ranks that share their rows.
 #pragma once
 
 #include "discretization/assembly/phase_timer.hpp"
@@ -9,9 +9,9 @@
 
 namespace mixbeam {
 
-class LocalFactors {
+class MatrixFactors {
  public:
-  virtual ~LocalFactors() = default;
+  virtual ~MatrixFactors() = default;
   /// Factorises the present values of the matrix. Throws an exception derived from std::exception.
   virtual void factorize() = 0;
   virtual void solve(const DofVector& b, DofVector& x) = 0;
@@ -27,9 +27,9 @@ class LocalFactors {
 /// unknowns are taken out. Where a factorisation costs as much as many solves, the factors of an earlier matrix without
 /// negative eigenvalues serve conjugate gradients as preconditioner, until they take too many iterations, forget() is
 /// called or eigenvalues are asked for.
-class NetworkFactors : public LocalFactors {
+class NetworkFactors : public MatrixFactors {
  public:
-  NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times) : matrix_(matrix), times_(times) {}
+  NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times);
 
   void factorize() override;
   void solve(const DofVector& b, DofVector& x) override;
@@ -39,7 +39,7 @@ class NetworkFactors : public LocalFactors {
   /// The factors of `other` serve the next matrix here, if it has the same structure, as an earlier one would.
   void take_over(const NetworkFactors& other);
   /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
-  int unknowns() const { return remaining_.rows(); }
+  int unknowns() const { return share_.rows.total(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
   bool is_symmetric() const { return kind_ == InertiaSolver::Kind::symmetric; }
   /// Of the last solve by conjugate gradients.
@@ -50,17 +50,26 @@ class NetworkFactors : public LocalFactors {
   bool iterate(std::vector<double>& b);
   std::vector<unsigned char> rows_alone() const;
   void take_out(std::vector<unsigned char> alone);
+  void number_columns();
   void find_mirrors();
+  void find_mirrors_of_others();
+  void complete(std::vector<double>& values) const;
+  bool on_all_ranks(bool here) const;
+  double inner_product(const std::vector<double>& a, const std::vector<double>& b) const;
   bool has_symmetry() const;
   bool diagonal_is_positive() const;
 
   Teuchos::RCP<DofMatrix> matrix_;
   PhaseTimes& times_;
   std::vector<unsigned char> alone_;  ///< (row): 1 where it is taken out
-  std::vector<int> row_;              ///< (remaining row): its number in the matrix
+  std::vector<int> column_;  ///< (remaining row here, then remaining column of others): its column in the matrix
   SparseMatrix remaining_;
+  SharedRows share_;
   std::vector<size_t> entry_;  ///< (entry of remaining_): where it stands in the matrix
-  std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none
+  std::vector<int> mirror_;    ///< (entry of remaining_): that of its transpose, -1 where there is none; behind the
+                               ///< entries here those of all ranks in rows of one and columns of another one
+  std::vector<int> border_;    ///< entries of remaining_ in columns of others
+  GatherPlan borders_;
   InertiaSolver::Kind kind_ = InertiaSolver::Kind::symmetric;
   std::shared_ptr<InertiaSolver> factors_;  ///< as preconditioner shared with whoever has taken them over
   std::optional<long> negative_;
@@ -68,7 +77,6 @@ class NetworkFactors : public LocalFactors {
   bool is_earlier_ = false;   ///< factors_ are those of an earlier matrix
   int left_ = 0;              ///< iterations that are still cheaper than factors of the present matrix
   int iterations_ = 0;
-  std::vector<double> rhs_;
 };
 
 }  // namespace mixbeam

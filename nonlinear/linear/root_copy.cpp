@@ -15,10 +15,14 @@ GatherPlan::GatherPlan(MPI_Comm comm, int mine) {
   std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
 }
 
+MPI_Comm communicator_of(const DofMatrix& matrix) {
+  const auto comm = matrix.getRowMap()->getComm();
+  return *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
+}
+
 RootCopy::RootCopy(const Teuchos::RCP<DofMatrix>& matrix) : distributed_(matrix) {
-  const auto comm = matrix->getRowMap()->getComm();
-  mpi_ = *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
-  is_root_ = comm->getRank() == 0;
+  mpi_ = communicator_of(*matrix);
+  is_root_ = matrix->getRowMap()->getComm()->getRank() == 0;
   copy_structure();
 }
 

@@ -18,6 +18,8 @@ struct GatherPlan {
   GatherPlan(MPI_Comm comm, int mine);
 };
 
+MPI_Comm communicator_of(const DofMatrix& matrix);
+
 /// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by
 /// rank. All functions are collective.
 class RootCopy {

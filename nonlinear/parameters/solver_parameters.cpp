@@ -78,7 +78,7 @@ BoundList<LinearSolverParameters> linear_parameters() {
       "as L D L^T by MUMPS where it is a network; iterative: what is left is solved by conjugate gradients with coarse "
       "spaces, on one rank, and of stability only its sign at the end of each stage is looked for; KLU2: sparse direct "
       "solver of Amesos2 for the whole matrix. "
-      "Factors are made on rank 0 whatever the number of ranks.");
+      "Of several ranks all make the factors of large networks, rank 0 makes those of everything else.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
               "A solve counts as failed if |b - A x| / (|A| |x| + |b|) is larger.");

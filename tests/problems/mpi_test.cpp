@@ -135,6 +135,15 @@ TEST(MpiProblems, AnotherAccuracyIsAnotherChoice) {
   EXPECT_FALSE(together.rounds.back().mesh == alone.rounds.back().mesh);
 }
 
+// Large enough to be factorised on all ranks, with a potential and without.
+TEST(MpiProblems, Networks) {
+  constexpr int kPoints = 10;
+  Scene scene = lattice(kPoints);
+  expect_same_answer(scene);
+  for (PointLoad& load : scene.point_loads) load.moment = {0.03, 0.01, -0.02};
+  expect_same_answer(scene);
+}
+
 TEST(MpiProblems, Samples) { expect_same_samples(fork(2, 3)); }
 
 }  // namespace

@@ -1,0 +1,78 @@
+#include "nonlinear/linear/sparse_matrix.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace mixbeam {
+
+void SparseMatrix::multiply(const double* x, double* y) const {
+  for (int i = 0; i < rows(); ++i) {
+    double sum = 0.0;
+    for (int k = row_start[i]; k < row_start[i + 1]; ++k) sum += value[k] * x[column[k]];
+    y[i] = sum;
+  }
+}
+
+double asymmetry(const SparseMatrix& a) {
+  const int n = a.rows();
+  std::vector<int> next(n + 1, 0);  // entries of each column, its rows ascending
+  for (int j : a.column) ++next[j + 1];
+  std::partial_sum(next.begin(), next.end(), next.begin());
+  std::vector<std::pair<int, double>> transposed(a.column.size());
+  std::vector<double> diagonal(n, 1.0), row(n, 0.0);
+  for (int i = 0; i < n; ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      transposed[next[a.column[k]]++] = {i, a.value[k]};
+      if (a.column[k] == i) diagonal[i] = std::max(std::abs(a.value[k]), 1.0);
+    }
+  double largest = 0.0;
+  for (int i = 0; i < n; ++i) {  // next[i] is now the end of column i
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) row[a.column[k]] = a.value[k];
+    for (int k = i > 0 ? next[i - 1] : 0; k < next[i]; ++k) {
+      const auto& [j, value] = transposed[k];
+      const double difference = std::abs(row[j] - value);
+      if (difference > 0.0) largest = std::max(largest, difference / std::sqrt(diagonal[i] * diagonal[j]));
+    }
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) row[a.column[k]] = 0.0;
+  }
+  return largest;
+}
+
+SparseMatrix symmetric_part(SparseMatrix a) {
+  for (int i = 0; i < a.rows(); ++i)
+    for (int k = a.row_start[i]; k < a.row_start[i + 1]; ++k) {
+      const int j = a.column[k];
+      if (j >= i) continue;
+      const auto end = a.column.begin() + a.row_start[j + 1];
+      const auto mirrored = std::find(a.column.begin() + a.row_start[j], end, i);
+      if (mirrored == end) continue;
+      double& other = a.value[mirrored - a.column.begin()];
+      a.value[k] = other = 0.5 * (a.value[k] + other);
+    }
+  return a;
+}
+
+SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& share) {
+  const int mine = here.rows(), entries = here.row_start.back();
+  std::vector<int> lengths(mine), columns(entries);
+  for (int i = 0; i < mine; ++i) lengths[i] = here.row_start[i + 1] - here.row_start[i];
+  for (int k = 0; k < entries; ++k) columns[k] = share.column_number[here.column[k]];
+  const GatherPlan entries_of(share.communicator, entries);
+  SparseMatrix all{{0}, {}, {}};
+  int rank = 0;
+  MPI_Comm_rank(share.communicator, &rank);
+  if (rank == 0) {
+    all.row_start.resize(share.rows.total() + 1);
+    all.column.resize(entries_of.total());
+  }
+  MPI_Gatherv(lengths.data(), mine, MPI_INT, all.row_start.data() + 1, share.rows.counts.data(),
+              share.rows.offsets.data(), MPI_INT, 0, share.communicator);
+  MPI_Gatherv(columns.data(), entries, MPI_INT, all.column.data(), entries_of.counts.data(), entries_of.offsets.data(),
+              MPI_INT, 0, share.communicator);
+  std::partial_sum(all.row_start.begin(), all.row_start.end(), all.row_start.begin());
+  return all;
+}
+
+}  // namespace mixbeam
