@@ -25,16 +25,6 @@ struct SolveRecord {
 /// What Newton's method is used for: a step of the path, or a look at one.
 enum class NewtonPurpose { step, check };
 
-/// Newton steps limited by rotation instead of residual, theory (35): far from equilibrium the residual says little,
-/// but a vertex that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
-///
-/// Moves `group` from `from` along `direction` and returns the share of the step. Takes the full step when no vertex
-/// turns by more than `largest_rotation`, or when the full step brings forces and moments into balance better than
-/// before (pure bending and similar problems converge in three iterations only that way); otherwise scales the
-/// increment so that no vertex turns further.
-double step_within_rotation(NOX::Abstract::Group& group, const NOX::Abstract::Group& from,
-                            const NOX::Abstract::Vector& direction, double largest_rotation);
-
 /// The user's list, or the default, with our own objects put where their names stand; what Newton's method does goes to
 /// `record`, which must outlive the list.
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,

@@ -6,11 +6,13 @@
 ///   Linearization::newton_increment             junctions solved, the solve checked -> chains expanded
 ///                                               -> interiors recovered
 ///   remove_cap_compliance_where_it_slows        compliance of the cap removed
-///   step_within_rotation (newton_setup.hpp)     rotations limited
+///   step_within_rotation                        rotations limited
 ///   Model::apply                                state updated
 #pragma once
 
 #include "nonlinear/newton/beam_problem.hpp"
+
+#include <NOX_Abstract_Group.H>
 
 namespace mixbeam {
 
@@ -80,5 +82,15 @@ bool remove_cap_compliance(Linearization& linearization, double cap_ratio, Mixed
 /// The same where the cap would slow down the iteration.
 bool remove_cap_compliance_where_it_slows(Linearization& linearization, const MixedVector& residual,
                                           MixedVector& increment);
+
+/// Newton steps limited by rotation instead of residual, theory (35): far from equilibrium the residual says little,
+/// but a vertex that turns by more than a fraction of a radian in one iteration leaves the range of the linearisation.
+///
+/// Moves `group` from `from` along `direction` and returns the share of the step. Takes the full step when no vertex
+/// turns by more than `largest_rotation`, or when the full step brings forces and moments into balance better than
+/// before (pure bending and similar problems converge in three iterations only that way); otherwise scales the
+/// increment so that no vertex turns further.
+double step_within_rotation(NOX::Abstract::Group& group, const NOX::Abstract::Group& from,
+                            const NOX::Abstract::Vector& direction, double largest_rotation);
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
 // The algebra that NOX and LOCA ask of a vector, against loops over the entries.
-#include "nonlinear/newton/beam_vector.hpp"
+#include "nonlinear/newton/beam_group.hpp"
 
 #include "tests/nonlinear/beam_fixture.hpp"
 #include "tests/support/worst_error.hpp"
