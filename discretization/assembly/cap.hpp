@@ -2,7 +2,7 @@
 /// accuracy nowhere; it decides how fast Newton's method contracts.
 #pragma once
 
-#include "discretization/assembly/row_scales.hpp"
+#include "discretization/assembly/residual.hpp"
 
 namespace mixbeam {
 

@@ -83,7 +83,7 @@ KOKKOS_INLINE_FUNCTION void subtract_symmetric(const double* tangent, int end, c
 CondensedSystem::CondensedSystem(const Model& model)
     : model_(model),
       structure_(ends_of(model.structure()), kept_vertices(model.structure(), model.conditions())),
-      chains_(structure_) {
+      chains_(structure_.levels()) {
   if (model.plane()) planar_chains_ = std::make_unique<PlanarChains>(model, structure_);
   const Structure& structure = model.structure();
   std::vector<unsigned char> present = structure_.eliminated();

@@ -11,6 +11,40 @@
 
 namespace mixbeam {
 
+RowKind kind_of_vertex_row(int component, bool fixed) {
+  if (component < 3) return fixed ? RowKind::held_displacement : RowKind::vertex_displacement;
+  return fixed ? RowKind::held_rotation : RowKind::vertex_rotation;
+}
+
+RowKind kind_of_interior_row(const InteriorLayout& layout, int row) {
+  if (row < layout.moment(0)) return RowKind::element_force;
+  if (row < layout.relative_rotation(1)) return RowKind::element_moment;
+  if (row < layout.bubble(1)) return RowKind::element_rotation;
+  return row < layout.spin() ? RowKind::element_displacement : RowKind::element_rotation;
+}
+
+double scale_of(RowKind kind, const ResidualScales& scales, double h) {
+  switch (kind) {
+    case RowKind::vertex_displacement:
+      return scales.force;
+    case RowKind::vertex_rotation:
+      return scales.moment;
+    case RowKind::element_rotation:
+      return scales.element_moment(h);
+    case RowKind::held_displacement:
+      return scales.length;
+    case RowKind::held_rotation:
+      return 1.0;
+    case RowKind::element_force:
+      return scales.element_strain(h);
+    case RowKind::element_moment:
+      return scales.rotation;
+    case RowKind::element_displacement:
+      return scales.element_bubble(h);
+  }
+  return 1.0;
+}
+
 namespace {
 
 /// A row; travels between ranks as bytes.
@@ -146,6 +180,44 @@ EquationPlace place_of_vertex(const Model& model, int global_vertex) {
       return place;
     }
   return place;
+}
+
+EndAngle largest_end_angle(const Model& model, const EvaluationPoint& point) {
+  double mine = 0.0;
+  int where = 0;
+  for (int e = 0; e < model.structure().local_elements(); ++e)
+    if (point.end_angles(e) > mine) {
+      mine = point.end_angles(e);
+      where = model.structure().local_element_to_mesh[e];
+    }
+  const auto& comm = *model.map()->getComm();
+  const double everywhere = maximum_over_ranks(comm, mine);
+  int candidate = mine == everywhere ? where : -1, element = candidate;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(element));
+  const MeshElement& found = model.mesh().elements[element];
+  return {everywhere, model.scene().members[found.member].name, found.index};
+}
+
+std::vector<EndAngle> end_angles_of_members(const Model& model, const EvaluationPoint& point) {
+  const Structure& structure = model.structure();
+  const Mesh& mesh = model.mesh();
+  const auto& comm = *model.map()->getComm();
+  const int members = static_cast<int>(mesh.members.size());
+  std::vector<double> angle(members, 0.0), largest(members, 0.0);
+  std::vector<int> where(members, 0);
+  for (int e = 0; e < structure.local_elements(); ++e) {
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[e]];
+    const double here = point.end_angles(e);
+    if (here > angle[element.member]) angle[element.member] = here, where[element.member] = element.index;
+  }
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, members, angle.data(), largest.data());
+  for (int m = 0; m < members; ++m)
+    if (angle[m] < largest[m]) where[m] = -1;
+  std::vector<int> element(where);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, members, where.data(), element.data());
+  std::vector<EndAngle> angles(members);
+  for (int m = 0; m < members; ++m) angles[m] = {largest[m], model.scene().members[m].name, element[m]};
+  return angles;
 }
 
 std::string text_of(const EquationPlace& place) {

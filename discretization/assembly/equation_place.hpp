@@ -9,6 +9,22 @@
 
 namespace mixbeam {
 
+/// A row of the mixed system: an equation, and the unknown of the same place in an increment.
+enum class RowKind {
+  vertex_displacement,  ///< balance of forces
+  vertex_rotation,      ///< balance of moments
+  held_displacement,    ///< a condition of a support or joint
+  held_rotation,        ///< likewise
+  element_force,        ///< force strain from the motion against that from the force
+  element_moment,       ///< likewise for the moment strain: a relative rotation
+  element_rotation,     ///< balance of moments inside the element
+  element_displacement  ///< balance of forces inside the element
+};
+RowKind kind_of_vertex_row(int component, bool fixed);
+RowKind kind_of_interior_row(const InteriorLayout& layout, int row);
+/// `h`: length of the element, for rows of an element.
+double scale_of(RowKind kind, const ResidualScales& scales, double h);
+
 struct EquationPlace {
   RowKind kind = RowKind::vertex_displacement;
   int component = 0;        ///< 0, 1, 2: spatial, or along the axes of a support or joint; material inside elements
@@ -43,6 +59,17 @@ std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent);
 
 /// A vertex of the mesh, without kind and component.
 EquationPlace place_of_vertex(const Model& model, int global_vertex);
+
+/// A relative rotation between an element and its vertices, and where.
+struct EndAngle {
+  double angle = 0.0;
+  std::string member{};
+  int element = 0;  ///< in the member
+};
+/// The largest of all ranks.
+EndAngle largest_end_angle(const Model& model, const EvaluationPoint& point);
+/// The largest of every member, in the order of the scene. Collective.
+std::vector<EndAngle> end_angles_of_members(const Model& model, const EvaluationPoint& point);
 
 /// `point "tip"`, `member "beam" at 0.25 of its length`, `element 3 of member "beam"`.
 std::string text_of(const EquationPlace& place);

@@ -1,6 +1,6 @@
 #include "discretization/assembly/line_fields.hpp"
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,7 +3,7 @@
 #include "discretization/assembly/workspace.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/mesh/reference_element.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -50,17 +50,18 @@ void expand_link(const PlaneAxes& axes, const double* planar, double* spatial) {
 }  // namespace
 
 PlanarChains::PlanarChains(const Model& model, const ChainStructure& structure)
-    : model_(model), structure_(structure), chains_(structure) {
+    : model_(model), structure_(structure), chains_(structure.levels()) {
   using Kokkos::view_alloc;
   using Kokkos::WithoutInitializing;
   const Structure& mesh = model.structure();
-  const int elements = structure.elements();
+  const int elements = structure.levels().elements;
   // only what remains is ever written: untouched pages cost nothing
   elements_ = KernelView<double**>(view_alloc("mixbeam::planar::elements", WithoutInitializing), elements,
                                    LinkMatrices<kSpatialDofs>::kFull);
-  const KernelView<double* [144]> runs(view_alloc("mixbeam::planar::runs", WithoutInitializing), structure.runs());
+  const KernelView<double* [144]> runs(view_alloc("mixbeam::planar::runs", WithoutInitializing),
+                                       structure.levels().runs);
   remaining_ = {elements_, runs};
-  arrived_ = KernelView<double* [12]>("mixbeam::planar::arrived", structure.runs());
+  arrived_ = KernelView<double* [12]>("mixbeam::planar::arrived", structure.levels().runs);
   rows_ = KernelView<double*>("mixbeam::planar::rows", static_cast<size_t>(kPlanarDofs) * mesh.local_vertices());
   x_ = KernelView<double*>("mixbeam::planar::x", rows_.extent(0));
   ends_ = KernelView<int* [2]>("mixbeam::planar::ends", elements);
@@ -79,7 +80,7 @@ ChainCondensation<kPlanarDofs>::Pivots PlanarChains::condense(const PlanarTangen
   tangents_ = tangents;
   const auto pivots = chains_.factorize(tangents_);
   const LinkMatrices<kPlanarDofs> links = chains_.matrices(tangents_);
-  const int elements = structure_.elements();
+  const int elements = structure_.levels().elements;
   for (const RemainingLink& remaining : structure_.remaining()) {
     const int link = remaining.link;
     double room[LinkMatrices<kPlanarDofs>::kFull];
@@ -97,7 +98,7 @@ void PlanarChains::condense_rows(const KernelView<const double*>& rows) {
       KOKKOS_LAMBDA(int v) { project(axes, &rows(vertex_row(v, 0)), &planar(planar_row(v, 0))); });
   chains_.condense_rows(planar, x_);
   for (const RemainingLink& remaining : structure_.remaining()) {
-    const int run = remaining.link - structure_.elements();
+    const int run = remaining.link - structure_.levels().elements;
     for (int end = 0; run >= 0 && end < 2; ++end)
       expand_to_space(axes, &chains_.arrived()(run, kPlanarDofs * end), &arrived_(run, kVertexDofs * end));
   }

@@ -1,12 +1,45 @@
-/// The mixed residual of a state.
+/// The mixed residual of a state, and the reference values that make it dimensionless, theory (39), so that the same
+/// tolerance means the same accuracy for any units, slenderness and load: rows are divided by what is large in the
+/// present state, not by a fixed stiffness.
 #pragma once
 
-#include "discretization/assembly/row_scales.hpp"
-
-#include <string>
-#include <vector>
+#include "discretization/assembly/model.hpp"
+#include "kernels/element/row_scales.hpp"
 
 namespace mixbeam {
+
+/// What a state and its loads look like in size (maxima over all ranks).
+struct StateMagnitude {
+  double force = 0.0;         ///< largest |N| component
+  double moment = 0.0;        ///< largest |M| component
+  double displacement = 0.0;  ///< largest |u| component
+  double rotation = 0.0;      ///< largest vertex rotation angle
+  double load_force = 0.0;    ///< largest applied force, point or line load times length
+  double load_moment = 0.0;
+  double eigenstrain = 0.0;  ///< largest eigenstrain, or eigencurvature times length
+};
+
+/// Collective.
+StateMagnitude magnitude_of(const Model& model, const State& state, double load_factor);
+
+/// `tolerance`: the scaled residual that will count as converged; floors keep round-off below it.
+ResidualScales residual_scales(const StateMagnitude& state, double length, double shortest_element,
+                               double bending_stiffness, double tolerance);
+
+/// Scales of the rows of a state. Collective.
+ResidualScales scales_of(const Model& model, const State& state, double load_factor);
+
+/// Divides rows by their scales.
+void scale_rows(const Model& model, const ResidualScales& scales, MixedVector& rows);
+/// Takes scaled rows to forces, moments and integrals of strains.
+void unscale_rows(const Model& model, const ResidualScales& scales, MixedVector& rows);
+/// Divides the rows of the vertices alone.
+void scale_vertex_rows(const Model& model, const ResidualScales& scales, const KernelView<double*>& rows);
+
+/// Largest force or moment row of a scaled residual: equilibrium without compatibility and supports.
+double equilibrium_norm(const Model& model, const MixedVector& scaled_residual);
+/// Largest row of N or M of a scaled residual: compatibility and the constitutive law.
+double compatibility_norm(const Model& model, const MixedVector& scaled_residual);
 
 /// A state under its loads, and what its equations tell besides their rows.
 struct EvaluationPoint {
@@ -31,16 +64,5 @@ void element_rows(const Model& model, const State& state, double load_factor, bo
 
 /// Gives the line fields in the blocks of the structure (ElementBlock::field_value) their values at a load factor.
 void set_line_fields(const Model& model, double load_factor);
-
-/// A relative rotation between an element and its vertices, and where.
-struct EndAngle {
-  double angle = 0.0;
-  std::string member{};
-  int element = 0;  ///< in the member
-};
-/// The largest of all ranks.
-EndAngle largest_end_angle(const Model& model, const EvaluationPoint& point);
-/// The largest of every member, in the order of the scene. Collective.
-std::vector<EndAngle> end_angles_of_members(const Model& model, const EvaluationPoint& point);
 
 }  // namespace mixbeam

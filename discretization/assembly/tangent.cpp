@@ -1,7 +1,7 @@
 #include "discretization/assembly/tangent.hpp"
 
 #include "discretization/assembly/workspace.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "discretization/assembly/cap.hpp"
-#include "discretization/assembly/residual.hpp"
 
 namespace mixbeam {
 

@@ -1,7 +1,7 @@
 #include "discretization/constraints/conditions.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +12,6 @@ namespace mixbeam {
 namespace {
 
 using namespace vector_algebra;
-
-constexpr int kVertexRows = 6;
 
 /// Reference triad of a member at the vertex where a follower load acts.
 Quat reference_triad_at(const Mesh& mesh, int member, int vertex) {
@@ -109,27 +107,6 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
                                  described.kind, joint_frame(described), described.stiffness});
   }
   return conditions;
-}
-
-SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
-  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
-  if (load.frame == LoadFrame::follower) {
-    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
-    spatial = {turn * spatial.force, turn * spatial.moment};
-  }
-  return spatial;
-}
-
-void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
-                          const KernelView<double*>& rows) {
-  for (const VertexLoad& load : conditions.loads) {
-    const double amplitude = slope ? load.amplitude.slope(load_factor) : load.amplitude(load_factor);
-    const SpatialLoad spatial = spatial_load(load, amplitude, state);
-    for (int i = 0; i < 3; ++i) {
-      rows(kVertexRows * load.vertex + i) -= spatial.force[i];
-      rows(kVertexRows * load.vertex + 3 + i) -= spatial.moment[i];
-    }
-  }
 }
 
 namespace {

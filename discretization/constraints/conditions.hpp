@@ -55,17 +55,6 @@ struct Conditions {
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
 
-/// Force and moment that a vertex load exerts at a state, spatial.
-struct SpatialLoad {
-  Vec3<double> force, moment;
-};
-SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state);
-
-/// Subtracts all point loads from the vertex rows (6 * owned vertex + component); `slope`: their derivatives with
-/// respect to the load factor.
-void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
-                          const KernelView<double*>& rows);
-
 /// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene; amplitudes that are
 /// formulas: the steepest slope met at many load factors).
 double largest_prescribed_rotation(const Scene& scene);

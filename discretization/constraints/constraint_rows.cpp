@@ -1,9 +1,274 @@
 #include "discretization/constraints/constraint_rows.hpp"
 
+#include "discretization/constraints/swing.hpp"
+
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 
 namespace mixbeam {
+
+double* MatrixRows::entries(size_t row, int column_place) const {
+  const int wanted = kVertexDofs * column_place;
+  size_t low = matrix_.graph.row_map(row) / kVertexDofs, high = matrix_.graph.row_map(row + 1) / kVertexDofs;
+  while (low < high) {  // the blocks of six ascend
+    const size_t middle = (low + high) / 2;
+    if (matrix_.graph.entries(kVertexDofs * middle) < wanted)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  if (kVertexDofs * low >= matrix_.graph.row_map(row + 1) || matrix_.graph.entries(kVertexDofs * low) != wanted)
+    throw std::logic_error("the matrix has no entry where a joint couples two vertices");
+  return &matrix_.values(kVertexDofs * low);
+}
+
+void MatrixRows::clear(int vertex, int component) const {
+  const size_t cleared = row(vertex, component);
+  for (size_t k = matrix_.graph.row_map(cleared); k < matrix_.graph.row_map(cleared + 1); ++k) matrix_.values(k) = 0.0;
+}
+
+void MatrixRows::add(int vertex, int component, int column_vertex, VertexPart column_part, const Vec& value) const {
+  double* to = entries(row(vertex, component), place_(column_vertex)) + column_part;
+  for (int j = 0; j < 3; ++j) to[j] += value[j];
+}
+
+void MatrixRows::add(int vertex, VertexPart part, int column_vertex, VertexPart column_part, const Mat& block) const {
+  for (int i = 0; i < 3; ++i)
+    add(vertex, part + i, column_vertex, column_part, Vec{{block(i, 0), block(i, 1), block(i, 2)}});
+}
+
+void MatrixRows::add_rows(int vertex, VertexPart part, const Mat& factor, int other, VertexPart other_part) const {
+  const size_t first = matrix_.graph.row_map(row(other, other_part));
+  const size_t width = matrix_.graph.row_map(row(other, other_part) + 1) - first;
+  for (size_t block = 0; block < width; block += kVertexDofs) {
+    const int column_place = matrix_.graph.entries(first + block) / kVertexDofs;
+    for (int i = 0; i < 3; ++i) {
+      double* to = entries(row(vertex, part + i), column_place);
+      for (int c = 0; c < kVertexDofs; ++c)
+        for (int j = 0; j < 3; ++j) to[c] += factor(i, j) * matrix_.values(first + j * width + block + c);
+    }
+  }
+}
+
+void MatrixRows::combine(int vertex, VertexPart part, const Mat& factor) const {
+  const size_t first = matrix_.graph.row_map(row(vertex, part));
+  const size_t width = matrix_.graph.row_map(row(vertex, part) + 1) - first;
+  for (size_t k = 0; k < width; ++k) {
+    const Vec column{
+        {matrix_.values(first + k), matrix_.values(first + width + k), matrix_.values(first + 2 * width + k)}};
+    const Vec combined = factor * column;
+    for (int i = 0; i < 3; ++i) matrix_.values(first + i * width + k) = combined[i];
+  }
+}
+
+SpatialLoad spatial_load(const VertexLoad& load, double amplitude, const State& state) {
+  SpatialLoad spatial{amplitude * load.force, amplitude * load.moment};
+  if (load.frame == LoadFrame::follower) {
+    const Mat turn = rotation_matrix(load_quaternion(&state.views.vertex_rotation(load.vertex, 0)));
+    spatial = {turn * spatial.force, turn * spatial.moment};
+  }
+  return spatial;
+}
+
+void subtract_point_loads(const Conditions& conditions, const State& state, double load_factor, bool slope,
+                          const KernelView<double*>& rows) {
+  for (const VertexLoad& load : conditions.loads) {
+    const double amplitude = slope ? load.amplitude.slope(load_factor) : load.amplitude(load_factor);
+    const SpatialLoad spatial = spatial_load(load, amplitude, state);
+    for (int i = 0; i < 3; ++i) {
+      rows(vertex_row(load.vertex, i)) -= spatial.force[i];
+      rows(vertex_row(load.vertex, kMomentPart + i)) -= spatial.moment[i];
+    }
+  }
+}
+
+namespace {
+
+Vec axis(const VertexSupport& support, int i) { return {{support.axes(i, 0), support.axes(i, 1), support.axes(i, 2)}}; }
+
+Quat triad_of(const VertexSupport& support, const State& state) {
+  return load_quaternion(&state.views.vertex_rotation(support.vertex, 0));
+}
+
+Vec displacement_of(const VertexSupport& support, const State& state) {
+  return load_vector(&state.views.vertex_displacement(support.vertex, 0));
+}
+
+int hinge_axis(const VertexSupport& support) {
+  for (int i = 0; i < 3; ++i)
+    if (!support.fixed[3 + i]) return i;
+  return 2;
+}
+
+/// Swing of Lambda_V against the hinge's axis; its frame is the axes in cyclic order, that of the hinge last.
+SwingTwist hinge_swing(const VertexSupport& support, const State& state, Mat& frame) {
+  const int last = hinge_axis(support);
+  for (int row = 0; row < 3; ++row)
+    for (int c = 0; c < 3; ++c) frame(row, c) = support.axes((last + 1 + row) % 3, c);
+  return SwingTwist(triad_of(support, state), frame);
+}
+
+/// What the moment rows are multiplied by: row i is e_i, or T(theta) e_i.
+Mat moment_directions(const VertexSupport& support, const State& state) {
+  if (support.rotation_kind == SupportRotation::hinge) return support.axes;
+  return support.axes * transpose(tangent_map(continued_log(triad_of(support, state))));
+}
+
+}  // namespace
+
+void mark_fixed_rows(const VertexSupport& support, const KernelView<unsigned char*>& fixed) {
+  for (int c = 0; c < kVertexDofs; ++c)
+    if (support.fixed[c]) fixed(vertex_row(support.vertex, c)) = 1;
+}
+
+void project_rows(const VertexSupport& support, const State& state, const KernelView<double*>& rows) {
+  const int v = support.vertex;
+  if (support.turns_forces) set_rows_of(rows, v, kForcePart, support.axes * rows_of(rows, v, kForcePart));
+  if (turns_moment_rows(support))
+    set_rows_of(rows, v, kMomentPart, moment_directions(support, state) * rows_of(rows, v, kMomentPart));
+  for (int c = 0; c < kVertexDofs; ++c)
+    if (support.fixed[c]) rows(vertex_row(v, c)) = 0.0;
+}
+
+void set_support_rows(const VertexSupport& support, const State& state, double load_factor,
+                      const KernelView<double*>& rows) {
+  const double amplitude = support.amplitude(load_factor);
+  const int v = support.vertex;
+  const Vec u = support.axes * displacement_of(support, state);
+  for (int i = 0; i < 3; ++i) {
+    double& row = rows(vertex_row(v, i));
+    if (support.fixed[i])
+      row = u[i] - amplitude * support.displacement[i];
+    else
+      row += support.displacement_stiffness[i] * u[i];
+  }
+  switch (support.rotation_kind) {
+    case SupportRotation::free:
+      break;
+    case SupportRotation::fixed:  // the rotation from the prescribed triad to the present one
+      set_rows_of(rows, v, kMomentPart,
+                  log_quaternion(triad_of(support, state) * conjugate(exp_quaternion(amplitude * support.rotation))));
+      break;
+    case SupportRotation::hinge: {
+      Mat frame;
+      const SwingTwist swing = hinge_swing(support, state, frame);
+      for (int i = 0; i < 2; ++i) rows(vertex_row(v, 3 + (hinge_axis(support) + 1 + i) % 3)) = swing.swing[i];
+      break;
+    }
+    case SupportRotation::vector: {
+      const Vec theta = support.axes * continued_log(triad_of(support, state));
+      for (int i = 0; i < 3; ++i) {
+        double& row = rows(vertex_row(v, 3 + i));
+        row = support.fixed[3 + i] ? theta[i] : row + support.rotation_stiffness[i] * theta[i];
+      }
+      break;
+    }
+  }
+}
+
+void set_support_slopes(const VertexSupport& support, double load_factor, const KernelView<double*>& rows) {
+  const double slope = support.amplitude.slope(load_factor);
+  for (int i = 0; i < 3; ++i) {
+    if (support.fixed[i]) rows(vertex_row(support.vertex, i)) = -slope * support.displacement[i];
+    if (support.fixed[3 + i])
+      rows(vertex_row(support.vertex, 3 + i)) =
+          support.rotation_kind == SupportRotation::fixed ? -slope * support.rotation[i] : 0.0;
+  }
+}
+
+namespace {
+
+void turn_force_rows(const VertexSupport& support, const MatrixRows& matrix) {
+  const int v = support.vertex;
+  if (support.turns_forces) matrix.combine(v, kForcePart, support.axes);
+  for (int i = 0; i < 3; ++i) {
+    if (support.fixed[i]) {
+      matrix.clear(v, i);
+      matrix.add(v, i, v, kForcePart, axis(support, i));
+    } else if (support.displacement_stiffness[i] != 0.0) {
+      matrix.add(v, i, v, kForcePart, support.displacement_stiffness[i] * axis(support, i));
+    }
+  }
+}
+
+/// The two swings in the rows of the fixed axes.
+void set_hinge_rows(const VertexSupport& support, const State& state, const MatrixRows& matrix) {
+  Mat frame;
+  const SwingTwist swing = hinge_swing(support, state, frame);
+  for (int i = 0; i < 2; ++i) {
+    const int row = 3 + (hinge_axis(support) + 1 + i) % 3;
+    matrix.clear(support.vertex, row);
+    matrix.add(support.vertex, row, support.vertex, kMomentPart, transpose_times(frame, swing.swing_slope[i]));
+  }
+}
+
+/// d theta = T^-1 dtheta_V; the free rows (T e_i) . m also change with T.
+void set_rotation_vector_rows(const VertexSupport& support, const State& state, const Vec& moment,
+                              const MatrixRows& matrix) {
+  const int v = support.vertex;
+  const Vec theta = continued_log(triad_of(support, state));
+  const StumpffValues<double> c = stumpff(dot(theta, theta));
+  const Mat inverse = inverse_tangent_map(theta);
+  for (int i = 0; i < 3; ++i) {
+    Vec by_theta = axis(support, i);
+    if (support.fixed[3 + i])
+      matrix.clear(v, 3 + i);
+    else
+      by_theta = support.rotation_stiffness[i] * by_theta +
+                 transpose_times(tangent_map_derivative(theta, axis(support, i), c), moment);
+    matrix.add(v, 3 + i, v, kMomentPart, transpose_times(inverse, by_theta));
+  }
+}
+
+}  // namespace
+
+void project_matrix_rows(const VertexSupport& support, const State& state, const Vec& moment,
+                         const MatrixRows& matrix) {
+  turn_force_rows(support, matrix);
+  const int v = support.vertex;
+  if (turns_moment_rows(support)) matrix.combine(v, kMomentPart, moment_directions(support, state));
+  switch (support.rotation_kind) {
+    case SupportRotation::free:
+      break;
+    case SupportRotation::fixed:
+      for (int i = 3; i < kVertexDofs; ++i) matrix.clear(v, i);
+      matrix.add(v, kMomentPart, v, kMomentPart, identity_matrix<double>());
+      break;
+    case SupportRotation::hinge:
+      set_hinge_rows(support, state, matrix);
+      break;
+    case SupportRotation::vector:
+      set_rotation_vector_rows(support, state, moment, matrix);
+      break;
+  }
+}
+
+SpatialLoad support_reaction(const VertexSupport& support, const State& state, const Vec& force, const Vec& moment) {
+  const Vec u = support.axes * displacement_of(support, state), f = support.axes * force;
+  Vec reaction, turning{};
+  for (int i = 0; i < 3; ++i) reaction[i] = support.fixed[i] ? f[i] : -support.displacement_stiffness[i] * u[i];
+  SpatialLoad result{transpose_times(support.axes, reaction), moment};
+  if (support.rotation_kind == SupportRotation::free) result.moment = Vec{{0.0, 0.0, 0.0}};
+  if (!turns_moment_rows(support)) return result;
+  const Vec m = moment_directions(support, state) * moment;
+  const Vec theta = continued_log(triad_of(support, state)), components = support.axes * theta;
+  for (int i = 0; i < 3; ++i) turning[i] = support.fixed[3 + i] ? m[i] : -support.rotation_stiffness[i] * components[i];
+  result.moment = transpose_times(support.axes, turning);
+  if (support.rotation_kind == SupportRotation::vector)
+    result.moment = transpose_times(inverse_tangent_map(theta), result.moment);
+  return result;
+}
+
+double stored_energy(const VertexSupport& support, const State& state) {
+  const Vec u = support.axes * displacement_of(support, state);
+  double energy = 0.0;
+  for (int i = 0; i < 3; ++i) energy += 0.5 * support.displacement_stiffness[i] * u[i] * u[i];
+  if (support.rotation_kind != SupportRotation::vector) return energy;
+  const Vec theta = support.axes * continued_log(triad_of(support, state));
+  for (int i = 0; i < 3; ++i) energy += 0.5 * support.rotation_stiffness[i] * theta[i] * theta[i];
+  return energy;
+}
 
 ConstraintRows::ConstraintRows(const Conditions& conditions)
     : supports_(conditions.supports), joints_(conditions.joints) {

@@ -2,9 +2,8 @@
 /// between them (elements, or chains that were condensed to one link). Its structure never changes.
 #pragma once
 
-#include "discretization/constraints/conditions.hpp"
-#include "discretization/constraints/vertex_rows.hpp"
-#include "discretization/linear_system/chain_condensation.hpp"
+#include "discretization/constraints/constraint_rows.hpp"
+#include "discretization/linear_system/chain_structure.hpp"
 
 #include <vector>
 

@@ -11,9 +11,6 @@
 namespace mixbeam {
 namespace {
 
-using Vec = Vec3<double>;
-using Quat = Quaternion<double>;
-
 constexpr Vec kZero{{0.0, 0.0, 0.0}};
 // Mean of the relative rotation that is left: rounding. [radian]
 constexpr double kMeanTolerance = 1e-15;

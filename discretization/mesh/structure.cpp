@@ -2,7 +2,7 @@
 
 #include "discretization/mesh/reference_element.hpp"
 #include "discretization/text/member_error.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <cmath>

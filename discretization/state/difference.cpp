@@ -1,6 +1,6 @@
 #include "discretization/state/difference.hpp"
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/element.hpp"
 #include "kernels/math/constants.hpp"
 
 #include <Teuchos_CommHelpers.hpp>

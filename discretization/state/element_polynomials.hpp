@@ -2,7 +2,7 @@
 #pragma once
 
 #include "discretization/mesh/reference_element.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 namespace mixbeam {
 

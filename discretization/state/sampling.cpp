@@ -2,7 +2,7 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/structure_parts.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

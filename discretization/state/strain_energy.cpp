@@ -1,6 +1,6 @@
 /// Strain energy of a state and of its parts: see sampling.hpp and structure_parts.hpp.
 #include "discretization/state/structure_parts.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/section.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

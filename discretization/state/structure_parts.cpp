@@ -1,7 +1,8 @@
 #include "discretization/state/structure_parts.hpp"
 
+#include "discretization/assembly/equation_place.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <cmath>

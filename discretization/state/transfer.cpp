@@ -1,7 +1,7 @@
 #include "discretization/state/transfer.hpp"
 
 #include "discretization/state/element_polynomials.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 

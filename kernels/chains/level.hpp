@@ -6,6 +6,8 @@
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 
+#include <vector>
+
 namespace mixbeam {
 
 /// Matrices of links: those of the elements, then those of condensed runs.
@@ -43,6 +45,12 @@ struct ChainLevel {
   int eliminations() const { return static_cast<int>(link.extent(0)) - packs; }
 };
 
+/// A whole elimination. Links are the elements, then the runs of all levels.
+struct ChainLevels {
+  int elements = 0, runs = 0;
+  std::vector<ChainLevel> levels;
+};
+
 /// (step - pack - 1 for all but the first step of a pack, VertexFactors of all lanes)
 using ChainFactors = KernelView<double**>;
 /// (run of all levels): pivots below zero, those of theory (47); least
@@ -65,5 +73,60 @@ void condense_rows(const ChainLevel& level, int elements, const KernelView<const
 /// Eliminated vertices from the solution at the ends of the runs, after condense_rows.
 template <int N>
 void expand_runs(const ChainLevel& level, const ChainFactors& factors, const KernelView<double*>& x);
+
+/// The numbers of an elimination with N unknowns for each vertex.
+template <int N>
+class ChainCondensation {
+ public:
+  using ElementMatrices = KernelView<const double**>;  ///< LinkMatrices::elements
+
+  /// `chains` must outlive this.
+  explicit ChainCondensation(const ChainLevels& chains)
+      : chains_(chains),
+        run_matrices_("mixbeam::chains::matrices", chains.runs),
+        arrived_("mixbeam::chains::arrived", chains.runs),
+        pivots_("mixbeam::chains::pivots", chains.runs) {
+    // not initialised: the threads that write them first get their pages
+    for (const ChainLevel& level : chains.levels)
+      factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
+                            level.eliminations(), vertex_factor_size(N) * kLanes);
+  }
+
+  LinkMatrices<N> matrices(const ElementMatrices& element_tangents) const { return {element_tangents, run_matrices_}; }
+  /// (run, 2 N): what condense_rows() adds to the rows of the end vertices of each run; run = link - elements.
+  const KernelView<double* [2 * N]>& arrived() const { return arrived_; }
+
+  struct Pivots {
+    long negative = 0;      ///< below zero
+    double smallest = 1.0;  ///< least |pivot| / |its diagonal entry|; not a number or zero: singular
+  };
+  /// Eliminates; the elements' tangents must be symmetric wherever a vertex is eliminated.
+  Pivots factorize(const ElementMatrices& element_tangents) {
+    const LinkMatrices<N> all = matrices(element_tangents);
+    for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(chains_.levels[l], all, factors_[l], pivots_);
+    Pivots result;
+    for (int run = 0; run < chains_.runs; ++run) {
+      result.negative += static_cast<long>(pivots_(run, 0));
+      if (!(pivots_(run, 1) >= result.smallest)) result.smallest = pivots_(run, 1);
+    }
+    return result;
+  }
+  /// First half of a solve: eliminated rows of `rows` (N * local vertex + component) leave x half done.
+  void condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
+    for (size_t l = 0; l < factors_.size(); ++l)
+      mixbeam::condense_rows<N>(chains_.levels[l], chains_.elements, rows, factors_[l], arrived_, x);
+  }
+  /// Second half: eliminated entries of x from the others.
+  void expand(const KernelView<double*>& x) const {
+    for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(chains_.levels[l], factors_[l], x);
+  }
+
+ private:
+  const ChainLevels& chains_;
+  std::vector<ChainFactors> factors_;  ///< (level)
+  KernelView<double * [4 * N * N]> run_matrices_;
+  KernelView<double * [2 * N]> arrived_;
+  ChainPivots pivots_;
+};
 
 }  // namespace mixbeam

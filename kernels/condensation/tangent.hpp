@@ -4,7 +4,7 @@
 #pragma once
 
 #include "kernels/condensation/reduced_system.hpp"
-#include "kernels/element/gradient.hpp"
+#include "kernels/element/element.hpp"
 
 namespace mixbeam {
 

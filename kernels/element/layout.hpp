@@ -4,6 +4,7 @@
 #include "kernels/element/force_integration.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
+#include "kernels/math/rotation.hpp"
 
 namespace mixbeam {
 
@@ -166,5 +167,31 @@ struct ElementFields {
            values[static_cast<int>(LineField::follower_couple)] != nullptr;
   }
 };
+
+using Vec = Vec3<double>;
+using Mat = Mat3<double>;
+using Quat = Quaternion<double>;
+
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Vec3<Real> load_vector(const Real* x) {
+  return {{x[0], x[1], x[2]}};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_vector(const Vec3<Real>& v, Real* x) {
+  x[0] = v[0];
+  x[1] = v[1];
+  x[2] = v[2];
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION Quaternion<Real> load_quaternion(const Real* x) {
+  return {x[0], x[1], x[2], x[3]};
+}
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void store_quaternion(const Quaternion<Real>& q, Real* x) {
+  x[0] = q.w;
+  x[1] = q.x;
+  x[2] = q.y;
+  x[3] = q.z;
+}
 
 }  // namespace mixbeam

@@ -2,7 +2,7 @@
 /// are independent, so fields may vary in any way; k + 1 points integrate polynomial loads of degree k + 1 exactly.
 #pragma once
 
-#include "kernels/element/gradient.hpp"
+#include "kernels/element/element.hpp"
 
 namespace mixbeam {
 

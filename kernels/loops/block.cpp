@@ -1,9 +1,9 @@
 #include "kernels/loops/block.hpp"
 
-#include "kernels/condensation/tangent.hpp"
-#include "kernels/element/kinematics.hpp"
-#include "kernels/loops/cap_compliance.hpp"
+#include "kernels/element/section.hpp"
 #include "kernels/loops/dispatch.hpp"
+
+#include <cmath>
 
 namespace mixbeam {
 
@@ -50,6 +50,125 @@ void condense_right_hand_side(const ElementBlock& block, const StructureViews& s
   });
 }
 
+void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
+  for_kind(block, [&](auto order, auto general) {
+    recover_loop<order.value, general.value, kLanes>(block, state, equations, vertex_increment, increment);
+  });
+}
+
+namespace {
+
+// The difference between the equations and their capped tangent, theory (37): the compliance that the cap adds where a
+// section is (nearly) rigid, times increments of N and M.
+
+/// Compliance that the tangent adds to the diagonal of S (capped_compliance): zero where the cap is not reached.
+KOKKOS_INLINE_FUNCTION Vec cap_compliance(const Mat& compliance, double limit) {
+  Vec added{{0.0, 0.0, 0.0}};
+  for (int i = 0; i < 3; ++i)
+    if (compliance(i, i) < 1.0 / limit) added[i] = 1.0 / limit - compliance(i, i);
+  return added;
+}
+
+KOKKOS_INLINE_FUNCTION Vec scaled_by(const Vec& factor, const Vec& v) {
+  return {{factor[0] * v[0], factor[1] * v[1], factor[2] * v[2]}};
+}
+
+/// `d`, `rows`: increments layout of one element; the rows come zeroed.
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_cap_compliance(const SectionConstants& section, const InteriorLayout& layout,
+                                               const ElementTables<K>& tables, double length, const double* d,
+                                               double* rows) {
+  const Vec force = load_vector(section.force_cap_compliance), moment = load_vector(section.moment_cap_compliance);
+  for (int q = 0; q < layout.force_points; ++q) {
+    const Vec masked{{tables.axial[q] * force[0], tables.shear[q] * force[1], tables.shear[q] * force[2]}};
+    store_vector(scaled_by(masked, load_vector(d + layout.force(q))), rows + layout.force(q));
+  }
+  for (int j = 0; j <= K; ++j)
+    store_vector((length / (2 * j + 1)) * scaled_by(moment, load_vector(d + layout.moment(j))),
+                 rows + layout.moment(j));
+}
+template <int K>
+KOKKOS_INLINE_FUNCTION void add_cap_compliance(const GeneralSection<>& section, const InteriorLayout& layout,
+                                               const ElementTables<K>& tables, double length, const double* d,
+                                               double* rows) {
+  for (int q = 0; q < layout.force_points; ++q) {
+    const Vec added = cap_compliance(section.force_force(q), section.force_stiffness_limit);
+    store_vector(scaled_by(added, load_vector(d + layout.force(q))), rows + layout.force(q));
+  }
+  for (int q = 0; q <= K; ++q) {
+    const Vec added = cap_compliance(section.moment_moment(q), section.moment_stiffness_limit);
+    const double* P = tables.moment_legendre[q];
+    Vec moment{{0.0, 0.0, 0.0}};
+    for (int j = 0; j <= K; ++j) moment += P[j] * load_vector(d + layout.moment(j));
+    const Vec strain = (0.5 * length * tables.moment_weight[q]) * scaled_by(added, moment);
+    for (int j = 0; j <= K; ++j)
+      for (int i = 0; i < 3; ++i) rows[layout.moment(j) + i] += P[j] * strain[i];
+  }
+}
+
+template <int K, bool General>
+struct CapComplianceLoop {
+  KernelView<const double**> reference, compliance;
+  KernelView<const int*> member;
+  KernelView<const SectionConstants*> section;
+  KernelView<const double*> increment;
+  KernelView<double*> rows;
+  InteriorLayout layout;
+  ElementTables<K> tables;
+  size_t increment_offset;
+
+  CapComplianceLoop(const ElementBlock& block, const StructureViews& structure, const KernelView<const double*>& d,
+                    const KernelView<double*>& out)
+      : reference(block.reference),
+        compliance(block.compliance),
+        member(block.member),
+        section(structure.member_section),
+        increment(d),
+        rows(out),
+        layout(block.interior),
+        tables(block.force_integration),
+        increment_offset(block.increment_offset) {}
+
+  KOKKOS_INLINE_FUNCTION size_t first_row(int e) const {
+    return increment_offset + static_cast<size_t>(e) * layout.increments();
+  }
+  KOKKOS_INLINE_FUNCTION void operator()(int e) const { compute(e, rows.data() + first_row(e)); }
+  KOKKOS_INLINE_FUNCTION void compute(int e, double* out) const {
+    const double* d = increment.data() + first_row(e);
+    for (int i = 0; i < layout.increments(); ++i) out[i] = 0.0;
+    const SectionConstants& constants = section(member(e));
+    if constexpr (General) {
+      const GeneralSection<> general{&compliance(e, 0),
+                                     {layout.order, layout.force_points},
+                                     constants.force_stiffness_limit,
+                                     constants.moment_stiffness_limit};
+      add_cap_compliance<K>(general, layout, tables, reference(e, 0), d, out);
+    } else {
+      add_cap_compliance<K>(constants, layout, tables, reference(e, 0), d, out);
+    }
+  }
+};
+
+/// The largest row alone, divided by its scale.
+template <int K, bool General>
+struct LargestCapRowLoop {
+  CapComplianceLoop<K, General> cap;
+  ResidualScales scales;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int e, double& largest) const {
+    double row[InteriorLayout{K, ElementTables<K>::kMaximumForcePoints}.increments()];
+    cap.compute(e, row);
+    scale_interior_rows(cap.layout, scales, cap.reference(e, 0), false, row);
+    for (int i = 0; i < cap.layout.relative_rotation(1); ++i) {
+      const double a = row[i] < 0.0 ? -row[i] : row[i];
+      if (!(a <= largest)) largest = a == a ? a : HUGE_VAL;
+    }
+  }
+};
+
+}  // namespace
+
 void cap_compliance_rows(const ElementBlock& block, const StructureViews& structure,
                          const KernelView<const double*>& increment, const KernelView<double*>& rows) {
   for_kind(block, [&](auto order, auto general) {
@@ -69,13 +188,6 @@ double largest_cap_row(const ElementBlock& block, const StructureViews& structur
                             loop, Kokkos::Max<double>(largest));
   });
   return largest;
-}
-
-void recover_interior(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
-                      const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
-  for_kind(block, [&](auto order, auto general) {
-    recover_loop<order.value, general.value, kLanes>(block, state, equations, vertex_increment, increment);
-  });
 }
 
 }  // namespace mixbeam

@@ -1,5 +1,5 @@
 /// All elements of one order and integration rule, and the parallel loops over them. Data layout lives here; the
-/// mathematics is in element/gradient.hpp and condensation/tangent.hpp.
+/// mathematics is in element/element.hpp and condensation/tangent.hpp.
 #pragma once
 
 #include "kernels/condensation/condensed_layout.hpp"

@@ -3,7 +3,7 @@
 /// of vertices (ElementEquations::planar_rows) and tangents are in the plane.
 #pragma once
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 

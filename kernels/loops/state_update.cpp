@@ -1,4 +1,3 @@
-#include "kernels/element/kinematics.hpp"
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 #include "kernels/math/rotation.hpp"

@@ -37,4 +37,7 @@ KOKKOS_INLINE_FUNCTION void integrated_legendre(int degree, double xi, double* v
   }
 }
 
+/// P_j at an end of the element: (+-1)^j.
+KOKKOS_INLINE_FUNCTION double end_value(int end, int j) { return end == 0 && j % 2 == 1 ? -1.0 : 1.0; }
+
 }  // namespace mixbeam

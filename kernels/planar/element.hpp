@@ -1,5 +1,5 @@
 /// One element of order k that moves in a plane, with k Gauss points for its force strain: the equations of
-/// element/gradient.hpp and condensation/tangent.hpp with numbers in place of rotation vectors, theory (31) and theory
+/// element/element.hpp and condensation/tangent.hpp with numbers in place of rotation vectors, theory (31) and theory
 /// (32). `Real` is double, or a Pack of elements side by side.
 ///
 /// The angle of a section is that of Lambda_lo plus psi = sum_{j >= 1} psi_j P_j; its increment is alpha = sum_{j >= 0}

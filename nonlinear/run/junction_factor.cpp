@@ -1,6 +1,6 @@
 #include "nonlinear/run/junction_factor.hpp"
 
-#include "discretization/linear_system/chain_condensation.hpp"
+#include "discretization/linear_system/chain_structure.hpp"
 #include "discretization/scene/joined_ends.hpp"
 #include "nonlinear/multilevel/network_solver.hpp"
 

@@ -1,8 +1,8 @@
 // The assembled equations: row gather against the naive sum, Newton's increment against differences of the mixed
 // residual, and scales that make units disappear.
-#include "discretization/assembly/tangent.hpp"
+#include "discretization/assembly/equation_place.hpp"
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 #include "tests/support/ranks.hpp"
 #include "tests/support/scene_units.hpp"
 #include "tests/support/scenes.hpp"

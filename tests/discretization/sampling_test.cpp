@@ -1,7 +1,7 @@
 // Fields of configurations that are known at every point.
 #include "discretization/state/sampling.hpp"
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/legendre.hpp"
 #include "tests/support/ranks.hpp"

@@ -2,7 +2,7 @@
 #include "discretization/state/transfer.hpp"
 
 #include "discretization/state/sampling.hpp"
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/ranks.hpp"
 #include "tests/support/states.hpp"
@@ -104,7 +104,8 @@ TEST(StateTransfer, UndeformedStaysUndeformed) {
   for (const Scene& scene : {spline(1, 4), fork(1, 2)})
     for (int order : {1, 2, 4, 8})
       for (int elements : {3, 4, 7}) {
-        const Model from(scene, this_rank(), {}), to(with_elements(with_orders(scene, order), elements), this_rank(), {});
+        const Model from(scene, this_rank(), {}),
+            to(with_elements(with_orders(scene, order), elements), this_rank(), {});
         const State carried = transfer(from, from.reference_state(), to);
         EXPECT_LT(largest_difference(to, to.reference_state(), to, carried), kRounding) << order << " " << elements;
       }

@@ -1,9 +1,7 @@
 /// Elements side by side in the lanes of packs give what elements one by one give.
 #include "kernels/condensation/interior_factor.hpp"
 #include "kernels/loops/dispatch.hpp"
-#include "kernels/loops/recovery.hpp"
-#include "kernels/loops/residual.hpp"
-#include "kernels/loops/tangent.hpp"
+#include "kernels/loops/element_loops.hpp"
 #include "kernels/math/rotation.hpp"
 #include "tests/kernels/general_section_energy.hpp"
 #include "tests/support/worst_error.hpp"

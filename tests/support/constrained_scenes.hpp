@@ -1,7 +1,7 @@
 /// Scenes with joints, springs and supports in any axes, and the same scenes turned in space.
 #pragma once
 
-#include "kernels/element/kinematics.hpp"
+#include "kernels/element/layout.hpp"
 #include "tests/support/scene_units.hpp"
 #include "tests/support/scenes.hpp"
 

@@ -5,11 +5,9 @@
 #include "kernels/element/layout.hpp"
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/dispatch.hpp"
+#include "kernels/loops/element_loops.hpp"
 #include "kernels/loops/planar_block.hpp"
 #include "kernels/loops/planar_loops.hpp"
-#include "kernels/loops/recovery.hpp"
-#include "kernels/loops/residual.hpp"
-#include "kernels/loops/tangent.hpp"
 #include "kernels/math/rotation.hpp"
 
 namespace mixbeam {
@@ -75,12 +73,9 @@ double flops_of(const Loop& loop) {
 template <int K>
 ElementOperations operations_in_space(const CountedElement& e) {
   const ElementGather<K, false, kCounted> gather(e.block, e.structure, e.state);
-  const size_t offset = e.block.response_offset;
-  const int size = e.block.response_size();
   return {flops_of(ResidualLoop<K, false, kCounted>{gather, e.equations}),
-          flops_of(TangentLoop<K, false, kCounted>{gather, e.equations, {}, offset, size}),
-          flops_of(RecoverLoop<K, false, kCounted>{gather, e.equations.response, e.vertex_increment, e.increment,
-                                                   offset, size})};
+          flops_of(TangentLoop<K, false, kCounted>{gather, e.equations, {}}),
+          flops_of(RecoverLoop<K, false, kCounted>{gather, e.equations.response, e.vertex_increment, e.increment})};
 }
 
 template <int K>

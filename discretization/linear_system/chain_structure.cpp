@@ -1,4 +1,4 @@
-#include "discretization/linear_system/chain_condensation.hpp"
+#include "discretization/linear_system/chain_structure.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -29,8 +29,8 @@ struct Touching {
 
 }  // namespace
 
-ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept)
-    : elements_(static_cast<int>(ends.size())) {
+ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std::vector<unsigned char> kept) {
+  levels_.elements = static_cast<int>(ends.size());
   std::vector<Chain> chains = trace(ends, kept);
   eliminated_.assign(kept.size(), 0);
   for (const Chain& chain : chains)
@@ -53,7 +53,7 @@ ChainStructure::ChainStructure(const std::vector<std::array<int, 2>>& ends, std:
 std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::array<int, 2>>& ends,
                                                          std::vector<unsigned char>& kept) const {
   std::vector<Touching> touching(kept.size());
-  for (int e = 0; e < elements_; ++e)
+  for (int e = 0; e < levels_.elements; ++e)
     for (int vertex : ends[e]) {
       Touching& t = touching[vertex];
       if (t.count < 2) t.element[t.count] = e;
@@ -78,10 +78,10 @@ std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::
     }
     chains.push_back(std::move(chain));
   };
-  for (int e = 0; e < elements_; ++e)
+  for (int e = 0; e < levels_.elements; ++e)
     for (int end = 0; end < 2; ++end)
       if (!taken[e] && kept[ends[e][end]]) follow(e, end);
-  for (int e = 0; e < elements_; ++e) {
+  for (int e = 0; e < levels_.elements; ++e) {
     if (taken[e]) continue;
     kept[ends[e][0]] = 1;
     follow(e, 0);
@@ -92,7 +92,7 @@ std::vector<ChainStructure::Chain> ChainStructure::trace(const std::vector<std::
 /// Cuts every chain of more than one link into runs of nearly equal length, each of which becomes a link.
 void ChainStructure::add_level(std::vector<Chain>& chains) {
   std::vector<Run> runs;
-  const int first_run = runs_;
+  const int first_run = levels_.runs;
   std::vector<Chain> shorter(chains.size());
   for (size_t c = 0; c < chains.size(); ++c) {
     const int links = static_cast<int>(chains[c].links.size());
@@ -106,11 +106,11 @@ void ChainStructure::add_level(std::vector<Chain>& chains) {
       const int begin = static_cast<int>(static_cast<long>(links) * r / count);
       const int end = static_cast<int>(static_cast<long>(links) * (r + 1) / count);
       runs.push_back({static_cast<int>(c), begin, end});
-      shorter[c].links.push_back(2 * (elements_ + runs_++));
+      shorter[c].links.push_back(2 * (levels_.elements + levels_.runs++));
       shorter[c].vertices.push_back(chains[c].vertices[end]);
     }
   }
-  levels_.push_back(pack(chains, runs, first_run));
+  levels_.levels.push_back(pack(chains, runs, first_run));
   chains = std::move(shorter);
 }
 
@@ -146,43 +146,5 @@ ChainLevel ChainStructure::pack(const std::vector<Chain>& chains, const std::vec
     }
   return level;
 }
-
-template <int N>
-ChainCondensation<N>::ChainCondensation(const ChainStructure& structure)
-    : structure_(structure),
-      run_matrices_("mixbeam::chains::matrices", structure.runs()),
-      arrived_("mixbeam::chains::arrived", structure.runs()),
-      pivots_("mixbeam::chains::pivots", structure.runs()) {
-  // not initialised: the threads that write them first get their pages
-  for (const ChainLevel& level : structure.levels())
-    factors_.emplace_back(Kokkos::view_alloc("mixbeam::chains::factors", Kokkos::WithoutInitializing),
-                          level.eliminations(), vertex_factor_size(N) * kLanes);
-}
-
-template <int N>
-typename ChainCondensation<N>::Pivots ChainCondensation<N>::factorize(const ElementMatrices& element_tangents) {
-  const LinkMatrices<N> all = matrices(element_tangents);
-  for (size_t l = 0; l < factors_.size(); ++l) condense_runs<N>(structure_.levels()[l], all, factors_[l], pivots_);
-  Pivots result;
-  for (int run = 0; run < structure_.runs(); ++run) {
-    result.negative += static_cast<long>(pivots_(run, 0));
-    if (!(pivots_(run, 1) >= result.smallest)) result.smallest = pivots_(run, 1);
-  }
-  return result;
-}
-
-template <int N>
-void ChainCondensation<N>::condense_rows(const KernelView<const double*>& rows, const KernelView<double*>& x) {
-  for (size_t l = 0; l < factors_.size(); ++l)
-    mixbeam::condense_rows<N>(structure_.levels()[l], structure_.elements(), rows, factors_[l], arrived_, x);
-}
-
-template <int N>
-void ChainCondensation<N>::expand(const KernelView<double*>& x) const {
-  for (size_t l = factors_.size(); l-- > 0;) expand_runs<N>(structure_.levels()[l], factors_[l], x);
-}
-
-template class ChainCondensation<kSpatialDofs>;
-template class ChainCondensation<kPlanarDofs>;
 
 }  // namespace mixbeam

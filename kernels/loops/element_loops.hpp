@@ -1,0 +1,350 @@
+/// The loops over the elements of a block, of one order and kind of section: residual, condensed tangent, recovery of
+/// the interiors. Views become named values, of as many elements at once as there are lanes; each index is such a pack.
+#pragma once
+
+#include "kernels/condensation/condensation.hpp"
+#include "kernels/condensation/interior_factor.hpp"
+#include "kernels/condensation/line_fields_tangent.hpp"
+#include "kernels/loops/block.hpp"
+
+namespace mixbeam {
+
+/// Values of a line field that an element does not have, where one beside it has it.
+inline constexpr double kNoField[3 * ElementTables<kMaximumOrder>::kMaximumForcePoints] = {};
+
+/// Views of one block. Captured by value: inside a kernel no View is copied.
+template <int K, bool General, int W>
+struct ElementGather {
+  KernelView<const double**> reference;
+  KernelView<const int* [2]> vertices;
+  KernelView<const int*> member;
+  KernelView<const double* [3]> vertex_displacement;
+  KernelView<const double*[4]> vertex_rotation, element_triad;
+  KernelView<const double*> interior;
+  KernelView<const SectionConstants*> section;
+  KernelView<const double**> compliance;
+  KernelView<const int* [kLineFields]> field_row;
+  KernelView<const double* [3]> field_value;
+  InteriorLayout layout;
+  ReferenceLayout reference_layout;
+  ElementTables<K> tables;
+  int count, first_element, response_size;
+  size_t interior_offset, increment_offset, response_offset;
+
+  /// `structure` without sections: they are not asked for.
+  // always inlined, as eliminate_rows()
+  KOKKOS_FORCEINLINE_FUNCTION ElementGather(const ElementBlock& block, const StructureViews& structure,
+                                            const StateViews& state)
+      : reference(block.reference),
+        vertices(block.vertices),
+        member(block.member),
+        vertex_displacement(state.vertex_displacement),
+        vertex_rotation(state.vertex_rotation),
+        element_triad(state.element_triad),
+        interior(state.interior),
+        section(structure.member_section),
+        compliance(block.compliance),
+        field_row(block.field_row),
+        field_value(block.field_value),
+        layout(block.interior),
+        reference_layout(block.reference_layout),
+        tables(block.force_integration),
+        count(block.count),
+        first_element(block.first_element),
+        response_size(block.response_size()),
+        interior_offset(block.interior_offset),
+        increment_offset(block.increment_offset),
+        response_offset(block.response_offset) {}
+
+  KOKKOS_INLINE_FUNCTION const double* interior_of(int e) const {
+    return interior.data() + interior_offset + static_cast<size_t>(e) * layout.unknowns();
+  }
+  /// First number of element e in arrays of increments and of interior residuals.
+  KOKKOS_INLINE_FUNCTION size_t increment_of(int e) const {
+    return increment_offset + static_cast<size_t>(e) * layout.increments();
+  }
+  /// The same in what the tangent keeps of the interiors.
+  KOKKOS_INLINE_FUNCTION size_t response_of(int e) const {
+    return response_offset + static_cast<size_t>(e) * response_size;
+  }
+  KOKKOS_INLINE_FUNCTION bool has_fields() const { return field_row.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION ElementFields<> fields(int e) const {
+    ElementFields<> result;
+    for (int i = 0; i < kLineFields; ++i)
+      if (field_row(e, i) >= 0) result.values[i] = &field_value(field_row(e, i), 0);
+    return result;
+  }
+};
+
+/// The numbers of the elements of one pack.
+template <int K, bool General, int W>
+struct ElementPack {
+  using Real = Pack<W>;
+  using Gather = ElementGather<K, General, W>;
+  static constexpr int kForcePoints = ElementTables<K>::kMaximumForcePoints;
+  static constexpr int kIncrements = InteriorLayout{K, kForcePoints}.increments();
+  RowsInLanes<W> lanes;
+  ElementInput<Real> in;
+  SectionOf<General, Real> section;
+  ElementFields<Real> fields;
+
+  KOKKOS_FORCEINLINE_FUNCTION ElementPack(const Gather& gather, int pack) : lanes(pack, gather.count) {
+    Real x[4];
+    for (int end = 0; end < 2; ++end) {
+      const auto vertex = [&](int e) { return gather.vertices(e, end); };
+      lanes.load([&](int e) { return &gather.vertex_displacement(vertex(e), 0); }, 3, x);
+      in.displacement[end] = load_vector(x);
+      lanes.load([&](int e) { return &gather.vertex_rotation(vertex(e), 0); }, 4, x);
+      in.vertex_rotation[end] = load_quaternion(x);
+    }
+    lanes.load([&](int e) { return &gather.element_triad(gather.first_element + e, 0); }, 4, x);
+    in.triad = load_quaternion(x);
+    lanes.load([&](int e) { return gather.interior_of(e); }, gather.layout.unknowns(), interior_);
+    lanes.load([&](int e) { return &gather.reference(e, 0); }, gather.reference_layout.size(), reference_);
+    in.interior = interior_;
+    in.reference = reference_;
+    if (gather.section.extent(0) > 0) load_section(gather);
+    if (gather.has_fields()) {
+      const RowsInLanes<W> rows = lanes;
+      load_fields(gather, rows, field_, fields);
+    }
+  }
+
+ private:
+  Real interior_[InteriorLayout{K, kForcePoints}.unknowns()], reference_[ReferenceLayout{K, kForcePoints}.size()];
+  Real compliance_[General ? GeneralSectionLayout{K, kForcePoints}.size() : 1];
+  Real field_[kLineFields][3 * kForcePoints];
+
+  KOKKOS_FORCEINLINE_FUNCTION void load_section(const Gather& gather) {
+    const auto constants = [&](int e) -> const SectionConstants& { return gather.section(gather.member(e)); };
+    if constexpr (General) {
+      section.layout = {gather.layout.order, gather.layout.force_points};
+      lanes.load([&](int e) { return &gather.compliance(e, 0); }, section.layout.size(), compliance_);
+      section.compliance = compliance_;
+      lanes.load([&](int e) { return &constants(e).force_stiffness_limit; }, 1, &section.force_stiffness_limit);
+      lanes.load([&](int e) { return &constants(e).moment_stiffness_limit; }, 1, &section.moment_stiffness_limit);
+    } else {
+      lanes.load([&](int e) { return constants(e).numbers(); }, SectionConstants::kCount, section.numbers());
+    }
+  }
+  // Static, so that nothing else of the pack has its address taken.
+  KOKKOS_FUNCTION __attribute__((noinline)) static void load_fields(const Gather& gather, const RowsInLanes<W>& rows,
+                                                                    Real (*numbers)[3 * kForcePoints],
+                                                                    ElementFields<Real>& fields) {
+    for (int i = 0; i < kLineFields; ++i) {
+      bool some_have_it = false;
+      for (const int e : rows.row) some_have_it = some_have_it || gather.field_row(e, i) >= 0;
+      if (!some_have_it) continue;
+      const auto values_of = [&](int e) {
+        const int row = gather.field_row(e, i);
+        return row < 0 ? kNoField : &gather.field_value(row, 0);
+      };
+      const int points = line_field_points(static_cast<LineField>(i), K, gather.layout.force_points);
+      rows.load(values_of, 3 * points, numbers[i]);
+      fields.values[i] = numbers[i];
+    }
+  }
+};
+
+template <int K, bool General, int W>
+struct ResidualLoop {
+  ElementGather<K, General, W> gather;
+  ElementEquations to;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const {
+    using Real = Pack<W>;
+    const ElementPack<K, General, W> pack(gather, number);
+    const ElementKinematics<K, Real> kinematics(pack.in, gather.layout);
+    ElementGradient<K, Real> gradient;
+    element_gradient(pack.in, kinematics, gather.tables, gather.layout, gather.reference_layout, pack.section,
+                     gradient);
+    if (gather.has_fields()) add_field_gradient(pack.fields, kinematics, gather.tables, gradient);
+    Real interior_row[pack.kIncrements], vertex_row[12];
+    store_residual(gradient, kinematics, gather.layout, interior_row, vertex_row);
+    if (to.scales_interior)
+      scale_interior_rows(gather.layout, to.interior_scales, kinematics.length, false, interior_row);
+    const auto interior_of = [&](int e) { return &to.interior_residual(gather.increment_of(e)); };
+    pack.lanes.store(interior_row, 0, gather.layout.increments(), interior_of);
+    pack.lanes.store(vertex_row, 0, 12, [&](int e) { return &to.residual(gather.first_element + e, 0); });
+    for (int lane = 0; lane < pack.lanes.active; ++lane)
+      to.largest_end_angle(gather.first_element + pack.lanes.row[lane]) = gradient.largest_end_angle[lane];
+  }
+};
+
+template <int K, bool General, int W>
+void residual_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                   const ElementEquations& equations) {
+  const ResidualLoop<K, General, W> loop{ElementGather<K, General, W>(block, structure, state), equations};
+  Kokkos::parallel_for("mixbeam::elements::residual",
+                       Kokkos::RangePolicy<ExecutionSpace>(0, RowsInLanes<W>::packs(block.count)), loop);
+}
+
+template <int K, bool General, int W>
+struct TangentLoop {
+  using Real = Pack<W>;
+  using Elements = ElementPack<K, General, W>;
+  using Kinematics = ElementKinematics<K, Real>;
+  using Condensed = CondensedElement<K, General, Real>;
+  static constexpr int kCount = RowsInLanes<W>::kCount;
+
+  ElementGather<K, General, W> gather;
+  ElementEquations to;
+  KernelView<const double*> given_rhs;  ///< empty: the residual of the state
+
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const {
+    const Elements pack(gather, number);
+    const Kinematics kinematics(pack.in, gather.layout);
+    Condensed element;
+    clear(element.gradient);
+    if (!own_gradient())
+      load_given_gradient(pack.lanes, kinematics, element.gradient);
+    else if (gather.has_fields())
+      add_field_gradient(pack.fields, kinematics, gather.tables, element.gradient);
+    element.build(gather.tables, gather.layout, gather.reference_layout, pack.in, kinematics, pack.section,
+                  own_gradient());
+    InteriorSigns signs[kCount];
+    MeanRows<K> mean_rows[kCount];
+    solve_in_lanes(element.system, element.response, element.condensed, counts() ? signs : nullptr);
+    const bool has_potential = !pack.fields.have_no_potential();
+    if (!has_potential) {
+      const Kinematics copy = kinematics;  // only this one has its address taken
+      solve_with_fields(pack.lanes, copy, element, mean_rows, signs);
+    }
+    for (int lane = 0; counts() && lane < pack.lanes.active; ++lane) store_signs(pack.lanes.row[lane], signs[lane]);
+    const auto response_of = [&](int e) { return to.response.data() + gather.response_of(e); };
+    const auto store = [&](int first, int count, const Real* numbers) {
+      pack.lanes.store(numbers, first, count, response_of);
+    };
+    element.store_response(gather.tables, gather.layout, kinematics, pack.section, store);
+    store_condensed(pack.lanes, kinematics, element);
+    if (!has_potential) {
+      const Kinematics copy = kinematics;
+      add_mean_rows(pack.lanes, copy, element, mean_rows);
+    }
+  }
+
+ private:
+  KOKKOS_INLINE_FUNCTION bool own_gradient() const { return given_rhs.extent(0) == 0; }
+  KOKKOS_INLINE_FUNCTION bool counts() const { return to.interior_negative.extent(0) > 0; }
+  KOKKOS_INLINE_FUNCTION double* tangent_of(int e) const { return &to.condensed_tangent(gather.first_element + e, 0); }
+  KOKKOS_INLINE_FUNCTION double* residual_of(int e) const {
+    return &to.condensed_residual(gather.first_element + e, 0);
+  }
+  KOKKOS_INLINE_FUNCTION bool has_no_potential(int e) const {
+    return gather.has_fields() && gather.fields(e).have_no_potential();
+  }
+
+  KOKKOS_FORCEINLINE_FUNCTION void load_given_gradient(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
+                                                       ElementGradient<K, Real>& gradient) const {
+    Real rhs[Elements::kIncrements];
+    lanes.load([&](int e) { return &given_rhs(gather.increment_of(e)); }, gather.layout.increments(), rhs);
+    add_given_gradient(rhs, kinematics, gather.layout, gradient);
+  }
+  KOKKOS_INLINE_FUNCTION void store_signs(int e, const InteriorSigns& signs) const {
+    to.interior_negative(gather.first_element + e) = signs.uncertain ? kUncertainCount : signs.negative;
+  }
+  KOKKOS_FORCEINLINE_FUNCTION void store_condensed(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
+                                                   const Condensed& element) const {
+    Real tangent[kSymmetricTangent], residual[12];
+    symmetric_tangent(element.condensed.matrix, kinematics.triad, kinematics.length, tangent);
+    if (to.condensed_tangent.extent(1) == kSymmetricTangent)
+      lanes.store(tangent, 0, kSymmetricTangent, [&](int e) { return tangent_of(e); });
+    else
+      store_full(lanes, Kinematics(kinematics), element.condensed, tangent);
+    const Vec3<Real>* gradient = element.condensed.gradient;
+    store_vertex_rows(gradient[0], gradient[1], gradient[2], element.gradient, kinematics, residual);
+    lanes.store(residual, 0, 12, [&](int e) { return residual_of(e); });
+  }
+  /// For a structure of which some element has no potential.
+  KOKKOS_FUNCTION __attribute__((noinline)) void store_full(const RowsInLanes<W>& lanes, const Kinematics& kinematics,
+                                                            const VertexSystem<Real>& condensed,
+                                                            const Real* symmetric) const {
+    for (int lane = 0; lane < lanes.active; ++lane) {
+      double* out = tangent_of(lanes.row[lane]);
+      if (has_no_potential(lanes.row[lane])) {
+        Mat matrix[3][3];
+        for (int I = 0; I < 3; ++I)
+          for (int J = 0; J < 3; ++J) matrix[I][J] = in_lane(condensed.matrix[I][J], lane);
+        full_tangent(matrix, in_lane(kinematics.triad, lane), kinematics.length[lane], out);
+      } else {
+        double numbers[kSymmetricTangent];
+        for (int i = 0; i < kSymmetricTangent; ++i) numbers[i] = symmetric[i][lane];
+        expand_symmetric_tangent<kSpatialDofs>(numbers, out);
+      }
+    }
+  }
+  /// Elements with line fields that have no potential: each is solved by itself, with its unsymmetric part.
+  KOKKOS_FUNCTION __attribute__((noinline)) void solve_with_fields(const RowsInLanes<W>& lanes,
+                                                                   const Kinematics& kinematics, Condensed& element,
+                                                                   MeanRows<K>* mean_rows, InteriorSigns* signs) const {
+    for (int lane = 0; lane < lanes.active; ++lane) {
+      const int e = lanes.row[lane];
+      mean_rows[lane].used = false;
+      if (!has_no_potential(e)) continue;
+      FullSystem<K> system(element.system, lane);
+      add_field_tangent(gather.fields(e), kinematics.in_lane(lane), gather.tables, system, mean_rows[lane]);
+      solve_one_lane(system, lane, element.response, element.condensed);
+      if (counts()) signs[lane] = interior_signs(system, false);
+    }
+  }
+  KOKKOS_FUNCTION __attribute__((noinline)) void add_mean_rows(const RowsInLanes<W>& lanes,
+                                                               const Kinematics& kinematics, const Condensed& element,
+                                                               MeanRows<K>* mean_rows) const {
+    for (int lane = 0; lane < lanes.active; ++lane) {
+      if (!mean_rows[lane].used) continue;
+      mean_rows[lane].condense(element.response, lane);
+      mean_rows[lane].expand(kinematics.in_lane(lane), tangent_of(lanes.row[lane]), residual_of(lanes.row[lane]));
+    }
+  }
+};
+
+template <int K, bool General, int W>
+void tangent_loop(const ElementBlock& block, const StructureViews& structure, const StateViews& state,
+                  const KernelView<const double*>& given_rhs, const ElementEquations& equations) {
+  const TangentLoop<K, General, W> loop{ElementGather<K, General, W>(block, structure, state), equations, given_rhs};
+  Kokkos::parallel_for("mixbeam::elements::tangent",
+                       Kokkos::RangePolicy<ExecutionSpace>(0, RowsInLanes<W>::packs(block.count)), loop);
+}
+
+template <int K, bool General, int W>
+struct RecoverLoop {
+  using Real = Pack<W>;
+  ElementGather<K, General, W> gather;
+  KernelView<const double*> response;
+  KernelView<const double* [6]> vertex_increment;
+  KernelView<double*> increment;
+
+  KOKKOS_INLINE_FUNCTION void operator()(int number) const {
+    using Elements = ElementPack<K, General, W>;
+    const Elements pack(gather, number);
+    const ElementKinematics<K, Real> kinematics(pack.in, gather.layout);
+    Real ends[2][6], out[Elements::kIncrements];
+    for (int end = 0; end < 2; ++end)
+      pack.lanes.load([&](int e) { return &vertex_increment(gather.vertices(e, end), 0); }, 6, ends[end]);
+    ReducedIncrement<K, Real> d(kinematics, ends[0], ends[1]);
+    const auto response_of = [&](int e) { return response.data() + gather.response_of(e); };
+    if constexpr (General) {
+      for (int r = 0; r < gather.layout.increments(); ++r) {
+        Real row[kResponseColumns];
+        pack.lanes.load([&](int e) { return response_of(e) + r * kResponseColumns; }, kResponseColumns, row);
+        out[r] = d.respond_in_row(row);
+      }
+    } else {
+      Real kept[ResponseLayout{K, Elements::kForcePoints}.size()];
+      pack.lanes.load(response_of, gather.response_size, kept);
+      recover_element(pack.in, kinematics, gather.tables, gather.layout, gather.reference_layout, d, kept, out);
+    }
+    pack.lanes.store(out, 0, gather.layout.increments(), [&](int e) { return &increment(gather.increment_of(e)); });
+  }
+};
+
+template <int K, bool General, int W>
+void recover_loop(const ElementBlock& block, const StateViews& state, const ElementEquations& equations,
+                  const KernelView<const double* [6]>& vertex_increment, const KernelView<double*>& increment) {
+  const RecoverLoop<K, General, W> loop{ElementGather<K, General, W>(block, StructureViews(), state),
+                                        equations.response, vertex_increment, increment};
+  Kokkos::parallel_for("mixbeam::elements::recover",
+                       Kokkos::RangePolicy<ExecutionSpace>(0, RowsInLanes<W>::packs(block.count)), loop);
+}
+
+}  // namespace mixbeam
