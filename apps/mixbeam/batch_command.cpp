@@ -167,11 +167,7 @@ void BatchRun::check_expected() {
       const CaseResult& result = solver_.results()[i];
       wanted.value = batch_.value(i, own.column);
       if (std::isnan(wanted.value) || !result.converged) continue;
-      const std::string name = wanted.name + ", " + batch_.name_of_case(i);
-      if (wanted.kind == ToleranceKind::absolute)
-        app_.summary.check_absolute(name, result.values.written[place], wanted.value, wanted.tolerance, wanted.source);
-      else
-        app_.summary.check_relative(name, result.values.written[place], wanted.value, wanted.tolerance, wanted.source);
+      app_.summary.check_expected(wanted.name + ", " + batch_.name_of_case(i), result.values.written[place], wanted);
     }
   }
 }

@@ -223,10 +223,7 @@ void Application::compare(const Simulation& simulation, const std::function<bool
     if (!actual && own_quantity) actual = own_quantity(value);
     if (!actual) continue;
     compared_.insert(value.name);
-    if (value.kind == ToleranceKind::absolute)
-      summary.check_absolute(value.name, *actual, value.value, value.tolerance, value.source);
-    else
-      summary.check_relative(value.name, *actual, value.value, value.tolerance, value.source);
+    summary.check_expected(value.name, *actual, value);
   }
 }
 

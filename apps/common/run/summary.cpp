@@ -197,6 +197,11 @@ bool Summary::check_relative(const std::string& name, double value, double refer
   return check({name, value, exact_text(reference), source, tolerance, Comparison::relative, false});
 }
 
+bool Summary::check_expected(const std::string& name, double value, const ExpectedValue& expected) {
+  const auto check = expected.kind == ToleranceKind::absolute ? &Summary::check_absolute : &Summary::check_relative;
+  return (this->*check)(name, value, expected.value, expected.tolerance, expected.source);
+}
+
 bool Summary::check_upper_bound(const std::string& name, double value, double bound, const std::string& source) {
   return check({name, value, exact_text(bound), source, 0.0, Comparison::upper_bound, false});
 }

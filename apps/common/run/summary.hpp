@@ -2,6 +2,7 @@
 /// people, written as JSON for scripts.
 #pragma once
 
+#include "discretization/checks/expected_values.hpp"
 #include "discretization/state/member_samples.hpp"
 
 #include <filesystem>
@@ -135,6 +136,7 @@ class Summary {
                       const std::string& source);
   bool check_relative(const std::string& name, double value, double reference, double tolerance,
                       const std::string& source);
+  bool check_expected(const std::string& name, double value, const ExpectedValue& expected);
   bool check_upper_bound(const std::string& name, double value, double bound, const std::string& source);
   /// For a value that is a word.
   bool check_word(const std::string& name, const std::string& word, const std::string& reference,
