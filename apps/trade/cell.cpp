@@ -34,16 +34,17 @@ constexpr std::size_t kCandidates = 3;
 constexpr double kAboveReference = 10.0;
 
 RunTimes medians(const std::vector<RunTimes>& runs) {
-  const auto of = [&runs](double RunTimes::*what) {
+  RunTimes result;
+  for (int what = 0; what < kTimes; ++what) {
     std::vector<double> values;
-    for (const RunTimes& run : runs) values.push_back(run.*what);
-    return median(values);
-  };
-  return {of(&RunTimes::seconds), of(&RunTimes::setup_seconds), of(&RunTimes::processor_seconds)};
+    for (const RunTimes& run : runs) values.push_back(run[what]);
+    result[what] = median(values);
+  }
+  return result;
 }
 
 /// With one thread the processor time is the wall time on an idle machine, and what others do does not lengthen it.
-double cost_of(const RunTimes& times, int threads) { return threads == 1 ? times.processor_seconds : times.seconds; }
+double cost_of(const RunTimes& times, int threads) { return times[threads == 1 ? kProcessor : kWall]; }
 
 double cost_of(const CellResult& cell, int threads) {
   const auto found = cell.times.find(threads);
@@ -51,54 +52,41 @@ double cost_of(const CellResult& cell, int threads) {
   return cost_of(times, known);
 }
 
-struct TimedRun {
-  Simulation simulation;
-  RunTimes times;
-};
-
-TimedRun run_once(const BenchmarkProblem& problem, const Cell& cell, int threads, const TimingPlan& plan) {
-  const Scene scene = problem.with(cell.order, cell.elements, cell.integration);
+std::pair<Simulation, RunTimes> run_once(const BenchmarkProblem& problem, const Discretization& mesh, int threads,
+                                         const TradePlan& plan) {
+  const Scene scene = problem.with(mesh);
   SolverParameters parameters = problem.solver;
   parameters.threads = threads;
-  RunTimes times;
   PathControl control;
   const RunWatch watch;
   Simulation simulation(scene, parameters, plan.communicator);
-  times.setup_seconds = watch.seconds();
+  const double setup = watch.seconds();
   control.stop = [&] { return plan.communicator->getSize() == 1 && watch.processor_seconds() > plan.most_seconds; };
   simulation.run({}, control);
-  times.stop(watch);
-  return {std::move(simulation), times};
+  return {std::move(simulation), RunTimes{watch.seconds(), setup, watch.processor_seconds()}};
 }
 
-/// Numbers of threads in turn, so that a machine that slows down for a while does so for all of them.
-TimesByThreads time_cell(const BenchmarkProblem& problem, const Cell& cell, const RunTimes& first,
-                         const TimingPlan& plan) {
+/// Numbers of threads in turn, so that a machine that slows down for a while does so for all of them. The first run
+/// with each warms up; it counts only where it is the only one that the budget allows.
+std::map<int, RunTimes> time_cell(const BenchmarkProblem& problem, const Discretization& mesh, const RunTimes& first,
+                                  const TradePlan& plan) {
   std::map<int, std::vector<RunTimes>> runs;
-  const double round_seconds = first.seconds * plan.threads.size();
+  const double round_seconds = first[kWall] * plan.threads.size();
   const int affordable = static_cast<int>(std::min<double>(plan.repetitions, plan.budget / round_seconds));
   const bool only_once = affordable < kLeastRounds;
   for (int round = 0; round <= (only_once ? 0 : affordable); ++round)
     for (const int threads : plan.threads) {
       const bool is_first = round == 0 && threads == plan.threads.front();
-      const RunTimes times = is_first ? first : run_once(problem, cell, threads, plan).times;
-      if (round > 0 || only_once) runs[threads].push_back(times);
+      if (round == 1) runs[threads].clear();
+      runs[threads].push_back(is_first ? first : run_once(problem, mesh, threads, plan).second);
     }
-  TimesByThreads times;
+  std::map<int, RunTimes> times;
   for (const auto& [threads, of_threads] : runs) times[threads] = medians(of_threads);
   return times;
 }
 
-/// Counted by running the kernels of a plain section on counting numbers: element work, condensation of chains, solve,
-/// check.
-double element_flops(int order) {
-  static std::map<int, double> of_order;
-  if (of_order.count(order) == 0) of_order[order] = phase_costs("spatial", order).at(kWholeIteration).flops;
-  return of_order[order];
-}
-
 void count_costs(const Simulation& simulation, CellResult& result) {
-  const InteriorLayout layout{result.cell.order, force_point_count(result.cell.order, result.cell.integration)};
+  const InteriorLayout layout{result.mesh.order, force_point_count(result.mesh.order, result.mesh.integration)};
   const int elements = static_cast<int>(simulation.model().mesh().elements.size());
   const LoadPathResult& path = simulation.result();
   result.global_unknowns = static_cast<int>(simulation.model().map()->getGlobalNumElements());
@@ -106,10 +94,16 @@ void count_costs(const Simulation& simulation, CellResult& result) {
   result.load_steps = path.steps;
   result.failed_steps = path.failed_steps;
   result.iterations = path.newton_iterations;
-  result.flops = path.newton_iterations * (element_flops(result.cell.order) * elements);
+  // counted by running the kernels of a plain section on counting numbers
+  static std::map<int, double> flops_of_element;
+  const auto [flops, is_new] = flops_of_element.try_emplace(result.mesh.order);
+  if (is_new) flops->second = phase_costs("spatial", result.mesh.order).at(kWholeIteration).flops;
+  result.flops = path.newton_iterations * (flops->second * elements);
 }
 
-Scene scene_with_accuracy(const BenchmarkProblem& problem, double wanted) {
+/// The program's way to an accuracy; `trace` is what its last path met.
+std::pair<AccurateRun, RunTimes> run_for_accuracy(const BenchmarkProblem& problem, double wanted, int threads,
+                                                  const TradePlan& plan, PathTrace& trace) {
   Scene scene = problem.scene;
   scene.accuracy = wanted;
   for (Member& member : scene.members) {
@@ -117,67 +111,82 @@ Scene scene_with_accuracy(const BenchmarkProblem& problem, double wanted) {
     member.stations.clear();
     member.force_integration = ForceIntegration::both_reduced;
   }
-  return scene;
-}
-
-AccurateRun run_for_accuracy(const BenchmarkProblem& problem, double wanted, int threads, const TimingPlan& plan,
-                             RunTimes& times, PathTrace* trace = nullptr) {
-  const Scene scene = scene_with_accuracy(problem, wanted);
   SolverParameters parameters = problem.solver;
   parameters.threads = threads;
   AccurateRunObserver observer;
-  if (trace != nullptr) {
-    observer.begin = [&problem, trace](const Simulation&) { *trace = PathTrace(problem); };
-    observer.step = [trace](const Simulation& simulation, const StepReport& report) { trace->add(simulation, report); };
-    observer.end = [trace](const Simulation& simulation, const StepReport& report, const ErrorEstimate&) {
-      trace->add(simulation, report);
-    };
-  }
+  observer.begin = [&](const Simulation&) { trace = PathTrace(problem); };
+  observer.step = [&](const Simulation& simulation, const StepReport& report) { trace.add(simulation, report); };
+  observer.end = [&](const Simulation& simulation, const StepReport& report, const ErrorEstimate&) {
+    trace.add(simulation, report);
+  };
   const RunWatch watch;
   AccurateRun run = run_accurately(scene, parameters, plan.communicator, problem.keeps_path(), observer);
-  times.stop(watch);
-  return run;
+  return {std::move(run), RunTimes{watch.seconds(), std::nan(""), watch.processor_seconds()}};
 }
 
 /// The program's way and the cheapest cells in turn, so that a machine that slows down for a while does so for all.
-AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads, const TimingPlan& plan) {
+AccuracyPrice price_of(const BenchmarkResult& result, double wanted, int threads, const TradePlan& plan) {
   std::vector<const CellResult*> cells = result.cheapest(wanted, threads);
   cells.resize(std::min(cells.size(), kCandidates));
   std::vector<std::vector<RunTimes>> runs(1 + cells.size());
+  PathTrace trace(result.problem);
   const RunWatch watch;
   const int least = std::min(plan.repetitions, kLeastRounds);
   for (int round = 0; round < least || (round < plan.repetitions && watch.seconds() < kPriceBudget); ++round) {
-    run_for_accuracy(result.problem, wanted, threads, plan, runs[0].emplace_back());
+    runs[0].push_back(run_for_accuracy(result.problem, wanted, threads, plan, trace).second);
     for (std::size_t i = 0; i < cells.size(); ++i)
-      runs[1 + i].push_back(run_once(result.problem, cells[i]->cell, threads, plan).times);
+      runs[1 + i].push_back(run_once(result.problem, cells[i]->mesh, threads, plan).second);
   }
   AccuracyPrice price;
   price.seconds = cost_of(medians(runs[0]), threads);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const double seconds = cost_of(medians(runs[1 + i]), threads);
     if (price.best && seconds >= price.best_seconds) continue;
-    price.best = cells[i]->cell;
+    price.best = cells[i]->mesh;
     price.best_seconds = seconds;
   }
   return price;
 }
 
+CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Discretization& mesh,
+                        const TradePlan& plan) {
+  CellResult result{mesh};
+  try {
+    const auto [simulation, times] = run_once(problem, mesh, plan.threads.front(), plan);
+    count_costs(simulation, result);
+    result.times[plan.threads.front()] = times;
+    if (simulation.result().interrupted) result.status = CellStatus::too_long;
+    if (!simulation.result().finished) return result;
+    result.status = CellStatus::converged;
+    result.errors = reference.errors_of(simulation);
+    if (!problem.about.in_gallery) {
+      const RunWatch watch;
+      result.estimated = estimated_errors(simulation, problem.about.point);
+      result.estimate_seconds = watch.processor_seconds();
+    }
+    result.times = time_cell(problem, mesh, times, plan);
+  } catch (const InputError&) {  // a mesh that is too coarse for its curve
+    result.status = CellStatus::failed;
+  }
+  return result;
+}
+
 /// Cells that are not computed are among them, with the reason.
-void measure_row(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan,
+void measure_row(BenchmarkResult& result, const Reference& reference, const TradePlan& plan,
                  ForceIntegration integration, int order) {
-  const double rounded = std::max(kRoundOff, largest_error(reference.difference()));
+  const double rounded = std::max(kRoundOff, largest_error(reference.difference));
   int rounded_meshes = 0;
   double last_seconds = 0.0;
   for (const int elements : plan.elements) {
-    CellResult cell{{integration, order, elements}};
+    CellResult cell{{order, elements, integration}};
     if (rounded_meshes >= kRoundedMeshes) {
       cell.status = CellStatus::past_round_off;
-    } else if (kGrowth * last_seconds > plan.timing.most_seconds) {
+    } else if (kGrowth * last_seconds > plan.most_seconds) {
       cell.status = CellStatus::too_long;
     } else {
-      cell = measure_cell(result.problem, reference, cell.cell, plan.timing);
+      cell = measure_cell(result.problem, reference, cell.mesh, plan);
       const double error = largest_error(cell.errors);
-      last_seconds = error < kNoSolution ? cell.times.at(plan.timing.threads.front()).processor_seconds : 0.0;
+      last_seconds = error < kNoSolution ? cell.times.at(plan.threads.front())[kProcessor] : 0.0;
       rounded_meshes = error <= rounded ? rounded_meshes + 1 : 0;
     }
     result.cells.push_back(std::move(cell));
@@ -194,41 +203,30 @@ std::vector<int> meshes_of(const BenchmarkProblem& problem) {
   return meshes;
 }
 
+void measure_front(BenchmarkResult& result, const Reference& reference, TradePlan plan) {
+  plan.threads.resize(1);  // more of them are left to the accuracies
+  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
+  const auto seconds = [&plan](const CellResult& cell) { return cell.times.at(plan.threads.front())[kProcessor]; };
+  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
+    for (const int elements : meshes_of(result.problem)) {
+      result.cells.push_back(measure_cell(result.problem, reference, {*order, elements}, plan));
+      const CellResult& last = result.cells.back();
+      const double error = motion_error(last.errors);
+      if (last.status == CellStatus::too_long || error <= smallest) break;
+      const auto best = result.cheapest(smallest, plan.threads.front());
+      if (error < kNoSolution && !best.empty() && seconds(last) > kClearlyDearer * seconds(*best.front())) break;
+    }
+}
+
 }  // namespace
 
-CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
-                        const TimingPlan& plan) {
-  CellResult result;
-  result.cell = cell;
-  try {
-    const TimedRun first = run_once(problem, cell, plan.threads.front(), plan);
-    count_costs(first.simulation, result);
-    result.times[plan.threads.front()] = first.times;
-    if (first.simulation.result().interrupted) result.status = CellStatus::too_long;
-    if (!first.simulation.result().finished) return result;
-    result.status = CellStatus::converged;
-    result.errors = reference.errors_of(first.simulation);
-    if (!problem.about.in_gallery) {
-      const RunWatch watch;
-      result.estimated = estimated_errors(first.simulation, problem.about.point);
-      result.estimate_seconds = watch.processor_seconds();
-    }
-    result.times = time_cell(problem, cell, first.times, plan);
-  } catch (const InputError&) {  // a mesh that is too coarse for its curve
-    result.status = CellStatus::failed;
-  }
-  return result;
-}
-
-double BenchmarkResult::floor() const {
-  return kAboveReference * (problem.about.in_gallery ? motion_error(difference) : largest_error(difference));
-}
+double BenchmarkResult::floor() const { return kAboveReference * problem.judged(difference); }
 
 std::vector<const CellResult*> BenchmarkResult::cheapest(double accuracy, int threads) const {
   std::vector<const CellResult*> good;
   if (accuracy < floor()) return good;
   for (const CellResult& cell : cells)
-    if (cell.converged() && cell.cell.integration == ForceIntegration::both_reduced &&
+    if (cell.converged() && cell.mesh.integration == ForceIntegration::both_reduced &&
         motion_error(cell.errors) <= accuracy)
       good.push_back(&cell);
   std::stable_sort(good.begin(), good.end(), [threads](const CellResult* a, const CellResult* b) {
@@ -238,44 +236,22 @@ std::vector<const CellResult*> BenchmarkResult::cheapest(double accuracy, int th
 }
 
 AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
-                                   const TimingPlan& plan) {
+                                   const TradePlan& plan) {
   PathTrace trace(result.problem);
-  RunTimes times;
-  const AccurateRun run = run_for_accuracy(result.problem, wanted, plan.threads.front(), plan, times, &trace);
-  AccurateCell cell;
-  cell.wanted = wanted;
-  cell.end = run.end;
-  cell.rounds = run.rounds;
+  const AccurateRun run = run_for_accuracy(result.problem, wanted, plan.threads.front(), plan, trace).first;
+  AccurateCell cell{wanted, run.end, run.rounds};
   if (run.simulation.result().finished) cell.errors = reference.errors_of(run.simulation);
-  if (!reference.trace().is_empty()) cell.path_error = trace.error_against(reference.trace(), reference.displacement());
+  cell.path_error = trace.error_against(reference.trace, reference.scale[kDisplacement]);
   for (const int threads : plan.threads) cell.prices[threads] = price_of(result, wanted, threads, plan);
   return cell;
 }
 
-void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan) {
+void measure_cells(BenchmarkResult& result, const Reference& reference, const TradePlan& plan) {
+  if (result.problem.about.in_gallery) return measure_front(result, reference, plan);
   for (const ForceIntegration integration : {ForceIntegration::both_reduced, ForceIntegration::full})
     for (const int order : plan.orders)
       if (integration == ForceIntegration::both_reduced || result.problem.about.integrations)
         measure_row(result, reference, plan, integration, order);
-}
-
-void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan) {
-  const double smallest = *std::min_element(plan.accuracies.begin(), plan.accuracies.end());
-  TimingPlan timing = plan.timing;
-  timing.threads.resize(1);  // more of them are left to the accuracies
-  const int threads = timing.threads.front();
-  for (auto order = plan.orders.rbegin(); order != plan.orders.rend(); ++order)
-    for (const int elements : meshes_of(result.problem)) {
-      const Cell cell{ForceIntegration::both_reduced, *order, elements};
-      result.cells.push_back(measure_cell(result.problem, reference, cell, timing));
-      const CellResult& last = result.cells.back();
-      const double error = motion_error(last.errors);
-      if (last.status == CellStatus::too_long || error <= smallest) break;
-      const auto best = result.cheapest(smallest, threads);
-      if (error < kNoSolution && !best.empty() &&
-          last.times.at(threads).processor_seconds > kClearlyDearer * best.front()->times.at(threads).processor_seconds)
-        break;
-    }
 }
 
 }  // namespace mixbeam

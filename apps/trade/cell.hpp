@@ -3,7 +3,7 @@
 #pragma once
 
 #include "apps/common/studies/study.hpp"
-#include "apps/trade/reference.hpp"
+#include "apps/trade/benchmark.hpp"
 
 #include <map>
 
@@ -17,61 +17,46 @@ enum class CellStatus {
 };
 inline constexpr std::array<const char*, 4> kStatusNames = {"converged", "failed", "past round-off", "too long"};
 
-struct Cell {
-  ForceIntegration integration = ForceIntegration::both_reduced;  ///< or full
-  int order = 1;
-  int elements = 1;  ///< of each member
+/// What a run takes, in seconds.
+enum TimeOf {
+  kWall,       ///< from the scene to equilibrium, reading left out
+  kSetup,      ///< of it, until the first residual: mesh, numbering, memory
+  kProcessor,  ///< of all threads together
+  kTimes
 };
-
-struct RunTimes {
-  double seconds = std::nan("");            ///< wall time from the scene to equilibrium, reading left out
-  double setup_seconds = std::nan("");      ///< of it, until the first residual: mesh, numbering, memory
-  double processor_seconds = std::nan("");  ///< of all threads together
-  void stop(const RunWatch& watch) {
-    seconds = watch.seconds();
-    processor_seconds = watch.processor_seconds();
-  }
-};
-using TimesByThreads = std::map<int, RunTimes>;  ///< medians
+inline constexpr const char* kTimeNames[kTimes] = {"seconds_", "setup_seconds_", "processor_seconds_"};
+using RunTimes = std::array<double, kTimes>;
 
 struct CellResult {
-  Cell cell;
+  Discretization mesh;
   CellStatus status = CellStatus::failed;
   Errors errors = kNoErrors;
   Errors estimated = kNoErrors;   ///< by the run itself; none in the gallery
   double estimate_seconds = 0.0;  ///< processor time for that
   int global_unknowns = 0, interior_unknowns = 0;
   int load_steps = 0, failed_steps = 0, iterations = 0;
-  double flops = 0.0;  ///< of all iterations, as many as an element of a plain section takes in each
-  TimesByThreads times{};
+  double flops = 0.0;               ///< of all iterations, as many as an element of a plain section takes in each
+  std::map<int, RunTimes> times{};  ///< threads -> medians
   bool converged() const { return status == CellStatus::converged; }
 };
 
-/// How a cell is timed.
-struct TimingPlan {
-  Communicator communicator;
-  std::vector<int> threads;
-  int repetitions = 0;        ///< at most, for each number of threads; at least three where they fit into the budget
-  double budget = 0.0;        ///< seconds for repetitions
-  double most_seconds = 0.0;  ///< of the processor: a run that takes longer is stopped at the end of its load step
+/// Which cells, against which reference, and how they are timed.
+struct TradePlan {
+  std::vector<std::string> benchmarks{}, gallery{};  ///< names
+  std::vector<int> orders = {1, 2, 3, 4, 5, 6, 7, 8}, elements = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024};
+  std::array<int, 2> reference = {8, 64}, confirmation = {6, 96};  ///< order, elements
+  std::vector<double> accuracies = {1e-3, 1e-6, 1e-9};             ///< that the program is asked for
+  std::vector<int> threads = {1, 2};
+  int repetitions = 7;        ///< at most, for each number of threads; at least three where they fit into the budget
+  double budget = 0.06;       ///< seconds for repetitions
+  double most_seconds = 0.5;  ///< of the processor: a run that takes longer is stopped at the end of its load step
+  Communicator communicator{};
 };
-
-/// Which cells, against which reference.
-struct MatrixPlan {
-  std::vector<int> orders, elements;  ///< ascending
-  Discretization reference, confirmation;
-  TimingPlan timing;
-  std::vector<double> accuracies;  ///< that the program is asked for
-};
-
-/// The first run with each number of threads warms up; it counts only where it is the only one that the budget allows.
-CellResult measure_cell(const BenchmarkProblem& problem, const Reference& reference, const Cell& cell,
-                        const TimingPlan& plan);
 
 /// A wanted accuracy against the single solve that reaches it cheapest.
 struct AccuracyPrice {
-  double seconds = 0.0;        ///< of all meshes: processor time of one thread, wall time of several
-  std::optional<Cell> best{};  ///< none reaches it, or so small an error is not judged
+  double seconds = 0.0;                  ///< of all meshes: processor time of one thread, wall time of several
+  std::optional<Discretization> best{};  ///< none reaches it, or so small an error is not judged
   double best_seconds = std::nan("");
 };
 
@@ -92,8 +77,7 @@ struct BenchmarkResult {
   std::vector<CellResult> cells{};
   std::vector<AccurateCell> accurate{};  ///< what the program makes of a wanted accuracy
 
-  /// Smallest accuracy that is judged: errors below are those of reference and rounding. Scenes of the gallery are
-  /// judged by their displacements only.
+  /// Smallest accuracy that is judged: errors below are those of reference and rounding.
   double floor() const;
   /// With both force parts reduced and a motion as exact as this, the cheapest first, by the time that an accuracy is
   /// priced by, with so many threads or with those that the cells were timed with; none where so small an error is not
@@ -103,12 +87,11 @@ struct BenchmarkResult {
 
 /// Scenes that ask for a path have it followed on the last mesh too. `result`: with its cells.
 AccurateCell measure_accurate_cell(const BenchmarkResult& result, const Reference& reference, double wanted,
-                                   const TimingPlan& plan);
+                                   const TradePlan& plan);
 
-/// Fills in the cells of a benchmark: all orders on all meshes.
-void measure_matrix(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan);
-/// Those of a scene of the gallery: only cells that may be the cheapest for one of the accuracies, from the highest
-/// order down. Elements are those of the file, halved and doubled.
-void measure_front(BenchmarkResult& result, const Reference& reference, const MatrixPlan& plan);
+/// Fills in the cells of a benchmark, all orders on all meshes; or those of a scene of the gallery: only cells that may
+/// be the cheapest for one of the accuracies, from the highest order down, with the elements of the file halved and
+/// doubled.
+void measure_cells(BenchmarkResult& result, const Reference& reference, const TradePlan& plan);
 
 }  // namespace mixbeam

@@ -6,6 +6,7 @@
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/trade/cell.hpp"
+#include "discretization/parameters/binding.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
@@ -33,50 +34,26 @@ constexpr double kRateRoundOff = 1e-10;
 constexpr double kLargestError = 1e-2, kSmallestError = 1e-10, kAboveDifference = 10.0;
 constexpr double kFactor = 5.0, kShareBeyond = 0.05, kMostBelow = 10.0;
 
-MatrixPlan plan_of(Application& app) {
-  const auto integers = [&app](const char* name) { return study_list<int>(app, name); };
-  const auto mesh = [&](const char* name) { return Discretization{integers(name)[0], integers(name)[1]}; };
-  Teuchos::ParameterList& study = app.study();
-  MatrixPlan plan{integers("Orders"),
-                  integers("Elements"),
-                  mesh("Reference"),
-                  mesh("Confirmation"),
-                  {app.communicator, integers("Threads"), study.get<int>("Repetitions"), study.get<double>("Seconds"),
-                   study.get<double>("Most Seconds")},
-                  study_list<double>(app, "Accuracies")};
-  std::sort(plan.orders.begin(), plan.orders.end());
-  std::sort(plan.elements.begin(), plan.elements.end());
-  return plan;
-}
-
 /// The two solutions against each other, and the finer one against closed forms and values from the literature.
 void check_reference(Application& app, const BenchmarkProblem& problem, const Reference& reference) {
   const std::string& name = problem.about.name;
-  const Errors& difference = reference.difference();
-  app.summary.check_upper_bound(name + ": difference of the references",
-                                problem.about.in_gallery ? motion_error(difference) : largest_error(difference),
+  app.summary.check_upper_bound(name + ": difference of the references", problem.judged(reference.difference),
                                 kReferencesAgree, "another order on another mesh");
-  if (problem.about.file.empty()) return app.check_expected(reference.simulation());
-  for (const ExpectedValue& value : problem.expected) {
-    const auto present = present_value(reference.simulation(), value);
-    if (!present) continue;
-    const std::string what = name + ": " + value.name;
-    if (value.kind == ToleranceKind::absolute)
-      app.summary.check_absolute(what, *present, value.value, value.tolerance, value.source);
-    else
-      app.summary.check_relative(what, *present, value.value, value.tolerance, value.source);
-  }
+  if (problem.about.file.empty()) return app.check_expected(reference.simulation);
+  for (const ExpectedValue& value : problem.expected)
+    if (const auto present = present_value(reference.simulation, value))
+      app.summary.check_expected(name + ": " + value.name, *present, value);
 }
 
 /// The error of the centerline falls with the power k + 1 of the element length.
-void check_rates(Application& app, const BenchmarkResult& result, const MatrixPlan& plan) {
+void check_rates(Application& app, const BenchmarkResult& result, const TradePlan& plan) {
   for (const int order : plan.orders) {
     std::vector<int> elements;
     std::vector<double> errors;
     for (const CellResult& cell : result.cells) {
-      if (cell.cell.order != order || cell.cell.integration != ForceIntegration::both_reduced || !cell.converged())
+      if (cell.mesh.order != order || cell.mesh.integration != ForceIntegration::both_reduced || !cell.converged())
         continue;
-      elements.push_back(cell.cell.elements);
+      elements.push_back(cell.mesh.elements);
       errors.push_back(cell.errors[kCenterline]);
     }
     const auto rate = observed_rate(elements, errors, kRateRoundOff);
@@ -89,7 +66,7 @@ void check_rates(Application& app, const BenchmarkResult& result, const MatrixPl
 
 bool is_judged(const BenchmarkResult& result, const CellResult& cell, int quantity) {
   const double error = cell.errors[quantity];
-  return cell.converged() && cell.cell.integration == ForceIntegration::both_reduced && error >= kSmallestError &&
+  return cell.converged() && cell.mesh.integration == ForceIntegration::both_reduced && error >= kSmallestError &&
          error <= kLargestError && error >= kAboveDifference * result.difference[quantity];
 }
 
@@ -116,8 +93,9 @@ void check_estimates(Application& app, const std::vector<BenchmarkResult>& resul
 }
 
 /// Cells, then accuracies, and what is promised of them.
-BenchmarkResult compute(Application& app, const Benchmark& benchmark, const MatrixPlan& plan) {
-  BenchmarkResult result{read_benchmark(app, benchmark), plan.reference, plan.confirmation};
+BenchmarkResult compute(Application& app, const Benchmark& benchmark, const TradePlan& plan) {
+  const auto mesh = [](const std::array<int, 2>& numbers) { return Discretization{numbers[0], numbers[1]}; };
+  BenchmarkResult result{read_benchmark(app, benchmark), mesh(plan.reference), mesh(plan.confirmation)};
   const BenchmarkProblem& problem = result.problem;
   if (benchmark.in_gallery) {
     const int finest = problem.own_elements() * benchmark.refinement;
@@ -125,18 +103,17 @@ BenchmarkResult compute(Application& app, const Benchmark& benchmark, const Matr
     result.confirmation = {kConfirmingOrder, finest * kConfirmingElements.first / kConfirmingElements.second};
   }
   const Reference reference(problem, app.communicator, result.reference, result.confirmation);
-  result.difference = reference.difference();
+  result.difference = reference.difference;
   check_reference(app, problem, reference);
-  (benchmark.in_gallery ? measure_front : measure_matrix)(result, reference, plan);
+  measure_cells(result, reference, plan);
   for (const double wanted : plan.accuracies)
-    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan.timing));
+    result.accurate.push_back(measure_accurate_cell(result, reference, wanted, plan));
   if (benchmark.rates) check_rates(app, result, plan);
-  for (const AccurateCell& cell : result.accurate) {
+  for (const AccurateCell& cell : result.accurate)
     if (cell.wanted >= result.floor())
       app.summary.check_upper_bound(
           benchmark.name + ": error for a wanted accuracy of " + formatted("%.0e", cell.wanted),
           motion_error(cell.errors), cell.wanted, "the accuracy that was asked for");
-  }
   for (const CellResult& cell : result.cells) {
     app.summary.load_steps += cell.load_steps;
     app.summary.newton_iterations += cell.iterations;
@@ -162,125 +139,112 @@ std::string meshes_text(const AccurateCell& cell) {
   return text;
 }
 
-/// The tables of the study, row by row.
-class TradeTables {
- public:
-  TradeTables(const Application& app, const MatrixPlan& plan)
-      : plan_(plan),
-        benchmarks_(app, "benchmarks.csv",
-                    words("benchmark,set,kind,members,point,floor,displacement_difference,centerline_difference,"
-                          "moment_difference,energy_difference,values_checked,reference,confirmation")),
-        cells_(app, "trade.csv", columns_of_cells(plan.timing.threads)),
-        accuracies_(app, "accuracy.csv",
-                    words("benchmark,wanted,outcome,meshes,estimated_error,displacement_error,centerline_error,"
-                          "path_error,threads,seconds,best_order,best_elements,best_seconds,ratio,set,rounds"),
-                    14) {}
+std::vector<std::string> columns_of_cells(const std::vector<int>& threads) {
+  std::vector<std::string> columns = words(
+      "benchmark,integration,order,elements,status,set,flops,global_unknowns,interior_unknowns,load_steps,"
+      "failed_steps,newton_iterations,largest_error");
+  for (const char* what : {"_error", "_estimate"})
+    for (const char* quantity : kErrorNames) columns.push_back(quantity + std::string(what));
+  columns.emplace_back("estimate_seconds");
+  for (const int n : threads)
+    for (const char* what : kTimeNames) columns.push_back(what + std::to_string(n));
+  return columns;
+}
 
-  void add(const BenchmarkResult& result) {
-    const BenchmarkProblem& problem = result.problem;
-    const Benchmark& about = problem.about;
-    const char* set = about.in_gallery ? "gallery" : "matrix";
-    const Errors& d = result.difference;
-    benchmarks_.add_row({about.name, set, about.kind, problem.scene.members.size(), about.point, result.floor(), d[0],
-                         d[1], d[2], d[3], problem.expected.size(), mesh_text(result.reference),
-                         mesh_text(result.confirmation)});
-    for (const CellResult& cell : result.cells) cells_.add_row(row_of(about.name, set, cell));
-    for (const AccurateCell& cell : result.accurate)
-      for (const auto& [threads, price] : cell.prices)
-        accuracies_.add_row({about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.back().error,
-                             cell.errors[kDisplacement], cell.errors[kCenterline], cell.path_error, threads,
-                             price.seconds, price.best ? price.best->order : 0, price.best ? price.best->elements : 0,
-                             price.best_seconds, price.seconds / price.best_seconds, set, cell.rounds.size()});
+std::vector<CsvCell> row_of(const Benchmark& about, const CellResult& cell, const std::vector<int>& threads) {
+  const char* integration = cell.mesh.integration == ForceIntegration::full ? "full" : "both reduced";
+  const char* status = kStatusNames[static_cast<std::size_t>(cell.status)];
+  std::vector<CsvCell> row = {about.name, integration, cell.mesh.order, cell.mesh.elements, status, about.set()};
+  const auto add = [&row](const auto& numbers) { row.insert(row.end(), numbers.begin(), numbers.end()); };
+  row.emplace_back(cell.flops);
+  add(std::array{cell.global_unknowns, cell.interior_unknowns, cell.load_steps, cell.failed_steps, cell.iterations});
+  row.emplace_back(largest_error(cell.errors));
+  add(cell.errors);
+  add(cell.estimated);
+  row.emplace_back(cell.estimate_seconds);
+  for (const int n : threads) {
+    const auto found = cell.times.find(n);
+    add(found == cell.times.end() ? RunTimes{std::nan(""), std::nan(""), std::nan("")} : found->second);
   }
+  return row;
+}
 
- private:
-  static std::vector<std::string> columns_of_cells(const std::vector<int>& threads) {
-    std::vector<std::string> columns = words(
-        "benchmark,integration,order,elements,status,set,flops,global_unknowns,interior_unknowns,load_steps,"
-        "failed_steps,newton_iterations,largest_error");
-    for (const char* what : {"_error", "_estimate"})
-      for (const char* quantity : kErrorNames) columns.push_back(quantity + std::string(what));
-    columns.emplace_back("estimate_seconds");
-    for (const int n : threads)
-      for (const char* what : {"seconds_", "setup_seconds_", "processor_seconds_"})
-        columns.push_back(what + std::to_string(n));
-    return columns;
-  }
-
-  std::vector<CsvCell> row_of(const std::string& name, const char* set, const CellResult& cell) const {
-    const bool full = cell.cell.integration == ForceIntegration::full;
-    const char* integration = full ? "full" : "both reduced";
-    const char* status = kStatusNames[static_cast<std::size_t>(cell.status)];
-    std::vector<CsvCell> row = {name, integration, cell.cell.order, cell.cell.elements, status, set, cell.flops};
-    for (const int count :
-         {cell.global_unknowns, cell.interior_unknowns, cell.load_steps, cell.failed_steps, cell.iterations})
-      row.emplace_back(count);
-    row.emplace_back(largest_error(cell.errors));
-    for (const Errors& errors : {cell.errors, cell.estimated}) row.insert(row.end(), errors.begin(), errors.end());
-    row.emplace_back(cell.estimate_seconds);
-    for (const int n : plan_.timing.threads) {
-      const auto found = cell.times.find(n);
-      const RunTimes times = found == cell.times.end() ? RunTimes{} : found->second;
-      for (const double value : {times.seconds, times.setup_seconds, times.processor_seconds}) row.emplace_back(value);
-    }
-    return row;
-  }
-
-  const MatrixPlan& plan_;
-  StudyTable benchmarks_, cells_, accuracies_;
-};
-
-std::vector<std::string> names_of(const std::vector<Benchmark>& list) {
+std::vector<std::string> names_of(bool gallery) {
   std::vector<std::string> names;
-  for (const Benchmark& benchmark : list) names.push_back(benchmark.name);
+  for (const Benchmark& benchmark : benchmarks_of(gallery)) names.push_back(benchmark.name);
   return names;
 }
 
-ListSpec trade_spec() {
-  const auto pair = [](const char* name, const std::vector<int>& by_default, const char* meaning) {
-    ParameterSpec spec = counts(name, by_default, kMostElements, meaning);
-    spec.length = 2;
-    return spec;
+BoundList<TradePlan> declared_plan() {
+  using Plan = TradePlan;
+  BoundList<Plan> list("Which benchmarks and which cells; a single cell can be measured again by naming it alone.");
+  const auto add_names = [&list](auto field, const char* name, bool gallery, const char* meaning) {
+    const std::vector<std::string> all = names_of(gallery);
+    list.bind(field, subset(name, all).by_default(Teuchos::Array<std::string>(all)), meaning);
   };
-  ListSpec spec("Which benchmarks and which cells; a single cell can be measured again by naming it alone.");
-  spec.add(subset("Benchmarks", names_of(all_benchmarks()))
-               .by_default(Teuchos::Array<std::string>(names_of(all_benchmarks())))
-               .means("Those that are measured; thick_cantilever is the scene of this file, whatever it is."));
-  spec.add(subset("Gallery", names_of(all_scenes()))
-               .by_default(Teuchos::Array<std::string>(names_of(all_scenes())))
-               .means("Scenes of the gallery on which the program is asked for the accuracies."));
-  spec.add(counts("Orders", {1, 2, 3, 4, 5, 6, 7, 8}, kMaximumOrder, "Element orders k."));
-  spec.add(counts("Elements", {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024}, kMostElements,
-                  "Numbers of elements of each member."));
-  spec.add(pair("Reference", {8, 64}, "Order and elements of each member of the reference."));
-  spec.add(pair("Confirmation", {6, 96}, "The same of the solution that confirms it."));
-  spec.add(
-      array("Accuracies", ParameterType::real_array).above(0.0).below(1.0).by_default(Teuchos::tuple(1e-3, 1e-6, 1e-9)),
-      "Errors of displacements that the program is asked for, to choose meshes itself.");
-  spec.add(counts("Threads", {1, 2}, kMostElements, "Numbers of threads; recommendations are those of the first."));
-  spec.add(count("Repetitions", 7, 1000,
-                 "Timed runs of a cell with each number of threads, at most; at least three if Seconds allow."));
-  spec.add(real("Seconds").at_least(0.0).by_default(0.06), "For the repetitions of a cell; else one run counts.");
-  spec.add(real("Most Seconds").above(0.0).by_default(0.5),
-           "Processor time: a cell that takes longer is stopped after its load step, finer meshes are left out.");
-  return spec;
+  const auto add_counts = [&list](auto field, const char* name, double most, const char* meaning, int length = 0) {
+    const ParameterSpec numbers = array(name, ParameterType::integer_array, length);
+    list.bind(field, numbers.at_least(1.0).at_most(most).by_default(), meaning);
+  };
+  add_names(&Plan::benchmarks, "Benchmarks", false,
+            "Those that are measured; thick_cantilever is the scene of this file, whatever it is.");
+  add_names(&Plan::gallery, "Gallery", true, "Scenes of the gallery on which the program is asked for the accuracies.");
+  add_counts(&Plan::orders, "Orders", kMaximumOrder, "Element orders k.");
+  add_counts(&Plan::elements, "Elements", kMostElements, "Numbers of elements of each member.");
+  add_counts(&Plan::reference, "Reference", kMostElements, "Order and elements of each member of the reference.", 2);
+  add_counts(&Plan::confirmation, "Confirmation", kMostElements, "The same of the solution that confirms it.", 2);
+  list.bind(&Plan::accuracies, array("Accuracies", ParameterType::real_array).above(0.0).below(1.0).by_default(),
+            "Errors of displacements that the program is asked for, to choose meshes itself.");
+  add_counts(&Plan::threads, "Threads", kMostElements, "Numbers of threads; recommendations are those of the first.");
+  list.bind(&Plan::repetitions, integer("Repetitions").at_least(1.0).at_most(1000.0).by_default(),
+            "Timed runs of a cell with each number of threads, at most; at least three if Seconds allow.");
+  list.bind(&Plan::budget, real("Seconds").at_least(0.0).by_default(),
+            "For the repetitions of a cell; else one run counts.");
+  list.bind(&Plan::most_seconds, real("Most Seconds").above(0.0).by_default(),
+            "Processor time: a cell that takes longer is stopped after its load step, finer meshes are left out.");
+  return list;
 }
 
 void run_trade_study(Application& app) {
-  const MatrixPlan plan = plan_of(app);
-  TradeTables tables(app, plan);
-  std::vector<BenchmarkResult> results;
-  const auto run_chosen = [&](const std::vector<Benchmark>& list, const char* parameter) {
-    const auto chosen = study_list<std::string>(app, parameter);
-    for (const Benchmark& benchmark : list)
-      if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end()) {
-        results.push_back(compute(app, benchmark, plan));
-        tables.add(results.back());
+  TradePlan plan = declared_plan().read(app.study());
+  plan.communicator = app.communicator;
+  std::sort(plan.orders.begin(), plan.orders.end());
+  std::sort(plan.elements.begin(), plan.elements.end());
+  StudyTable benchmarks(app, "benchmarks.csv",
+                        words("benchmark,set,kind,members,point,floor,displacement_difference,centerline_difference,"
+                              "moment_difference,energy_difference,values_checked,reference,confirmation"));
+  StudyTable cells(app, "trade.csv", columns_of_cells(plan.threads));
+  StudyTable accuracies(app, "accuracy.csv",
+                        words("benchmark,wanted,outcome,meshes,estimated_error,displacement_error,centerline_error,"
+                              "path_error,threads,seconds,best_order,best_elements,best_seconds,ratio,set,rounds"),
+                        14);
+  const auto add_rows = [&](const BenchmarkResult& result) {
+    const Benchmark& about = result.problem.about;
+    const Errors& d = result.difference;
+    benchmarks.add_row({about.name, about.set(), about.kind, result.problem.scene.members.size(), about.point,
+                        result.floor(), d[0], d[1], d[2], d[3], result.problem.expected.size(),
+                        mesh_text(result.reference), mesh_text(result.confirmation)});
+    for (const CellResult& cell : result.cells) cells.add_row(row_of(about, cell, plan.threads));
+    for (const AccurateCell& cell : result.accurate)
+      for (const auto& [threads, price] : cell.prices) {
+        const Discretization best = price.best.value_or(Discretization{0, 0});
+        accuracies.add_row({about.name, cell.wanted, text_of(cell.end), meshes_text(cell), cell.rounds.back().error,
+                            cell.errors[kDisplacement], cell.errors[kCenterline], cell.path_error, threads,
+                            price.seconds, best.order, best.elements, price.best_seconds,
+                            price.seconds / price.best_seconds, about.set(), cell.rounds.size()});
       }
   };
-  run_chosen(all_benchmarks(), "Benchmarks");
+  std::vector<BenchmarkResult> results;
+  const auto run = [&](const std::vector<std::string>& chosen, bool gallery) {
+    for (const Benchmark& benchmark : benchmarks_of(gallery))
+      if (std::find(chosen.begin(), chosen.end(), benchmark.name) != chosen.end()) {
+        results.push_back(compute(app, benchmark, plan));
+        add_rows(results.back());
+      }
+  };
+  run(plan.benchmarks, false);
   check_estimates(app, results);
-  run_chosen(all_scenes(), "Gallery");
+  run(plan.gallery, true);
   write_machine(app);
 }
 
@@ -292,5 +256,5 @@ int main(int argc, char** argv) {
   return mixbeam::run_study(
       argc, argv, "trade",
       "what each digit costs: error against time for every element order and mesh, on many scenes.",
-      mixbeam::trade_spec(), mixbeam::run_trade_study);
+      mixbeam::declared_plan().spec, mixbeam::run_trade_study);
 }
