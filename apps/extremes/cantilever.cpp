@@ -6,12 +6,71 @@
 #include "kernels/math/constants.hpp"
 #include "kernels/math/gauss.hpp"
 
+#include <gsl/gsl_sf_ellint.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
 
 namespace {
+
+/// Up to this load the series of short_rod is exact to rounding; beyond it the elliptic form loses two digits at most.
+constexpr double kSmallLoad = 0.03;
+
+/// Beyond this load tip and force differ in direction by less than exp(-40), and the rod is infinitely long for its
+/// curve at the clamp.
+constexpr double kLongRod = 1600.0;
+
+/// Halvings of an interval; 60 exhaust the digits, more cost nothing.
+constexpr int kHalvings = 200;
+
+/// Power series in the load of theta'' = -load cos(theta), theta(0) = theta'(1) = 0, by exact fractions; the terms left
+/// out are below 1e-3 load^8 of the first ones.
+ElasticaTip short_rod(double load) {
+  const double x = load * load;
+  const auto series = [x](double a, double b, double c, double d) { return a + x * (b + x * (c + x * d)); };
+  return {x * series(1.0 / 15, -4.0 / 315, 2126.0 / 675675, -356164.0 / 402026625),
+          load * series(1.0 / 3, -4.0 / 105, 47.0 / 5775, -21584.0 / 10135125),
+          load * series(0.5, -11.0 / 240, 3601.0 / 403200, -3086639.0 / 1383782400)};
+}
+
+/// With phi the angle to the load R, phi'' = -R sin(phi), phi'(1) = 0, is a pendulum's: from `load_angle` at the clamp
+/// to the tip's, k = sin(phi_tip / 2); by u = log(k / k'), which resolves both ends. sin(phi / 2) = k sin(psi), sqrt(R)
+/// = K(k) - F(psi_0, k) = F(chi, k) with tan(chi) = 1 / (k' tan(psi_0)).
+struct PendulumRod {
+  double k, cos_psi;
+  double first;   ///< F(chi, k)
+  double second;  ///< E(k) - E(psi_0, k)
+
+  PendulumRod(double load_angle, double u) : k(1.0 / std::sqrt(1.0 + std::exp(-2.0 * u))) {
+    const double k_prime = 1.0 / std::sqrt(1.0 + std::exp(2.0 * u));
+    const double sin_psi = std::min(1.0, std::sin(0.5 * load_angle) / k);
+    cos_psi = std::sqrt((1.0 - sin_psi) * (1.0 + sin_psi));
+    const double product = std::pow(k_prime * sin_psi, 2), sum = product + cos_psi * cos_psi;
+    const double sin_chi = cos_psi / std::sqrt(sum), cos2_chi = product / sum, delta2 = k_prime * k_prime / sum;
+    first = sin_chi * gsl_sf_ellint_RF(cos2_chi, delta2, 1.0, GSL_PREC_DOUBLE);
+    second = first - k * k / 3.0 * std::pow(sin_chi, 3) * gsl_sf_ellint_RD(cos2_chi, delta2, 1.0, GSL_PREC_DOUBLE) -
+             k * k * sin_chi * sin_psi;
+  }
+};
+
+/// `load_angle`: of the load to the axis of the clamp.
+ElasticaTip pendulum_tip(double load, double load_angle) {
+  const double root = std::sqrt(load);
+  const double nearest = std::log(std::tan(0.5 * load_angle));  // the tip still points along the clamp
+  double low = nearest * (1.0 - 1e-15), high = root + 3.0;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (PendulumRod(load_angle, middle).first < root ? low : high) = middle;
+  }
+  const double u = 0.5 * (low + high);
+  const PendulumRod rod(load_angle, u);
+  const double along = 2.0 / root * rod.second - 1.0, across = 2.0 * rod.k / root * rod.cos_psi;
+  const double cosine = std::cos(load_angle), sine = std::sin(load_angle);
+  return {1.0 - (cosine * along + sine * across), cosine * across - sine * along,
+          2.0 * std::atan(std::exp(u)) - load_angle};
+}
 
 /// Below this angle the series of theta - sin(theta) is used: the difference would lose three digits and more.
 constexpr double kSeriesAngle = 0.5;
@@ -20,12 +79,6 @@ const Vec3<double> kTangent{{1.0, 0.0, 0.0}};
 
 /// Zero motion has no size: it is measured against the structure.
 double or_one(double size) { return size > 0.0 ? size : 1.0; }
-
-bool is_plain_cantilever(const Scene& scene) {
-  if (!is_straight_cantilever(scene) || scene.sections.size() != 1 || scene.sections.front().matrix) return false;
-  const std::array<double, 2>& bending = scene.sections.front().bending_stiffness;
-  return bending[0] == bending[1] && std::isfinite(bending[0]);
-}
 
 /// 1 - sin(x) / x
 double one_minus_sinc(double x) {
@@ -63,24 +116,37 @@ void set_exact(Cantilever& rod, const ElasticaTip& tip, double shift) {
 
 }  // namespace
 
+ElasticaTip elastica_tip(double load) {
+  if (load <= kSmallLoad) return short_rod(load);
+  if (load <= kLongRod) return pendulum_tip(load, 0.5 * kPi);
+  return {1.0 - std::sqrt(2.0 / load), 1.0 - (2.0 - M_SQRT2) / std::sqrt(load), 0.5 * kPi};  // k = 1
+}
+
+ElasticaTip thrust_tip(double thrust, double eccentricity) {
+  return pendulum_tip(thrust * std::hypot(1.0, eccentricity), std::atan(eccentricity));
+}
+
 Cantilever::Cantilever(const Scene& scene) {
-  if (!is_plain_cantilever(scene))
+  const Section section = scene.sections.size() == 1 ? scene.sections.front() : Section{};
+  if (!is_straight_cantilever(scene) || scene.sections.size() != 1 || section.matrix ||
+      section.bending_stiffness[0] != section.bending_stiffness[1] || !std::isfinite(section.bending_stiffness[0]))
     throw InputError(
         "the study needs a scene of one straight member from the origin along x, of one section with EI2 = EI3, "
         "clamped at its start, with one dead load at its end and nothing else; other scenes: --single");
   const Member& rod = scene.members.front();
   length = position_of(scene, rod.end_point)[0];
-  bending = scene.sections.front().bending_stiffness[0];
-  torsion = scene.sections.front().torsional_stiffness;
+  bending = section.bending_stiffness[0];
+  torsion = section.torsional_stiffness;
   order = rod.order;
   elements = rod.elements;
 }
 
-void Cantilever::change_units(double of_length, double of_force) {
+void Cantilever::pull_in_units(double of_length, double of_force, double load) {
   length *= of_length;
-  force_stiffness *= of_force;
   bending *= of_force * of_length * of_length;
   torsion *= of_force * of_length * of_length;
+  set_slenderness(100.0);
+  pull(load);
 }
 
 void Cantilever::pull(double load) {

@@ -3,8 +3,8 @@
 #include "apps/common/studies/imperfect_structures.hpp"
 #include "apps/common/studies/judged_path.hpp"
 #include "apps/common/studies/study.hpp"
-#include "apps/common/tables/formatted.hpp"
 #include "apps/extremes/sweeps.hpp"
+#include "discretization/text/number_text.hpp"
 #include "kernels/math/constants.hpp"
 
 #include <algorithm>
@@ -21,31 +21,23 @@ constexpr double kThrustDigits = 3e-11;  // printed, relative to the smallest of
 /// Of the paths whose end is known, those that may be given up.
 constexpr double kMostRefused = 0.02;
 
-/// "1e-09", "0.5", "1000", "inf"; two numbers next to each other with the digits that differ.
-std::string value_text(double value) {
-  const std::string text = formatted("%.6g", value);
-  // 6.28 (1 - 1e-12) and pi (1 - 1e-6) are not what six digits say
-  if (std::isfinite(value) && std::abs(std::stod(text) - value) > 1e-15 * std::abs(value))
-    return formatted("%.13g", value);
-  return text;
-}
-
 /// The closed forms against cases that do not use any.
 void check_closed_forms(Application& app) {
-  const auto check = [&app](const std::string& name, double value, double reference, double tolerance) {
-    app.summary.check_relative("closed form, " + name, value, reference, tolerance,
-                               "shooting on the rod ODE with Runge-Kutta 7(8), no finite elements; step doubling "
-                               "changes less than 1e-10");
+  using Numbers = std::array<double, 3>;
+  const auto check = [&app](const std::string& load, const std::array<const char*, 3>& names, const Numbers& values,
+                            const Numbers& references, double tolerance) {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      app.summary.check_relative("closed form, " + load + ": tip " + names[i], values[i], references[i], tolerance,
+                                 "shooting on the rod ODE with Runge-Kutta 7(8), no finite elements; step doubling "
+                                 "changes less than 1e-10");
   };
   const std::vector<std::array<double, 4>> forces = {{1.0, 0.30172077379981, 0.0564332362834, 0.46135194971188},
                                                      {10.0, 0.8106090248803, 0.5549955977538, 1.4302855388039},
                                                      {100.0, 0.94142135086201, 0.8585786445629, 1.57064588466}};
   for (const auto& [load, across, back, angle] : forces) {
     const ElasticaTip tip = elastica_tip(load);
-    const std::string name = "F L^2 / EI = " + value_text(load) + ": tip ";
-    check(name + "across", tip.across, across, kShootingError);
-    check(name + "back", tip.back, back, kShootingError);
-    check(name + "angle", tip.angle, angle, kShootingError);
+    check("F L^2 / EI = " + shortest(load), {"across", "back", "angle"}, {tip.across, tip.back, tip.angle},
+          {across, back, angle}, kShootingError);
   }
   const std::vector<std::array<double, 5>> thrusts = {{1.05, 1e-4, 0.90498259324, 0.38064428348, 0.62274480879},
                                                       {1.2, 1e-6, 0.67391082498, 0.64878450511, 1.18440249350},
@@ -53,10 +45,8 @@ void check_closed_forms(Application& app) {
                                                       {8.0, 1e-4, -0.54784720364, 0.44971259087, 3.04718635507}};
   for (const auto& [over_euler, eccentricity, x, y, angle] : thrusts) {
     const ElasticaTip tip = thrust_tip(0.25 * kPi * kPi * over_euler, eccentricity);
-    const std::string name = "P / P_cr = " + value_text(over_euler) + ": tip ";
-    check(name + "x", 1.0 - tip.back, x, kThrustDigits);
-    check(name + "y", tip.across, y, kThrustDigits);
-    check(name + "angle", tip.angle, angle, kThrustDigits);
+    check("P / P_cr = " + shortest(over_euler), {"x", "y", "angle"}, {1.0 - tip.back, tip.across, tip.angle},
+          {x, y, angle}, kThrustDigits);
   }
 }
 
@@ -81,55 +71,48 @@ double critical_error(const std::vector<double>& found, const std::vector<double
 void compute(Application& app, const Sweep& sweep, double value, StudyTable& table) {
   const Trial trial = sweep.trial(app.scene, app.solver, value);
   const bool is_promised = value >= sweep.from && value <= sweep.to;
-  const double allowed = is_promised ? sweep.allowed : kUnknown;
-  double error = kUnknown, residual = kUnknown, condition = kUnknown, seconds = 0.0, processor = 0.0;
+  double error = kUnknown, residual = kUnknown, condition = kUnknown;
   int negative = -1;
   std::vector<double> critical;
+  std::optional<Simulation> simulation;
   LoadPathResult result;
   const RunWatch watch;
-  const auto stop = [&] {
-    seconds = watch.seconds();
-    processor = watch.processor_seconds();
-  };
   try {
-    Simulation simulation =
-        app.try_to_solve(trial.scene, trial.solver, [&](const Simulation&, const StepReport& report) {
-          residual = report.residual;
-          negative = report.stability ? report.stability->negative : -1;
-          for (const CriticalPoint& point : report.critical_points) critical.push_back(point.load_factor);
-        });
-    stop();
-    result = simulation.result();
-    if (result.finished) error = trial.error ? trial.error(simulation) : critical_error(critical, trial.critical);
-    condition = simulation.condition_estimate();
+    simulation = app.try_to_solve(trial.scene, trial.solver, [&](const Simulation&, const StepReport& report) {
+      residual = report.residual;
+      negative = report.stability ? report.stability->negative : -1;
+      for (const CriticalPoint& point : report.critical_points) critical.push_back(point.load_factor);
+    });
+    result = simulation->result();
   } catch (const InputError& problem) {
-    stop();
     result.failure = problem.what();
   }
+  const double seconds = watch.seconds(), processor = watch.processor_seconds();
+  if (result.finished) error = trial.error ? trial.error(*simulation) : critical_error(critical, trial.critical);
+  if (simulation) condition = simulation->condition_estimate();
   table.add_row({sweep.name, value, result.finished ? 1 : 0, result.steps, result.failed_steps,
-                 result.newton_iterations, error, allowed, residual, condition, trial.critical.size(), critical.size(),
-                 negative, seconds, processor, result.failure});
+                 result.newton_iterations, error, is_promised ? sweep.allowed : kUnknown, residual, condition,
+                 trial.critical.size(), critical.size(), negative, seconds, processor, result.failure});
   if (is_promised)
     app.summary.check_upper_bound(
-        sweep.name + " " + value_text(value) + (trial.error ? ": error of the tip" : ": critical load factors"), error,
+        sweep.name + " " + shortest(value) + (trial.error ? ": error of the tip" : ": critical load factors"), error,
         sweep.allowed, "closed form: " + sweep.source);
 }
 
 void run_sweeps(Application& app) {
   const auto chosen = study_list<std::string>(app, "Sweeps");
-  std::vector<Sweep> sweeps;
-  for (const Sweep& sweep : all_sweeps(app.study().get<int>("Most Elements")))
-    if (std::find(chosen.begin(), chosen.end(), sweep.name) != chosen.end()) sweeps.push_back(sweep);
-  if (app.study().get<bool>("Critical Loads"))
-    for (const Sweep& sweep : critical_sweeps()) sweeps.push_back(sweep);
-  StudyTable table(
-      app, "extremes.csv",
-      {"sweep", "value", "converged", "load_steps", "failed_steps", "iterations", "error", "allowed", "residual",
-       "condition", "expected_points", "critical_points", "negative", "seconds", "processor_seconds", "failure"},
-      10);
-  for (const Sweep& sweep : sweeps)
+  StudyTable table(app, "extremes.csv",
+                   words("sweep,value,converged,load_steps,failed_steps,iterations,error,allowed,residual,condition,"
+                         "expected_points,critical_points,negative,seconds,processor_seconds,failure"),
+                   10);
+  const auto run = [&](const Sweep& sweep) {
     for (const double value : thinned(sweep.values, app.study().get<int>("Most Values")))
       compute(app, sweep, value, table);
+  };
+  for (const Sweep& sweep : all_sweeps(app.study().get<int>("Most Elements")))
+    if (std::find(chosen.begin(), chosen.end(), sweep.name) != chosen.end()) run(sweep);
+  if (app.study().get<bool>("Critical Loads"))
+    for (const Sweep& sweep : critical_sweeps()) run(sweep);
 }
 
 /// With the solver's parameters of the scene. No end may be wrong, and few refused, of those whose reference is known.

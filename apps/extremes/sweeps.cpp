@@ -42,12 +42,6 @@ std::vector<double> approaching(double angle) {
   return values;
 }
 
-std::vector<double> element_counts(int most) {
-  std::vector<double> values = {1, 2, 5};
-  for (double n = 10.0; n <= most; n *= 10.0) values.push_back(n);
-  return values;
-}
-
 void turn_elements(Cantilever& rod, int count, double turn_of_each) {
   rod.elements = count;
   rod.turn_by_gauss_rule(count * turn_of_each);
@@ -65,20 +59,9 @@ Sweep of_rod(const std::string& name, std::vector<double> values, double allowed
           [change](const Scene& scene, const SolverParameters& solver, double value) {
             Cantilever rod(scene);
             change(rod, value);
-            return Trial{rod.in(scene), solver, [rod](const Simulation& simulation) { return rod.error(simulation); }};
+            return Trial{rod.in(scene), rod.steps == 0 ? solver : with_fixed_steps(solver, rod.steps),
+                         [rod](const Simulation& simulation) { return rod.error(simulation); }};
           }};
-}
-
-Sweep load_steps() {
-  Sweep sweep = of_rod("load_steps", {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000}, 1e-9, 1.0, 1000.0, kHelix,
-                       [](Cantilever& rod, double) {
-                         rod.torsion = 0.5 * rod.bending;
-                         rod.turn({{0.0, 2.0, 1.0}}, 1.0);
-                       });
-  sweep.trial = [of_value = sweep.trial](const Scene& scene, const SolverParameters& solver, double value) {
-    return of_value(scene, with_fixed_steps(solver, static_cast<int>(value)), value);
-  };
-  return sweep;
 }
 
 /// Bars on hinges, half span 1, EA = 1, too stiff to bend: P = 2 EA (l / l0 - 1) sin(slope), elementary. Loaded by
@@ -96,9 +79,9 @@ Trial snapping_truss(const Scene&, const SolverParameters& solver, double rise) 
   scene.supports = {support_of("left", {true, true, true}, {true, true, false}),
                     support_of("right", {true, true, true}, {true, true, false}),
                     support_of("apex", {true, false, true}, {false, false, false})};
-  scene.point_loads.resize(1);
-  scene.point_loads[0].point = "apex";
-  scene.point_loads[0].force = {0, -2.0 * limit, 0};
+  PointLoad& load = scene.point_loads.emplace_back();
+  load.point = "apex";
+  load.force = {0, -2.0 * limit, 0};
   return {scene, solver, {}, {0.5, -0.5}};
 }
 
@@ -134,18 +117,11 @@ std::vector<Sweep> sweeps_of_structure(int most_elements) {
                rod.turn({{0.0, 1.0, 0.0}}, std::min(1.0, value));
              }),
       of_rod("unit_of_length", decades(-9, 9, 3), 1e-9, 1e-9, 1e9, kElastica,
-             [](Cantilever& rod, double value) {
-               rod.change_units(value / rod.length, 1.0);
-               rod.set_slenderness(100.0);
-               rod.pull(kLoad);
-             }),
+             [](Cantilever& rod, double value) { rod.pull_in_units(value / rod.length, 1.0, kLoad); }),
       of_rod("unit_of_force", decades(-9, 9, 3), 1e-9, 1e-9, 1e9, kElastica,
-             [](Cantilever& rod, double value) {
-               rod.change_units(1.0, value);
-               rod.set_slenderness(100.0);
-               rod.pull(kLoad);
-             }),
-      of_rod("elements", element_counts(most_elements), 1e-6, 10.0, 1e5, kElastica,
+             [](Cantilever& rod, double value) { rod.pull_in_units(1.0, value, kLoad); }),
+      of_rod("elements", joined({1, 2, 5}, decades(1, static_cast<int>(std::log10(most_elements)))), 1e-6, 10.0, 1e5,
+             kElastica,
              [](Cantilever& rod, double value) {
                rod.order = 2;
                rod.elements = static_cast<int>(value);
@@ -169,7 +145,12 @@ std::vector<Sweep> sweeps_of_motion() {
                rod.elements = 8 * std::max(1, static_cast<int>(value));
                rod.turn({{0.0, 0.0, value * kRadiansPerTurn}}, 0.0);
              }),
-      load_steps(),
+      of_rod("load_steps", {1, 2, 5, 10, 20, 50, 100, 200, 500, 1000}, 1e-9, 1.0, 1000.0, kHelix,
+             [](Cantilever& rod, double value) {
+               rod.steps = static_cast<int>(value);
+               rod.torsion = 0.5 * rod.bending;
+               rod.turn({{0.0, 2.0, 1.0}}, 1.0);
+             }),
       of_rod(
           "element_turn_k1",
           joined(joined({0.1, 1.0, 2.0}, approaching(kPi)), joined(joined({3.5, 4.5}, approaching(2.0 * kPi)), {6.5})),
@@ -216,21 +197,14 @@ std::vector<Sweep> all_sweeps(int most_elements) {
 }
 
 std::vector<Sweep> critical_sweeps() {
-  constexpr double kLocated = 1e-8;  // of load factors, relative: what the program promises
-  return {{"truss_rise",
-           {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0},
-           kLocated,
-           0.0,
-           kInfinity,
-           "2 EA (1 - cos(slope)^(2/3))^(3/2), and its negative",
-           snapping_truss},
-          {"rail_stiffness",
-           {1e3, 1e4, 1e5, 1e6, 1e7, 1e8},
-           kLocated,
-           0.0,
-           kInfinity,
-           "a third: strain of the heat = 4 pi^2 EI / (EA L^2)",
-           heated_rail}};
+  const auto sweep = [](const char* name, const std::vector<double>& values, const char* source, auto trial) {
+    constexpr double kLocated = 1e-8;  // of load factors, relative: what the program promises
+    return Sweep{name, values, kLocated, 0.0, kInfinity, source, trial};
+  };
+  return {sweep("truss_rise", {0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 3.0},
+                "2 EA (1 - cos(slope)^(2/3))^(3/2), and its negative", snapping_truss),
+          sweep("rail_stiffness", {1e3, 1e4, 1e5, 1e6, 1e7, 1e8}, "a third: strain of the heat = 4 pi^2 EI / (EA L^2)",
+                heated_rail)};
 }
 
 }  // namespace mixbeam

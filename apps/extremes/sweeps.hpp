@@ -1,5 +1,6 @@
-/// The sweeps of the study: the structure of most of them, a straight cantilever with EI2 = EI3 under a dead load at its
-/// tip, its closed forms, and the table of sweeps: which quantity, which values, which scene and closed form for a value.
+/// The sweeps of the study: the structure of most of them, a straight cantilever with EI2 = EI3 under a dead load at
+/// its tip, its closed forms, and the table of sweeps: which quantity, which values, which scene and closed form for a
+/// value.
 #pragma once
 
 #include "kernels/math/rotation.hpp"
@@ -19,8 +20,8 @@ struct ElasticaTip {
   double angle = 0.0;   ///< that the tip turns, in radians
 };
 
-/// Under a force across, any load = F L^2 / EI > 0. Relative error of `across` and `angle` a few roundings, of `back`
-/// the same where load > 1, else absolute. (Bisshopp and Drucker, Quart. Appl. Math. 3, 1945)
+/// Under a force across, any load = F L^2 / EI > 0. Error of all three a few roundings, relative to the motion where
+/// the load is below 0.03, else to the length. (Bisshopp and Drucker, Quart. Appl. Math. 3, 1945)
 ElasticaTip elastica_tip(double load);
 
 /// Under a thrust P L^2 / EI > 0 against its axis with the fraction `eccentricity` > 0 of it across: the stable
@@ -35,6 +36,7 @@ struct Cantilever {
   double force_stiffness = std::numeric_limits<double>::infinity();  ///< EA = GA2 = GA3
   int order = 1, elements = 1;
   double ratio = 0.0;  ///< of the longest element to the shortest, growing from the clamp by one factor; 0: all equal
+  int steps = 0;       ///< equal ones of the load; 0: as the solver's parameters say
   Vector3 force{}, moment{};
   Vec3<double> exact_displacement{};
   Quaternion<double> exact_rotation = identity_quaternion<double>();
@@ -47,12 +49,12 @@ struct Cantilever {
 
   /// Section of a square of side L / slenderness, EA = 12 slenderness^2 EI / L^2; GA = EA keeps the closed form.
   void set_slenderness(double slenderness) { force_stiffness = 12.0 * std::pow(slenderness / length, 2) * bending; }
-  /// The same structure, its unit of length divided by one number and that of force by another.
-  void change_units(double of_length, double of_force);
 
   /// Dead force along y, F L^2 / EI = load >= 0. Exact: elastica, and with C = EA = GA2 = GA3 every point moves by
   /// s F / C further, whatever the rotations (r' = g1 + n / C, and m' = - r' x n does not see C).
   void pull(double load);
+  /// The same with a slenderness of 100, the unit of length divided by one number and that of force by another.
+  void pull_in_units(double of_length, double of_force, double load);
   /// Dead thrust against the axis, as a multiple of Euler's load, and the fraction `eccentricity` > 0 of it along y.
   /// Exact: elastica (inextensible and shear rigid alone), the stable equilibrium on the side of the force along y.
   void push(double load, double eccentricity);
