@@ -1,11 +1,9 @@
 // What the features that a scene does not use would cost: one long rod solved as it is, and with each of them in it at
 // rest. Both ways must give the same answer; times are shown, not judged.
-#include "apps/common/run/expected_quantity.hpp"
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
-#include "discretization/text/result_names.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 
-#include <cmath>
 #include <limits>
 
 namespace mixbeam {
@@ -22,7 +20,7 @@ constexpr double kNothing = 1e-200;
 /// Stiffness beside which 1 is bending: what is left of its strain is rounding.
 constexpr double kNearlyRigid = 1e14;
 
-/// One way to get at an answer.
+/// One way to get at an answer, and what was measured of it.
 struct Way {
   const char* description = "";
   Scene scene;
@@ -30,6 +28,9 @@ struct Way {
   bool estimates = false;              ///< the discretization error at the end
   bool records = false;                ///< a result file
   std::vector<Quantity> quantities{};  ///< followed in it
+  std::vector<double> seconds{};       ///< wall time from the scene to the answer, reading left out
+  int iterations = 0;
+  Vector3 tip{};  ///< displacement
 };
 
 /// As shipped, and the general way.
@@ -38,61 +39,57 @@ struct Economy {
   Way plain, other;
 };
 
-PointLoad& tip_load(Scene& scene) { return scene.point_loads.at(0); }
-Member& rod_of(Scene& scene) { return scene.members.at(0); }
-Vector3 tip_of(Scene& scene) { return position_of(scene, tip_load(scene).point); }
-
-/// Loads at the tip that keep the rod in the plane of x and y.
-Scene in_plane(Scene scene) {
-  tip_load(scene).force[2] = 0.0;
-  for (int i = 0; i < 2; ++i) tip_load(scene).moment[i] = 0.0;
-  return scene;
+template <class Value, class Change>
+Value changed(Value value, const Change& change) {
+  change(value);
+  return value;
 }
+
+const std::string& tip_of(const Scene& scene) { return scene.point_loads.at(0).point; }
 
 /// The same straight line from the origin along x, as any curve may be given.
 Scene by_formula(Scene scene) {
-  Curve& curve = rod_of(scene).curve;
+  Curve& curve = scene.members.at(0).curve;
   curve.shape = CurveShape::parametric;
   curve.formula = {"t", "0", "0"};
-  curve.range = {0.0, tip_of(scene)[0]};
+  curve.range = {0.0, position_of(scene, tip_of(scene))[0]};
   return scene;
 }
 
 Scene with_line_load_of_nothing(Scene scene, LoadFrame frame) {
-  DistributedLoad load;
-  load.member = rod_of(scene).name;
+  DistributedLoad& load = scene.distributed_loads.emplace_back();
+  load.member = scene.members.at(0).name;
   load.frame = frame;
   load.force[1] = kNothing;
-  scene.distributed_loads.push_back(load);
   return scene;
 }
 
 Scene with_matrix(Scene scene) {
   Section& section = scene.sections.at(0);
-  const double diagonal[6] = {section.axial_stiffness,     section.shear_stiffness[0],   section.shear_stiffness[1],
-                              section.torsional_stiffness, section.bending_stiffness[0], section.bending_stiffness[1]};
-  section.matrix.emplace();
-  for (int i = 0; i < 6; ++i) (*section.matrix)[i][i] = diagonal[i];
+  auto& matrix = section.matrix.emplace();
+  matrix[0][0] = section.axial_stiffness;
+  matrix[3][3] = section.torsional_stiffness;
+  for (int i = 0; i < 2; ++i) {
+    matrix[1 + i][1 + i] = section.shear_stiffness[i];
+    matrix[4 + i][4 + i] = section.bending_stiffness[i];
+  }
   return scene;
 }
 
 /// The same stiffnesses from a shape, so that stresses are known.
 Scene with_shape(Scene scene) {
-  SectionShape shape;
+  SectionShape& shape = scene.sections.at(0).shape.emplace();
   shape.kind = SectionShapeKind::rectangle;
   shape.size2 = shape.size3 = 0.01;
   shape.youngs_modulus = 1.0;
-  scene.sections.at(0).shape = shape;
   return scene;
 }
 
 Scene with_inner_points(Scene scene, bool loaded) {
   for (int i = 1; i <= kInnerPoints; ++i) {
     const std::string name = "inner " + std::to_string(i);
-    rod_of(scene).inner_points.push_back({name, i / (kInnerPoints + 1.0)});
-    PointLoad load;
-    load.point = name;
-    if (loaded) scene.point_loads.push_back(load);
+    scene.members.at(0).inner_points.push_back({name, i / (kInnerPoints + 1.0)});
+    if (loaded) scene.point_loads.emplace_back().point = name;
   }
   return scene;
 }
@@ -104,79 +101,64 @@ Scene with_force_stiffness(Scene scene, double stiffness) {
   return scene;
 }
 
-/// A support that holds the rotation about x at the tip, where nothing turns it.
-Scene with_held_twist(Scene scene) {
-  Support support;
-  support.point = tip_load(scene).point;
-  support.rotation_fixed = {true, false, false};
-  scene.supports.push_back(support);
-  return scene;
-}
-
 /// Half as long again, without any load on the new part.
 Scene with_overhang(Scene scene, int order, int elements) {
-  Member overhang = rod_of(scene);
-  overhang.name = "overhang";
-  overhang.start_point = tip_load(scene).point;
-  overhang.end_point = "end";
-  overhang.order = order;
-  overhang.elements = elements;
-  scene.points.push_back({"end", {1.5 * tip_of(scene)[0], tip_of(scene)[1], tip_of(scene)[2]}});
-  scene.members.push_back(overhang);
+  Vector3 end = position_of(scene, tip_of(scene));
+  end[0] *= 1.5;
+  scene.points.push_back({"end", end});
+  scene.members.push_back(straight_member(tip_of(scene), "end", scene.members.at(0).section, order, elements));
   return scene;
-}
-
-Quantity displacement_of_tip(Scene rod) {
-  Quantity tip;
-  tip.name = "tip";
-  tip.kind = "displacement";
-  tip.point = tip_load(rod).point;
-  return tip;
 }
 
 /// A quarter each: displacements and moments at places of the rod, distances to its tip, extremes along all of it.
-std::vector<Quantity> hundred_quantities(Scene rod) {
-  constexpr int kQuantities = 100;
-  const std::vector<std::string> along = {"material force", "material moment", "spatial moment", "material curvature"};
-  std::vector<Quantity> all;
-  for (int i = 0; i < kQuantities; ++i) {
-    Quantity& one = all.emplace_back();
+std::vector<Quantity> hundred_quantities(const Scene& rod) {
+  const std::array<std::string, 4> along = {"material force", "material moment", "spatial moment",
+                                            "material curvature"};
+  const std::string& member = rod.members.at(0).name;
+  std::vector<Quantity> all(100);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    Quantity& one = all[i];
     one.name = "q" + std::to_string(i);
-    one.kind =
-        std::vector<std::string>{"displacement", "material moment", "distance", along[i / 4 % along.size()]}[i % 4];
-    if (i % 4 == 2) one.other_point = tip_load(rod).point;
+    one.kind = std::array<std::string, 4>{"displacement", "material moment", "distance", along[i / 4 % 4]}[i % 4];
     if (i % 4 < 3) {
-      one.point = rod_of(rod).name + "@" + std::to_string(i) + "%";
-      continue;
+      one.point = member + "@" + std::to_string(i) + "%";
+      if (i % 4 == 2) one.other_point = tip_of(rod);
+    } else {
+      one.member = member;
+      one.component = one.kind == along[2] ? "z" : "3";
+      one.take = Take::largest_size;
     }
-    one.member = rod_of(rod).name;
-    one.component = one.kind.rfind("spatial", 0) == 0 ? "z" : "3";
-    one.take = Take::largest_size;
   }
   return all;
 }
 
-template <class Change>
-SolverParameters changed(SolverParameters solver, const Change& change) {
-  change(solver);
-  return solver;
-}
-
 /// `rod`: a long straight cantilever with a load at its tip that bends and twists it.
 std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& given) {
-  const auto solver = changed(given, [](auto& s) { s.analysis.stability = false; });
+  const auto solver = changed(given, [](auto& s) {
+    s.analysis.stability = false;
+    s.analysis.error_estimate = ErrorEstimation::off;  // but where it is what is measured
+  });
   const auto in_space = changed(solver, [](auto& s) { s.planar = false; });
   const auto counting = changed(solver, [](auto& s) { s.analysis.stability = true; });
   const auto without_stresses = changed(solver, [](auto& s) { s.analysis.stresses = StressesOf::none; });
   const auto sparse = changed(solver, [](auto& s) { s.linear.method = "KLU2"; });
   const auto loose = changed(solver, [](auto& s) { s.linear.residual_tolerance = 1e-3; });
   const auto steps = with_fixed_steps(solver, kLoadSteps);
+  const Scene planar = changed(rod, [](Scene& s) {  // loads that keep the rod in the plane of x and y
+    PointLoad& load = s.point_loads.at(0);
+    load.force[2] = load.moment[0] = load.moment[1] = 0.0;
+  });
+  const Scene with_held_twist = changed(planar, [](Scene& s) {  // at the tip, where nothing turns it
+    s.supports.push_back(support_of(tip_of(s), {false, false, false}, {true, false, false}));
+  });
+  Quantity displacement;
+  displacement.name = "tip";
+  displacement.kind = "displacement";
+  displacement.point = tip_of(rod);
   const double rigid = std::numeric_limits<double>::infinity();
   const int order = rod.members.at(0).order, elements = rod.members.at(0).elements;
   return {
-      {"plane",
-       {"rod in a plane, three unknowns for each vertex", in_plane(rod), solver},
-       {"six unknowns", in_plane(rod), in_space}},
+      {"plane", {"rod in a plane, three unknowns for each vertex", planar, solver}, {"six unknowns", planar, in_space}},
       {"straight",
        {"straight line", rod, solver},
        {"the same line as a parametric curve, triads and curvature by formula", by_formula(rod), solver}},
@@ -192,9 +174,8 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"1000 inner points without loads", with_inner_points(rod, false), solver},
        {"loads of zero there: none of these vertices is eliminated in a chain", with_inner_points(rod, true), solver}},
       {"rotation_support",
-       {"free end", in_plane(rod), in_space},
-       {"rotation about the axis held there: one row that depends on the rotation", with_held_twist(in_plane(rod)),
-        in_space}},
+       {"free end", planar, in_space},
+       {"rotation about the axis held there: one row that depends on the rotation", with_held_twist, in_space}},
       {"rigid",
        {"inextensible and shear rigid", with_force_stiffness(rod, rigid), solver},
        {"EA = GA = 1e14", with_force_stiffness(rod, kNearlyRigid), solver}},
@@ -209,7 +190,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"100 quantities, 25 of them extremes along the rod", rod, solver, false, true, hundred_quantities(rod)}},
       {"one_quantity",
        {"no quantity asked for, result file written", rod, solver, false, true},
-       {"displacement of the tip asked for", rod, solver, false, true, {displacement_of_tip(rod)}}},
+       {"displacement of the tip asked for", rod, solver, false, true, {displacement}}},
       {"stresses",
        {"stresses along members off, result file written", with_shape(rod), without_stresses, false, true},
        {"stresses at the end, of a rectangle", with_shape(rod), solver, false, true}},
@@ -224,62 +205,39 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
   };
 }
 
-struct TimedWay {
-  std::vector<double> seconds{};  ///< wall time from the scene to the answer, reading left out
-  int iterations = 0;
-  Vector3 tip{};  ///< displacement
-};
-
-void run_once(Application& app, const Way& way, TimedWay& timed) {
-  const std::string point = way.scene.point_loads.at(0).point;
-  SolverParameters solver = way.solver;
-  solver.threads = app.study().get<int>("Threads");
-  StepReport last;
+void run_once(Application& app, Way& way) {
   const RunWatch watch;
+  const ParameterSource no_file;
+  const QuantitySet quantities(way.quantities, way.scene, {no_file, {}});
+  Recording recording;
+  recording.file = app.output / "recorded.h5";
+  if (!quantities.empty()) recording.quantities = &quantities;
   const Simulation simulation =
-      app.try_to_solve(way.scene, solver, [&last](const Simulation&, const StepReport& report) { last = report; });
+      way.records ? app.record(way.scene, way.solver, recording) : app.try_to_solve(way.scene, way.solver);
   if (way.estimates) simulation.estimate_error();
-  if (way.records) {
-    const ParameterSource no_file;
-    const QuantitySet quantities(way.quantities, way.scene, {no_file, {}});
-    ResultHeader header;
-    header.scene_name = way.scene.name;
-    header.quantities = quantities.names();
-    ResultFile file(app.output / "recorded.h5", std::move(header), app.communicator);
-    StepRecord record = simulation.record(last, kPointsByOrder, {point});
-    if (!quantities.empty()) record.monitored.push_back({kQuantitySeries, values_of(quantities, simulation, record)});
-    file.append_step(record);
-    file.close();
-  }
-  timed.seconds.push_back(watch.seconds());
+  way.seconds.push_back(watch.seconds());
   if (!simulation.result().finished)
     throw ConvergenceError(std::string(way.description) + ": no equilibrium was found");
-  timed.iterations = simulation.result().newton_iterations;
-  timed.tip = simulation.displacement(point);
-}
-
-/// Of the displacements of the tip, relative.
-double difference_of(const Vector3& a, const Vector3& b) {
-  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) / std::hypot(a[0], a[1], a[2]);
+  way.iterations = simulation.result().newton_iterations;
+  way.tip = simulation.displacement(tip_of(way.scene));
 }
 
 /// Both ways in turn, so that a machine that slows down for a while does so for both; the first round warms up.
-void measure(Application& app, const Economy& economy, StudyTable& table) {
-  const int rounds = app.study().get<int>("Rounds");
-  TimedWay plain, other;
-  for (int round = 0; round <= rounds; ++round) {
+void measure(Application& app, Economy economy, StudyTable& table) {
+  auto& [name, plain, other] = economy;
+  for (int round = 0; round <= app.study().get<int>("Rounds"); ++round) {
     if (round == 1) plain.seconds = other.seconds = {};
-    run_once(app, economy.plain, plain);
-    run_once(app, economy.other, other);
+    run_once(app, plain);
+    run_once(app, other);
   }
-  const double difference = difference_of(plain.tip, other.tip);
+  const double difference =
+      vector_algebra::norm(vector_algebra::difference(plain.tip, other.tip)) / vector_algebra::norm(plain.tip);
   const Member& rod = app.scene.members.front();
   std::vector<double> ratios;  // of neighbours in time: what the machine does beside is the same for both
   for (size_t i = 0; i < plain.seconds.size(); ++i) ratios.push_back(other.seconds[i] / plain.seconds[i]);
-  table.add_row({economy.name, median(plain.seconds), median(other.seconds), median(ratios), plain.iterations,
-                 other.iterations, difference, economy.plain.description, economy.other.description, rod.order,
-                 rod.elements});
-  app.summary.check_upper_bound(std::string(economy.name) + ": difference of the two ways", difference, kSameSolution,
+  table.add_row({name, median(plain.seconds), median(other.seconds), median(ratios), plain.iterations, other.iterations,
+                 difference, plain.description, other.description, rod.order, rod.elements});
+  app.summary.check_upper_bound(std::string(name) + ": difference of the two ways", difference, kSameSolution,
                                 "the same scene, solved the other way");
 }
 
@@ -297,9 +255,11 @@ void run_economies_study(Application& app) {
                                               " point loads; allowed: one rod along x from the origin with one load at "
                                               "its end, to which the study adds what it compares");
   StudyTable table(app, "economies.csv",
-                   {"name", "plain_seconds", "other_seconds", "ratio", "plain_iterations", "other_iterations",
-                    "difference", "plain", "other", "order", "elements"},
+                   words("name,plain_seconds,other_seconds,ratio,plain_iterations,other_iterations,difference,plain,"
+                         "other,order,elements"),
                    7);
+  app.quiet = true;  // hundreds of runs
+  app.solver.threads = app.study().get<int>("Threads");
   for (const Economy& economy : unused_features(app.scene, app.solver)) measure(app, economy, table);
   write_machine(app);
   if (!app.writes_files()) return;
