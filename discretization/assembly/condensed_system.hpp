@@ -13,6 +13,7 @@ class CondensedSystem {
   /// Collective. The model must outlive the system.
   explicit CondensedSystem(const Model& model);
 
+  const Model& model() const { return model_; }
   /// Vertices eliminated in chains, on this rank.
   int eliminated_vertices() const { return structure_.eliminated_vertices(); }
   const Teuchos::RCP<DofMatrix>& matrix() const { return remaining_->matrix(); }

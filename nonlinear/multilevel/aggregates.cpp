@@ -1,26 +1,38 @@
 #include "nonlinear/multilevel/aggregates.hpp"
 
 #include <algorithm>
-#include <functional>
+#include <cmath>
 #include <numeric>
-#include <queue>
+#include <tuple>
 
 namespace mixbeam {
 
 namespace {
 
-/// Networks with eight nodes for each aggregate, three of them along each direction of space or two, need the least
-/// time: eigenproblems grow with the cube of this number, levels with its logarithm.
-constexpr int kAggregateSize = 8;
+double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
 /// Unknowns of a level with fewer nodes are few enough for a direct solver, whatever the modes of a node are.
 constexpr int kSmallGraph = 64;
 /// A level with more aggregates than this share of its nodes is not worth having.
 constexpr double kLeastCoarsening = 0.5;
 
-/// An aggregate that stayed smaller joins a neighbour.
-constexpr int kLeastSize = 4;
-/// A walk of two links counts as this share of a link: enough to close squares before lines grow longer.
-constexpr double kWalk = 0.25;
+/// Pairs of pairs of pairs: eight nodes for each aggregate, of which networks need the least time: eigenproblems grow
+/// with the cube of this number, levels with its logarithm.
+constexpr int kRounds = 3;
+/// An aggregate that stayed smaller joins a neighbour, as long as both together are not larger than that: what is left
+/// over of rows with an odd number of nodes beside whole cubes.
+constexpr int kLeastSize = 5, kMostSize = 12;
+/// A direction that lattices do not have, nor sums of theirs with small numbers.
+constexpr Vector3 kDirection = {0.7799, 0.5515, 0.2948};
+/// Twice as many links count more than any direction: squares before rows of four.
+constexpr double kWeightPower = 4.0;
+/// Of a link across the direction, beside the squared cosine of the angle to it.
+constexpr double kAcross = 0.01;
+/// A neighbour is as good as the best one, which is taken, if its closeness is this share of it: a lattice whose nodes
+/// are displaced has no better ones in its rows.
+constexpr double kCloseEnough = 0.5;
+constexpr double kLeastDistance = 1e-300;  ///< against division by zero
 
 struct Graph {
   std::vector<int> start, neighbour;
@@ -59,125 +71,142 @@ Graph graph_of(int nodes, const LinkEnds& ends, const std::vector<double>& weigh
   return graph;
 }
 
-/// Grows aggregates one after the other: each takes the node that hangs together most closely with what it has; the
-/// next one begins where the fewest nodes are left around, so that no holes stay behind.
-class Growth {
- public:
-  explicit Growth(const Graph& graph) : graph_(graph), aggregate_(graph.nodes(), -1), left_(graph.nodes()) {
-    double sum = 0.0;
-    for (double w : graph.weight) sum += w;
-    walk_ = graph.weight.empty() ? 0.0 : kWalk * static_cast<double>(graph.weight.size()) / sum;
-    closeness_.assign(graph.nodes(), 0.0);
-    linked_.assign(graph.nodes(), 0);
-    for (int v = 0; v < graph.nodes(); ++v) left_[v] = graph.start[v + 1] - graph.start[v];
-  }
-
-  /// (node): its aggregate.
-  std::vector<int> run(int& aggregates) {
-    for (int v = 0; v < graph_.nodes(); ++v) {
-      if (aggregate_[v] >= 0) continue;
-      seeds_.push({left_[v], v});
-      while (!seeds_.empty()) {
-        const auto [left, seed] = seeds_.top();
-        seeds_.pop();
-        if (aggregate_[seed] < 0 && left == left_[seed]) grow(seed);
-      }
-    }
-    merge_small_ones();
-    aggregates = 0;
-    std::vector<int> number(sizes_.size(), -1);
-    for (int& a : aggregate_) {
-      if (number[a] < 0) number[a] = aggregates++;
-      a = number[a];
-    }
-    return aggregate_;
-  }
-
- private:
-  void grow(int seed) {
-    const int mine = static_cast<int>(sizes_.size());
-    sizes_.push_back(0);
-    touched_.clear();
-    for (int node = seed; node >= 0;) {
-      aggregate_[node] = mine;
-      for (int k = graph_.start[node]; k < graph_.start[node + 1]; ++k) --left_[graph_.neighbour[k]];
-      if (++sizes_[mine] == kAggregateSize) break;
-      come_closer(node);
-      node = -1;
-      for (int c : touched_)
-        if (aggregate_[c] < 0 && linked_[c] != 0 &&
-            (node < 0 || closeness_[c] > closeness_[node] || (closeness_[c] == closeness_[node] && c < node)))
-          node = c;
-    }
-    for (int c : touched_) {
-      closeness_[c] = 0.0;
-      linked_[c] = 0;
-      if (aggregate_[c] < 0) seeds_.push({left_[c], c});
-    }
-  }
-
-  void come_closer(int node) {
-    const auto add = [this](int c, double share) {
-      if (closeness_[c] == 0.0) touched_.push_back(c);
-      closeness_[c] += share;
-    };
-    for (int k = graph_.start[node]; k < graph_.start[node + 1]; ++k) {
-      const int middle = graph_.neighbour[k];
-      add(middle, graph_.weight[k]);
-      linked_[middle] = 1;
-      for (int j = graph_.start[middle]; j < graph_.start[middle + 1]; ++j)
-        if (graph_.neighbour[j] != node) add(graph_.neighbour[j], walk_ * graph_.weight[k] * graph_.weight[j]);
-    }
-  }
-
-  void merge_small_ones() {
-    for (int v = 0; v < graph_.nodes(); ++v) {
-      if (sizes_[aggregate_[v]] >= kLeastSize) continue;
-      int best = -1;
-      double most = 0.0;
-      for (int k = graph_.start[v]; k < graph_.start[v + 1]; ++k) {
-        const int other = aggregate_[graph_.neighbour[k]];
-        if (other == aggregate_[v] || sizes_[other] < kLeastSize || sizes_[other] >= kAggregateSize + kLeastSize)
-          continue;
-        if (graph_.weight[k] > most) most = graph_.weight[k], best = other;
-      }
-      if (best < 0) continue;
-      --sizes_[aggregate_[v]];
-      aggregate_[v] = best;
-      ++sizes_[best];
-    }
-  }
-
-  const Graph& graph_;
-  double walk_ = 0.0;
-  std::vector<int> aggregate_, left_, sizes_, touched_;
-  std::vector<double> closeness_;
-  std::vector<unsigned char> linked_;
-  std::priority_queue<std::pair<int, int>, std::vector<std::pair<int, int>>, std::greater<>> seeds_;
+/// Nodes or groups of them.
+struct Groups {
+  std::vector<int> of_node;    ///< (node): its group
+  std::vector<Vector3> place;  ///< (group): mean place of its nodes
+  std::vector<int> size;       ///< (group): its nodes
 };
+
+/// Joins groups to pairs, in the order in which they lie along a direction: each with the neighbour that it hangs
+/// together with most closely; of several with that which closes a square with another pair, or lies along the
+/// direction. In a lattice pairs are therefore parallel and side by side, pairs of pairs squares, and pairs of those
+/// cubes. One whose neighbours in question are all taken stays single: what is left over of a row.
+/// (group): its pair, and how many there are.
+std::vector<int> pairs_of(const Graph& graph, const std::vector<Vector3>& place, int& count) {
+  const int n = graph.nodes();
+  std::vector<double> along(n);
+  for (int v = 0; v < n; ++v) along[v] = dot(place[v], kDirection);
+  std::vector<int> order(n), pair(n, -1), partner(n, -1), squares(n, 0);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return std::tie(along[a], a) < std::tie(along[b], b); });
+  const auto for_each_square = [&](int v, const auto& action) {
+    for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+      const int a = graph.neighbour[k], b = partner[a];
+      if (b < 0) continue;
+      for (int j = graph.start[b]; j < graph.start[b + 1]; ++j)
+        if (graph.neighbour[j] != a) action(squares[graph.neighbour[j]]);
+    }
+  };
+  count = 0;
+  for (const int v : order) {
+    if (pair[v] >= 0) continue;
+    for_each_square(v, [](int& number) { ++number; });
+    int best = -1;
+    double most = 0.0, most_free = 0.0;
+    for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+      const int w = graph.neighbour[k];
+      const double cosine = (along[w] - along[v]) / std::max(distance(place[v], place[w]), kLeastDistance);
+      const double closeness = std::pow(graph.weight[k], kWeightPower) * (cosine * cosine + kAcross + squares[w]);
+      most = std::max(most, closeness);
+      if (pair[w] < 0 && closeness > most_free) most_free = closeness, best = w;
+    }
+    for_each_square(v, [](int& number) { number = 0; });
+    pair[v] = count;
+    if (most_free >= kCloseEnough * most && best >= 0) {
+      pair[best] = count;
+      partner[v] = best;
+      partner[best] = v;
+    }
+    ++count;
+  }
+  return pair;
+}
+
+/// Joins groups of few nodes to the neighbour that they hang together with most closely. (group): its new number, and
+/// how many there are.
+std::vector<int> without_small_ones(const Graph& graph, std::vector<int> size, int& count) {
+  const int n = graph.nodes();
+  std::vector<int> joined(n), number(n, -1);
+  std::iota(joined.begin(), joined.end(), 0);
+  const auto root = [&joined](int v) {
+    while (joined[v] != v) v = joined[v];
+    return v;
+  };
+  for (int v = 0; v < n; ++v) {
+    if (size[v] >= kLeastSize) continue;  // of what has joined it, too
+    int best = -1;
+    double most = 0.0;
+    for (int k = graph.start[v]; k < graph.start[v + 1]; ++k) {
+      const int w = root(graph.neighbour[k]);
+      if (w == v || size[w] + size[v] > kMostSize || !(graph.weight[k] > most)) continue;
+      most = graph.weight[k];
+      best = w;
+    }
+    if (best < 0) continue;
+    joined[v] = best;
+    size[best] += size[v];
+  }
+  count = 0;
+  for (int v = 0; v < n; ++v)
+    if (joined[v] == v) number[v] = count++;
+  std::vector<int> group(n);
+  for (int v = 0; v < n; ++v) group[v] = number[root(v)];
+  return group;
+}
+
+/// The graph over groups of its nodes.
+Graph contracted(const Graph& graph, const std::vector<int>& group, int groups) {
+  LinkEnds links;
+  std::vector<double> weights;
+  for (int v = 0; v < graph.nodes(); ++v)
+    for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
+      if (group[v] < group[graph.neighbour[k]]) {
+        links.push_back({group[v], group[graph.neighbour[k]]});
+        weights.push_back(graph.weight[k]);
+      }
+  return graph_of(groups, links, weights);
+}
+
+/// Groups of groups.
+void join(Graph& graph, Groups& groups, const std::vector<int>& joined, int count) {
+  graph = contracted(graph, joined, count);
+  std::vector<Vector3> place(count, Vector3{});
+  std::vector<int> size(count, 0);
+  for (size_t g = 0; g < joined.size(); ++g) {
+    size[joined[g]] += groups.size[g];
+    for (int i = 0; i < 3; ++i) place[joined[g]][i] += groups.size[g] * groups.place[g][i];
+  }
+  for (int g = 0; g < count; ++g)
+    for (double& x : place[g]) x /= size[g];
+  groups.place = std::move(place);
+  groups.size = std::move(size);
+  for (int& g : groups.of_node) g = joined[g];
+}
 
 }  // namespace
 
-Nesting nest(int nodes, const LinkEnds& ends) {
+Nesting nest(const std::vector<Vector3>& places, const LinkEnds& ends) {
+  const int nodes = static_cast<int>(places.size());
   std::vector<std::vector<int>> aggregate;  // (level)(node): before anything is renumbered
   std::vector<int> counts = {nodes};
-  LinkEnds links = ends;
-  std::vector<double> weights;
+  Graph graph = graph_of(nodes, ends, {});
+  Groups groups;
+  groups.place = places;
   while (counts.back() > kSmallGraph) {
-    const Graph graph = graph_of(counts.back(), links, weights);
-    int coarse = 0;
-    std::vector<int> of_node = Growth(graph).run(coarse);
-    if (coarse > kLeastCoarsening * counts.back()) break;
-    links.clear();
-    weights.clear();
-    for (int v = 0; v < graph.nodes(); ++v)
-      for (int k = graph.start[v]; k < graph.start[v + 1]; ++k)
-        if (of_node[v] < of_node[graph.neighbour[k]]) {
-          links.push_back({of_node[v], of_node[graph.neighbour[k]]});
-          weights.push_back(graph.weight[k]);
-        }
-    aggregate.push_back(std::move(of_node));
-    counts.push_back(coarse);
+    groups.of_node.resize(counts.back());
+    std::iota(groups.of_node.begin(), groups.of_node.end(), 0);
+    groups.size.assign(counts.back(), 1);
+    int count = 0;
+    for (int round = 0; round < kRounds; ++round) {
+      const std::vector<int> pair = pairs_of(graph, groups.place, count);
+      join(graph, groups, pair, count);
+    }
+    const std::vector<int> joined = without_small_ones(graph, groups.size, count);
+    join(graph, groups, joined, count);
+    if (count > kLeastCoarsening * counts.back()) break;
+    aggregate.push_back(groups.of_node);
+    counts.push_back(count);
   }
   Nesting nesting;
   nesting.first.resize(aggregate.size());

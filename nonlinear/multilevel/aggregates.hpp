@@ -2,6 +2,8 @@
 /// made of.
 #pragma once
 
+#include "discretization/scene/scene.hpp"
+
 #include <array>
 #include <vector>
 
@@ -17,8 +19,8 @@ struct Nesting {
   std::vector<std::vector<int>> first;  ///< (level)(aggregate, and one more): place of its first node
 };
 
-/// Aggregates of about `kAggregateSize` nodes by graph partition (METIS), level by level until the graph is small or
-/// coarsens no more. Deterministic.
-Nesting nest(int nodes, const LinkEnds& ends);
+/// Aggregates of about eight nodes, theory (63), level by level until the graph is small or coarsens no more: cubes
+/// where the network is a cubic lattice, displaced or not. `places`: of the nodes. Deterministic.
+Nesting nest(const std::vector<Vector3>& places, const LinkEnds& ends);
 
 }  // namespace mixbeam

@@ -9,9 +9,10 @@ namespace mixbeam {
 namespace {
 
 /// Modes of an aggregate with smaller eigenvalues are left to the next level; the smoother takes the others. On the
-/// first level there is a gap between 0.01 and 0.2. Measured on later ones with slenderness 20, 2e4 junctions:
-/// 0.02 needs 43 to 49 iterations, 0.03 27 to 32, 0.04 23 to 26, 0.05 22 at 1.4 times the work for spaces.
-constexpr double kSoftMode = 0.05, kSoftModeLater = 0.04;
+/// first level there is a gap between 0.01 and 0.1. Measured with 2e4 junctions of all kinds and slendernesses: with
+/// 0.05 and 0.04 in place of 0.1 and 0.05 cubic lattices need as many iterations, those with a third of the struts
+/// removed 36 in place of 30; 0.03 on later levels needs 1 or 2 more.
+constexpr double kSoftMode = 0.1, kSoftModeLater = 0.05;
 /// A level with so few unknowns is factorised: 12.5 million entries if its matrix is full.
 constexpr int kDirectUnknowns = 5000;
 /// Coarsening stops at a level that would keep more than this share of the unknowns.
@@ -29,8 +30,9 @@ int widest(const Level::Coarse& coarse) {
 
 }  // namespace
 
-Hierarchy::Hierarchy(int nodes, const LinkEnds& ends) {
-  Nesting nesting = nest(nodes, ends);
+Hierarchy::Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends) {
+  const int nodes = static_cast<int>(places.size());
+  Nesting nesting = nest(places, ends);
   order_ = nesting.order;
   std::vector<int> place(nodes);
   for (int k = 0; k < nodes; ++k) place[order_[k]] = k;

@@ -18,7 +18,7 @@ struct NetworkMatrix {
 class Hierarchy {
  public:
   /// Aggregates of the network, kept for all values.
-  Hierarchy(int nodes, const LinkEnds& ends);
+  Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends);
 
   /// (place): number of the node; vectors of a Hierarchy are in this order.
   const std::vector<int>& order() const { return order_; }

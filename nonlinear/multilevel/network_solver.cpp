@@ -81,7 +81,12 @@ void NetworkSolver::number_nodes() {
   }
   if (hierarchy_ == nullptr || hierarchy_->finest().nodes() != nodes || ends != ends_) {
     has_spaces_ = false;
-    hierarchy_ = std::make_unique<Hierarchy>(nodes, ends);
+    std::vector<Vector3> places(nodes);
+    const Model& model = system_.model();
+    for (int v = 0; v < n; ++v)
+      if (node_[v] >= 0)
+        places[node_[v]] = model.mesh().vertex_position[model.structure().local_vertex_to_global[vertices(v)]];
+    hierarchy_ = std::make_unique<Hierarchy>(places, ends);
     ends_ = std::move(ends);
   }
   const std::vector<int>& order = hierarchy_->order();

@@ -14,6 +14,7 @@
 
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <random>
 
 namespace mixbeam::test {
@@ -172,6 +173,52 @@ TEST(NetworkSolver, SolutionOfTheDirectSolver) {
     x.scale(1.0 + 2.0 * kAgreement);
     EXPECT_GT(relative_difference(x, y), kAgreement) << "the comparison sees an error";
   }
+}
+
+/// Nodes of a lattice in no order, displaced at random, and its links.
+std::pair<std::vector<Vector3>, LinkEnds> shuffled_lattice(int size, double displaced) {
+  std::mt19937 random(11);
+  const std::vector<std::array<int, 3>> points = grid(size, size, size);
+  std::vector<int> number(points.size());
+  std::iota(number.begin(), number.end(), 0);
+  std::shuffle(number.begin(), number.end(), random);
+  std::uniform_real_distribution<double> motion(-displaced, displaced);
+  std::vector<Vector3> places(points.size());
+  LinkEnds ends;
+  for (size_t p = 0; p < points.size(); ++p)
+    for (int c = 0, stride = size * size; c < 3; ++c, stride /= size) {
+      places[number[p]][c] = points[p][c] + motion(random);
+      if (points[p][c] + 1 < size) ends.push_back({number[p], number[p + stride]});
+    }
+  return {places, ends};
+}
+
+/// Aggregates of eight nodes that are cubes, which have twelve links inside.
+int cubes(const std::vector<Vector3>& places, const LinkEnds& ends) {
+  const Nesting nesting = nest(places, ends);
+  const std::vector<int>& first = nesting.first.front();
+  std::vector<int> aggregate(places.size()), links(first.size(), 0);
+  for (size_t a = 0; a + 1 < first.size(); ++a)
+    for (int k = first[a]; k < first[a + 1]; ++k) aggregate[nesting.order[k]] = static_cast<int>(a);
+  for (const auto& [a, b] : ends)
+    if (aggregate[a] == aggregate[b]) ++links[aggregate[a]];
+  int count = 0;
+  for (size_t a = 0; a + 1 < first.size(); ++a) count += first[a + 1] - first[a] == 8 && links[a] == 12 ? 1 : 0;
+  return count;
+}
+
+/// Share of cubes in a lattice whose nodes are displaced by a tenth of a strut: rows begin where places say so.
+constexpr double kMostly = 0.85;
+
+TEST(NetworkSolver, AggregatesOfLatticesAreCubes) {
+  const auto [even, even_links] = shuffled_lattice(12, 0.0);
+  EXPECT_EQ(cubes(even, even_links), 6 * 6 * 6);
+  const auto [displaced, displaced_links] = shuffled_lattice(12, 0.1);
+  EXPECT_GE(cubes(displaced, displaced_links), kMostly * 6 * 6 * 6);
+  const auto [odd, odd_links] = shuffled_lattice(13, 0.0);
+  EXPECT_EQ(cubes(odd, odd_links), 5 * 5 * 5) << "what is left over of rows lies beside the last cubes";
+  const std::vector<Vector3> nowhere(even.size(), Vector3{});
+  EXPECT_LT(cubes(nowhere, even_links), kMostly * 6 * 6 * 6) << "places matter";
 }
 
 /// Between an error in energy and the same error in length: motions that differ in stiffness have different shares.
