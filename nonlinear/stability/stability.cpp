@@ -244,9 +244,9 @@ double relative_length(const Model& model) {
 /// An eigenvalue of what chains leave is no nearer to zero than the nearest one of the whole tangent.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   const Tangent& tangent = at.tangent();
-  if (tangent.is_planar() || tangent.cap().cuts_off || !at.failure().empty()) return std::nullopt;
-  const Tangent::InteriorCount interior = tangent.interior_count();
   const bool iterates = at.solver().iterates();  // then what solves meet tells
+  if (tangent.is_planar() || (tangent.cap().cuts_off && !iterates) || !at.failure().empty()) return std::nullopt;
+  const Tangent::InteriorCount interior = tangent.interior_count();
   if (interior.uncertain || (!iterates && !at.solver().negative_eigenvalues())) return std::nullopt;
   const EvaluationPoint& point = tangent.point();
   const double stress = stress_of(problem_.model, magnitude_of(problem_.model, point.state, point.load_factor));
@@ -270,7 +270,7 @@ std::optional<StabilityResult> Stability::sign_by_iteration(const State& state, 
   const Model& model = problem_.model;
   MixedVector residual = model.create_vector();
   const EvaluationPoint point = mixed_residual(model, state, load_factor, residual);
-  Linearization at(problem_, point, cap_for(model, point.scales), TangentKind{true, true});
+  Linearization at(problem_, point, cap_for(model, point.scales, kCapOfCount), TangentKind{true, true});
   if (at.failure().empty()) try {
       return count_by(at);
     } catch (const LinearSolverError&) {  // why is told below
