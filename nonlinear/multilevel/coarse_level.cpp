@@ -25,13 +25,13 @@ constexpr double kNoLink = 1e-16;
 
 using multilevel::for_each, multilevel::numbers;
 
-/// Eigenvalues of a symmetric matrix (lower triangle read) up to `tau`, with eigenvectors in the columns of `vectors`:
-/// all values of the tridiagonal form, then the wanted vectors by inverse iteration. LAPACK's dsyevx, which finds the
-/// wanted values alone by bisection, takes a quarter more time for the spaces of a cubic lattice.
+/// Eigenvalues of a symmetric matrix (lower triangle read) up to a limit, with eigenvectors in the columns of
+/// `vectors`: all values of the tridiagonal form, then the wanted vectors by inverse iteration. LAPACK's dsyevx, which
+/// finds the wanted values alone by bisection, takes a quarter more time for the spaces of a cubic lattice.
 struct SoftModes {
   std::vector<double> values, vectors;
 
-  SoftModes(int n, std::vector<double> matrix, double tau) : vectors(matrix.size()) {
+  SoftModes(int n, std::vector<double> matrix, const Level::ModeLimit& limit) : vectors(matrix.size()) {
     std::vector<double> form = matrix, diagonal(n), beside(n), reflectors(n), work(40 * static_cast<size_t>(n));
     const int size = static_cast<int>(work.size());
     int info = 0;
@@ -45,14 +45,17 @@ struct SoftModes {
       const int rows = end - begin;
       dsterf_(&rows, all.data(), off.data(), &info);
       last.push_back(end);
-      for (const double value : all)
-        if (value <= tau) {
-          values.push_back(value);
-          block.push_back(static_cast<int>(last.size()));
-        }
+      values.insert(values.end(), all.begin(), all.end());
+      block.resize(values.size(), static_cast<int>(last.size()));
       begin = end;
     }
-    const int found = static_cast<int>(values.size());
+    double least = 0.0;
+    for (const double value : values) least = std::min(least, value);
+    const double most = limit.tau - limit.raise * least;
+    int found = 0;
+    for (size_t i = 0; i < values.size(); ++i)
+      if (values[i] <= most) values[found] = values[i], block[found++] = block[i];
+    values.resize(found);
     std::vector<int> integers(n), failed(found);
     last.resize(n);
     if (info == 0 && found > 0) {
@@ -62,13 +65,13 @@ struct SoftModes {
       dormtr_("L", "L", "N", &n, &found, form.data(), &n, reflectors.data(), vectors.data(), &n, work.data(), &size,
               &other);
     }
-    if (info != 0) values.resize(among_all(n, std::move(matrix), tau));
+    if (info != 0) values.resize(among_all(n, std::move(matrix), limit));
   }
 
  private:
   /// Inverse iteration now and then misses a vector of a cluster, in one aggregate of thousands: then all are found, by
   /// divide and conquer.
-  int among_all(int n, std::vector<double> matrix, double tau) {
+  int among_all(int n, std::vector<double> matrix, const Level::ModeLimit& limit) {
     std::vector<double> work(1 + (6 + 2 * static_cast<size_t>(n)) * n);
     std::vector<int> integers(3 + 5 * static_cast<size_t>(n));
     const int size = static_cast<int>(work.size()), integer_size = static_cast<int>(integers.size());
@@ -77,14 +80,16 @@ struct SoftModes {
     dsyevd_("V", "L", &n, matrix.data(), &n, values.data(), work.data(), &size, integers.data(), &integer_size, &info);
     if (info != 0) throw std::runtime_error("LAPACK's dsyevd did not find the modes of an aggregate");
     vectors = std::move(matrix);
-    return static_cast<int>(std::upper_bound(values.begin(), values.end(), tau) - values.begin());
+    return static_cast<int>(
+        std::upper_bound(values.begin(), values.end(), limit.tau - limit.raise * std::min(0.0, values[0])) -
+        values.begin());
   }
 };
 
 }  // namespace
 
-std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<double*>& self, const LinkSource& links,
-                                    std::vector<double>& eigenvalues) const {
+std::vector<double> Level::modes_of(int aggregate, const ModeLimit& limit, const KernelView<double*>& self,
+                                    const LinkSource& links, std::vector<double>& eigenvalues) const {
   const int begin = first_[aggregate], end = first_[aggregate + 1], origin = unknown_[begin];
   const int n = unknown_[end] - origin;
   eigenvalues.clear();
@@ -108,7 +113,7 @@ std::vector<double> Level::modes_of(int aggregate, double tau, const KernelView<
     dense::add_product(m, m, m, inverse, m, block.data(), 1, m, product.data(), m);
     dense::add_product(m, m, m, product.data(), m, inverse, m, 1, &matrix[static_cast<size_t>(n) * at + at], n);
   }
-  const SoftModes soft(n, std::move(matrix), tau);
+  const SoftModes soft(n, std::move(matrix), limit);
   eigenvalues = soft.values;
   const size_t found = eigenvalues.size();
   std::vector<double> modes(found * n);
@@ -133,10 +138,10 @@ void unpack_triangle(int m, const double* lower, double* full) {
 
 }  // namespace
 
-Level::Coarse Level::find_modes(double tau, const KernelView<double*>& self, const LinkSource& links) {
+Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*>& self, const LinkSource& links) {
   const int count = aggregates();
   std::vector<std::vector<double>> modes(count), eigenvalues(count);
-  for_each(count, [&](int a) { modes[a] = modes_of(a, tau, self, links, eigenvalues[a]); });
+  for_each(count, [&](int a) { modes[a] = modes_of(a, limit, self, links, eigenvalues[a]); });
   Coarse coarse;
   coarse.unknown.assign(count + 1, 0);
   mode_block_.assign(count + 1, 0);

@@ -12,7 +12,8 @@ namespace {
 /// first level there is a gap between 0.01 and 0.1. Measured with 2e4 junctions of all kinds and slendernesses: with
 /// 0.05 and 0.04 in place of 0.1 and 0.05 cubic lattices need as many iterations, those with a third of the struts
 /// removed 36 in place of 30; 0.03 on later levels needs 1 or 2 more.
-constexpr double kSoftMode = 0.1, kSoftModeLater = 0.05;
+/// Under compression all motions that shear a lattice soften together; on the first level a raise gains nothing.
+constexpr Level::ModeLimit kSoftMode{0.1, 0.0}, kSoftModeLater{0.05, 4.0};
 /// A level with so few unknowns is factorised: 12.5 million entries if its matrix is full.
 constexpr int kDirectUnknowns = 5000;
 /// Coarsening stops at a level that would keep more than this share of the unknowns.

@@ -126,9 +126,13 @@ class Level {
     LinkSource source() const;
     LinkEnds ends;
   };
-  /// Modes of each aggregate with eigenvalue below `tau`, and the next level's nodes from them. Afterwards round() may
-  /// be called.
-  Coarse find_modes(double tau, const KernelView<double*>& self, const LinkSource& links);
+  /// Eigenvalues of an aggregate up to tau, and higher by `raise` times the size of its least one below zero: prestress
+  /// that softens makes it negative.
+  struct ModeLimit {
+    double tau, raise;
+  };
+  /// Modes of each aggregate up to the limit, and the next level's nodes from them. Afterwards round() may be called.
+  Coarse find_modes(const ModeLimit& limit, const KernelView<double*>& self, const LinkSource& links);
   /// The next level's links.
   void project_links(const LinkSource& links, Coarse& coarse) const;
   /// The modes span what the next level's scaled unknowns stand for; its factors.
@@ -167,8 +171,8 @@ class Level {
   void for_each_row(const Value* value, const LevelVector& x, const Finish& finish) const;
   template <class Finish>
   void multiply(const LevelVector& x, const Finish& finish) const;
-  std::vector<double> modes_of(int aggregate, double tau, const KernelView<double*>& self, const LinkSource& links,
-                               std::vector<double>& eigenvalues) const;
+  std::vector<double> modes_of(int aggregate, const ModeLimit& limit, const KernelView<double*>& self,
+                               const LinkSource& links, std::vector<double>& eigenvalues) const;
 
   int nodes_;
   LinkEnds ends_;

@@ -24,14 +24,16 @@ constexpr double kMostGrowth = 1.5;
 constexpr int kGivenUp = 3;
 /// Entries of a block that the links do not explain, relative to the largest one of the row: rounding of sums.
 constexpr double kUnexplained = 1e-11;
-/// The same, where nothing else helps: 8 GB.
-constexpr double kMostFallbackEntries = 1e9;
 
 }  // namespace
 
 NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
-                             double reduction)
-    : system_(system), tolerance_(residual_tolerance), reduction_(reduction), times_(times) {
+                             double reduction, double most_fallback_entries)
+    : system_(system),
+      tolerance_(residual_tolerance),
+      reduction_(reduction),
+      most_fallback_entries_(most_fallback_entries),
+      times_(times) {
   set_up_blas();  // LAPACK finds the modes of aggregates
 }
 
@@ -219,7 +221,7 @@ void NetworkSolver::make_spaces() {
 
 void NetworkSolver::factorize_directly() {
   if (direct_ == nullptr) {
-    if (factor_entries(system_) > kMostFallbackEntries) throw LinearSolverError(objection_);
+    if (factor_entries(system_) > most_fallback_entries_) throw LinearSolverError(objection_);
     direct_ = make_direct_solver(system_.matrix(), kSparseSolver, tolerance_, times_);
   }
   direct_->factorize();

@@ -16,8 +16,11 @@ class NetworkSolver : public LinearSolver {
   /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
   static constexpr double kReduction = 1e-8;
 
+  /// Factors with more entries are not taken: 8 GB.
+  static constexpr double kMostFallbackEntries = 1e9;
+
   NetworkSolver(const CondensedSystem& system, double residual_tolerance, PhaseTimes& times,
-                double reduction = kReduction);
+                double reduction = kReduction, double most_fallback_entries = kMostFallbackEntries);
 
   void factorize() override;
   double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
@@ -47,7 +50,7 @@ class NetworkSolver : public LinearSolver {
   void refuse(const std::runtime_error& why);
 
   const CondensedSystem& system_;
-  double tolerance_, reduction_;
+  double tolerance_, reduction_, most_fallback_entries_;
   PhaseTimes& times_;
   std::vector<unsigned char> free_;    ///< (row): 1 where it has an equation with other unknowns
   std::vector<int> node_;              ///< (vertex that remains): its place in the hierarchy, -1: has no free row
