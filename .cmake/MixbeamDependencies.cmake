@@ -2,8 +2,8 @@
 #
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
 #   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, NOX, LOCA and MPI
-#   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does;
-#                      and METIS, which orders its eliminations: Debian's MUMPS is built without
+#   mixbeam_metis      METIS: parts of networks for ranks, and the order of MUMPS' eliminations: Debian's is built without
+#   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
 #   mixbeam_sacado     automatic differentiation, for tests
 #
 # Trilinos is looked up by header and library instead of by find_package(Trilinos): the exported configuration of Debian
@@ -171,9 +171,13 @@ endif()
 add_library(mixbeam_trilinos INTERFACE)
 target_link_libraries(mixbeam_trilinos INTERFACE ${trilinos_libraries} mixbeam_kokkos MPI::MPI_CXX)
 
+add_library(mixbeam_metis INTERFACE)
+target_include_directories(mixbeam_metis SYSTEM INTERFACE "${METIS_INCLUDE_DIR}")
+target_link_libraries(mixbeam_metis INTERFACE "${METIS_LIBRARY}")
+
 add_library(mixbeam_mumps INTERFACE)
-target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}" "${METIS_INCLUDE_DIR}")
-target_link_libraries(mixbeam_mumps INTERFACE "${MUMPS_dmumps_LIBRARY}" "${METIS_LIBRARY}" MPI::MPI_CXX)
+target_include_directories(mixbeam_mumps SYSTEM INTERFACE "${MUMPS_INCLUDE_DIR}")
+target_link_libraries(mixbeam_mumps INTERFACE "${MUMPS_dmumps_LIBRARY}" MPI::MPI_CXX)
 
 add_library(mixbeam_sacado INTERFACE)
 target_link_libraries(mixbeam_sacado INTERFACE ${sacado_libraries} mixbeam_trilinos)

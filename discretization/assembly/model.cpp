@@ -37,14 +37,17 @@ Model::~Model() = default;
 
 void Model::build_maps(const Communicator& comm) {
   const size_t owned = static_cast<size_t>(kVertexDofs) * structure_.owned_vertices;
-  maps_.rows = Teuchos::rcp(new DofMap(static_cast<GlobalOrdinal>(kVertexDofs) * mesh_.vertices(), owned, 0, comm));
+  const auto all = static_cast<Tpetra::global_size_t>(kVertexDofs) * mesh_.vertices();
+  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  if (structure_.partition.is_contiguous()) maps_.rows = Teuchos::rcp(new DofMap(all, owned, 0, comm));
   maps_.columns = maps_.rows;
   if (comm->getSize() > 1) {
     std::vector<GlobalOrdinal> dofs;
     for (int global : structure_.local_vertex_to_global)
       for (int c = 0; c < kVertexDofs; ++c) dofs.push_back(static_cast<GlobalOrdinal>(kVertexDofs) * global + c);
-    const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
-    maps_.columns = Teuchos::rcp(new DofMap(unknown, Teuchos::arrayViewFromVector(dofs), 0, comm));
+    const auto columns = Teuchos::arrayViewFromVector(dofs);
+    if (maps_.rows.is_null()) maps_.rows = Teuchos::rcp(new DofMap(all, columns.view(0, owned), 0, comm));
+    maps_.columns = Teuchos::rcp(new DofMap(unknown, columns, 0, comm));
     maps_.import = Teuchos::rcp(new DofImport(maps_.rows, maps_.columns));
     workspace_->ghosted_increment = Teuchos::rcp(new DofVector(maps_.columns));
   }

@@ -90,21 +90,20 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
   Conditions conditions;
   const VertexPartition& partition = structure.partition;
   for (const PointLoad& load : scene.point_loads) {
-    const int global = vertex_of(mesh, load.point);
-    if (partition.owns(global))
-      conditions.loads.push_back(vertex_load(load, scene, mesh, global, global - partition.owned_first()));
+    const int global = vertex_of(mesh, load.point), local = partition.place(global);
+    if (local >= 0) conditions.loads.push_back(vertex_load(load, scene, mesh, global, local));
   }
   for (size_t i = 0; i < scene.supports.size(); ++i) {
-    const int global = vertex_of(mesh, scene.supports[i].point);
-    if (partition.owns(global))
-      conditions.supports.push_back(
-          vertex_support(scene.supports[i], scene.stages, static_cast<int>(i), global - partition.owned_first()));
+    const int local = partition.place(vertex_of(mesh, scene.supports[i].point));
+    if (local >= 0)
+      conditions.supports.push_back(vertex_support(scene.supports[i], scene.stages, static_cast<int>(i), local));
   }
   for (const MeshJoint& joint : mesh.joints) {
-    if (!partition.owns(joint.master)) continue;
+    const int master = partition.place(joint.master);
+    if (master < 0) continue;
     const Joint& described = scene.joints[joint.joint];
-    conditions.joints.push_back({joint.master - partition.owned_first(), joint.slave - partition.owned_first(),
-                                 described.kind, joint_frame(described), described.stiffness});
+    conditions.joints.push_back(
+        {master, partition.place(joint.slave), described.kind, joint_frame(described), described.stiffness});
   }
   return conditions;
 }

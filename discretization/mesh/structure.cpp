@@ -149,14 +149,13 @@ void number_local_vertices(Structure& structure, const std::vector<MeshElement>&
   for (int e : structure.local_element_to_mesh)
     for (int vertex : elements[e].vertex)
       if (!partition.owns(vertex)) ghosts.insert(vertex);
-  structure.owned_vertices = partition.owned_end() - partition.owned_first();
-  for (int v = partition.owned_first(); v < partition.owned_end(); ++v) structure.local_vertex_to_global.push_back(v);
+  structure.owned_vertices = partition.size();
+  for (int v = 0; v < partition.size(); ++v) structure.local_vertex_to_global.push_back(partition.vertex(v));
   structure.local_vertex_to_global.insert(structure.local_vertex_to_global.end(), ghosts.begin(), ghosts.end());
 }
 
 int local_vertex(const Structure& structure, int global) {
-  const VertexPartition& partition = structure.partition;
-  if (partition.owns(global)) return global - partition.owned_first();
+  if (const int place = structure.partition.place(global); place >= 0) return place;
   const auto ghosts = structure.local_vertex_to_global.begin() + structure.owned_vertices;
   const auto entry = std::lower_bound(ghosts, structure.local_vertex_to_global.end(), global);
   return static_cast<int>(entry - structure.local_vertex_to_global.begin());
@@ -234,22 +233,6 @@ void fill_structure_views(Structure& structure, const Scene& scene) {
 }
 
 }  // namespace
-
-VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
-  const int vertices = mesh.vertices();
-  const auto is_slave = [&](int vertex) {  // slaves ascend
-    const auto joint = std::lower_bound(mesh.joints.begin(), mesh.joints.end(), vertex,
-                                        [](const MeshJoint& j, int v) { return j.slave < v; });
-    return joint != mesh.joints.end() && joint->slave == vertex;
-  };
-  const auto first_of = [&](int r) {
-    int first = static_cast<int>(static_cast<long long>(vertices) * r / ranks);
-    while (is_slave(first)) ++first;  // with its master on the rank before
-    return first;
-  };
-  first_ = first_of(rank);
-  end_ = first_of(rank + 1);
-}
 
 const ElementBlock& Structure::block_of(int local_element) const {
   for (const ElementBlock& block : blocks)

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "discretization/mesh/mesh.hpp"
+#include "discretization/mesh/vertex_partition.hpp"
 #include "discretization/mesh/view_pool.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "kernels/loops/block.hpp"
@@ -22,20 +23,6 @@ struct State {
   StateViews views;
   /// Known to lie in the plane of the scene (Model::plane()): nothing but its in-plane part is looked at.
   bool in_plane = false;
-};
-
-/// Contiguous share of the global vertices, as equal as joints permit: the vertices of a joined point stay together.
-class VertexPartition {
- public:
-  VertexPartition() = default;
-  VertexPartition(int rank, int ranks, const Mesh& mesh);
-
-  int owned_first() const { return first_; }
-  int owned_end() const { return end_; }
-  bool owns(int vertex) const { return vertex >= first_ && vertex < end_; }
-
- private:
-  int first_ = 0, end_ = 0;
 };
 
 /// Arrays of states that are not in use.

@@ -311,10 +311,8 @@ double l2_norm(const Model& model, const State& state, int points,
 }
 
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex) {
-  const VertexPartition& partition = model.structure().partition;
   std::array<double, 6> mine{}, all{};
-  if (partition.owns(vertex)) {
-    const int local = vertex - partition.owned_first();
+  if (const int local = model.structure().partition.place(vertex); local >= 0) {
     const Vec rotation = log_quaternion(load_quaternion(&state.views.vertex_rotation(local, 0)));
     for (int i = 0; i < 3; ++i) {
       mine[i] = state.views.vertex_displacement(local, i);

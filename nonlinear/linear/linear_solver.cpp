@@ -1,6 +1,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 
 #include "discretization/mesh/mixed_vector.hpp"
+#include "discretization/mesh/vertex_partition.hpp"
 #include "discretization/text/memory_error.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/network_factors.hpp"
@@ -41,9 +42,6 @@ class Amesos2Factors : public MatrixFactors {
   Teuchos::RCP<Amesos2Solver> solver_;
 };
 
-/// Networks with fewer independent loops are left to KLU2: measured on cubic lattices (5^3 vertices, 96 loops: 23 ms by
-/// KLU2, 7 to 21 ms by MUMPS with OpenBLAS and the reference BLAS) and square ones (16^2, 195: 40, 41 to 54 ms).
-constexpr double kLeastLoops = 100;
 /// With fewer rows factors of rank 0 alone are as quick. Whole runs on two ranks, over those with factors of rank 0:
 /// cubic lattices of 10^3 and 15^3 vertices 0.95, 0.7; square ones of 40^2, 60^2, 100^2 0.97, 0.9, 0.87.
 constexpr Tpetra::global_size_t kLeastSharedRows = 5000;
@@ -64,7 +62,7 @@ class DirectSolver : public LinearSolver {
         times_(times),
         correction_(Teuchos::rcp(new DofVector(matrix->getDomainMap()))),
         residual_(Teuchos::rcp(new DofVector(matrix->getRangeMap()))) {
-    if (method == kAutomatic) method_ = independent_loops(*matrix) < kLeastLoops ? "KLU2" : kMumps;
+    if (method == kAutomatic) method_ = independent_loops(*matrix) < kLeastLoopsOfNetwork ? "KLU2" : kMumps;
     if (method_ != kMumps && !Amesos2::query(method_))
       throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
     const bool is_shared = method_ == kMumps && matrix->getGlobalNumRows() >= kLeastSharedRows;

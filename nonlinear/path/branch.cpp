@@ -38,8 +38,8 @@ std::array<std::vector<double>, 3> displacements(const Model& model, const Verte
     for (size_t m = 0; m < modes.size(); ++m) {
       const KernelView<double*> rows = modes[m].vertex();
       for (const auto& [vertex, weight] : weights)
-        if (partition.owns(vertex))
-          mine[m] += weight * rows(static_cast<size_t>(kVertexDofs) * (vertex - partition.owned_first()) + c);
+        if (const int local = partition.place(vertex); local >= 0)
+          mine[m] += weight * rows(static_cast<size_t>(kVertexDofs) * local + c);
     }
     sums[c].resize(modes.size());
     Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(modes.size()), mine.data(),

@@ -74,11 +74,8 @@ void PathGoal::require_motion(double start, const Station& here, const std::stri
 ControlRow PathGoal::row(double load_start, double change) const {
   MixedVector weights = model_.create_vector();
   weights.fill(0.0);
-  const VertexPartition& partition = model_.structure().partition;
-  const int vertex = vertex_of(model_.mesh(), control_->point);
-  if (partition.owns(vertex))
-    weights.vertex()(kVertexDofs * (vertex - partition.owned_first()) + control_->component) =
-        1.0 / model_.structure().length;
+  const int local = model_.structure().partition.place(vertex_of(model_.mesh(), control_->point));
+  if (local >= 0) weights.vertex()(kVertexDofs * local + control_->component) = 1.0 / model_.structure().length;
   return {weights, 0.0, load_start, change};
 }
 

@@ -49,8 +49,9 @@ PathMeasure::PathMeasure(const Model& model) : weights_(model.create_vector()) {
   const std::vector<int> parts = connected_parts(model.mesh());
   parts_ = 1 + *std::max_element(parts.begin(), parts.end());
   if (parts_ == 1) return;
-  const int first = model.structure().partition.owned_first();
-  part_of_vertex_.assign(parts.begin() + first, parts.begin() + first + w.extent(0) / kVertexDofs);
+  const Structure& structure = model.structure();
+  for (int v = 0; v < structure.owned_vertices; ++v)
+    part_of_vertex_.push_back(parts[structure.local_vertex_to_global[v]]);
 }
 
 double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const { return a.vertex_product(weights_, b); }

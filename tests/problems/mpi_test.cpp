@@ -144,6 +144,15 @@ TEST(MpiProblems, Networks) {
   expect_same_answer(scene);
 }
 
+// Cut by the graph, and through hinges beside others.
+TEST(MpiProblems, NetworksInNoOrder) {
+  Scene scene = shuffled(lattice(6, 2, 2));
+  expect_same_answer(scene);
+  expect_same_samples(scene);
+  scene.joints = {{"pin", "3,3,3", {"3,3,3 to 4,3,3", "2,3,3 to 3,3,3"}}, {"foot", "2,2,2", {"2,2,2 to 2,2,3"}}};
+  expect_same_answer(scene);
+}
+
 TEST(MpiProblems, Samples) { expect_same_samples(fork(2, 3)); }
 
 }  // namespace

@@ -5,8 +5,10 @@
 #include "discretization/scene/scene.hpp"
 #include "tests/support/numbers.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 
 namespace mixbeam::test {
@@ -109,6 +111,12 @@ inline Scene lattice(int n, int order = 1, int elements = 1) {
           if (inside) scene.members.push_back(line(here + " to " + next, here, next, order, elements));
         }
       }
+  return scene;
+}
+
+/// The same structure with its members in no order, so that neighbours are far apart in the mesh.
+inline Scene shuffled(Scene scene) {
+  std::shuffle(scene.members.begin(), scene.members.end(), std::mt19937(1));
   return scene;
 }
 

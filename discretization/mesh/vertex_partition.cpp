@@ -1,0 +1,116 @@
+#include "discretization/mesh/vertex_partition.hpp"
+
+#include <metis.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace mixbeam {
+
+namespace {
+
+/// Vertices, and elements between them, in the form of METIS. Slaves of joints are merged into their masters.
+struct VertexGraph {
+  std::vector<idx_t> node;  ///< (vertex)
+  std::vector<idx_t> ends;  ///< (node): ends of elements there, which take memory and time
+  std::vector<idx_t> start{0}, next, price;
+
+  explicit VertexGraph(const Mesh& mesh);
+
+ private:
+  void number(const Mesh& mesh);
+};
+
+void VertexGraph::number(const Mesh& mesh) {
+  node.resize(mesh.vertices());
+  std::vector<unsigned char> is_slave(mesh.vertices(), 0);
+  for (const MeshJoint& joint : mesh.joints) is_slave[joint.slave] = 1;
+  idx_t nodes = 0;
+  for (int v = 0; v < mesh.vertices(); ++v) node[v] = is_slave[v] != 0 ? -1 : nodes++;
+  for (const MeshJoint& joint : mesh.joints) node[joint.slave] = node[joint.master];
+  ends.assign(nodes, 0);
+  for (const MeshElement& element : mesh.elements)
+    for (int vertex : element.vertex) ++ends[node[vertex]];
+}
+
+VertexGraph::VertexGraph(const Mesh& mesh) {
+  number(mesh);
+  const auto nodes = static_cast<idx_t>(ends.size());
+  std::vector<idx_t> first(nodes + 1, 0);
+  for (idx_t n = 0; n < nodes; ++n) first[n + 1] = first[n] + ends[n];
+  std::vector<idx_t> other(first[nodes]), filled(first.begin(), first.end() - 1);
+  for (const MeshElement& element : mesh.elements)
+    for (int end = 0; end < 2; ++end) other[filled[node[element.vertex[end]]]++] = node[element.vertex[1 - end]];
+  next.reserve(other.size());
+  price.reserve(other.size());
+  const auto inside_chain = [this](idx_t n) { return ends[n] == 2 ? 1 : 0; };
+  for (idx_t n = 0; n < nodes; ++n) {
+    std::sort(other.begin() + first[n], other.begin() + first[n + 1]);
+    for (idx_t k = first[n]; k < first[n + 1]; ++k) {
+      const idx_t m = other[k];
+      if (m == n) continue;
+      // a cut element is evaluated on both sides, and its ends are not eliminated
+      const idx_t of_cut = 1 + inside_chain(n) + inside_chain(m);
+      if (static_cast<idx_t>(next.size()) > start[n] && next.back() == m) {
+        price.back() += of_cut;
+        continue;
+      }
+      next.push_back(m);
+      price.push_back(of_cut);
+    }
+    start.push_back(static_cast<idx_t>(next.size()));
+  }
+}
+
+/// First vertex of a contiguous share.
+int first_of_share(int rank, int ranks, const Mesh& mesh) {
+  const auto is_slave = [&](int vertex) {  // slaves ascend
+    const auto joint = std::lower_bound(mesh.joints.begin(), mesh.joints.end(), vertex,
+                                        [](const MeshJoint& j, int v) { return j.slave < v; });
+    return joint != mesh.joints.end() && joint->slave == vertex;
+  };
+  int first = static_cast<int>(static_cast<long long>(mesh.vertices()) * rank / ranks);
+  while (is_slave(first)) ++first;  // with its master on the rank before
+  return first;
+}
+
+/// Of a structure in one part; several have more.
+double independent_loops(const Mesh& mesh) {
+  return static_cast<double>(mesh.elements.size() + mesh.joints.size()) - mesh.vertices() + 1.0;
+}
+
+/// (vertex): its rank; empty where METIS does not find parts.
+std::vector<idx_t> parts_of_graph(int ranks, const Mesh& mesh) {
+  VertexGraph graph(mesh);
+  idx_t nodes = static_cast<idx_t>(graph.ends.size()), constraints = 1, parts = ranks, cut = 0;
+  std::vector<idx_t> part(nodes), of_vertex(mesh.vertices());
+  idx_t options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  if (METIS_PartGraphRecursive(&nodes, &constraints, graph.start.data(), graph.next.data(), graph.ends.data(), nullptr,
+                               graph.price.data(), &parts, nullptr, nullptr, options, &cut, part.data()) != METIS_OK)
+    return {};
+  for (int v = 0; v < mesh.vertices(); ++v) of_vertex[v] = part[graph.node[v]];
+  return of_vertex;
+}
+
+}  // namespace
+
+VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
+  first_ = first_of_share(rank, ranks, mesh);
+  end_ = first_of_share(rank + 1, ranks, mesh);
+  if (ranks == 1 || independent_loops(mesh) < kLeastLoopsOfNetwork) return;
+  const std::vector<idx_t> part = parts_of_graph(ranks, mesh);
+  if (part.empty()) return;
+  is_contiguous_ = false;
+  for (int v = 0; v < mesh.vertices(); ++v)
+    if (part[v] == rank) vertices_.push_back(v);
+}
+
+int VertexPartition::place(int vertex) const {
+  if (is_contiguous_) return vertex >= first_ && vertex < end_ ? vertex - first_ : -1;
+  const auto found = std::lower_bound(vertices_.begin(), vertices_.end(), vertex);
+  return found != vertices_.end() && *found == vertex ? static_cast<int>(found - vertices_.begin()) : -1;
+}
+
+}  // namespace mixbeam
