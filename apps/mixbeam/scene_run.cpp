@@ -73,10 +73,12 @@ SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& fil
 
 RunEnd run_case(Application& app, const std::string& load_case, const std::filesystem::path& file,
                 const WritingOptions& writing, const StoredRun* resume) {
-  std::optional<Scene> of_case;  // a large scene is not held twice
-  const Scene& scene = load_case.empty() && alternatives(app.scene).empty()
-                           ? app.scene
-                           : of_case.emplace(scene_of_case(app.scene, load_case));
+  // a large scene is not held twice: nothing changes that of the application, which outlives its runs
+  const std::shared_ptr<const Scene> kept =
+      load_case.empty() && alternatives(app.scene).empty()
+          ? std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &app.scene)
+          : std::make_shared<const Scene>(scene_of_case(app.scene, load_case));
+  const Scene& scene = *kept;
   app.load_case = load_case;
   RunReport report(&app.quantities, scene);
   if (resume != nullptr) report.add(*resume);
@@ -105,7 +107,7 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
   if (scene.accuracy)
     accurate =
         app.record_accurately(scene, app.solver, recording, asks_for_path(app.solver, app.expected, load_case, scene));
-  Simulation simulation = accurate ? accurate->simulation : app.record(scene, app.solver, recording);
+  Simulation simulation = accurate ? accurate->simulation : app.record(kept, app.solver, recording);
   app.out() << name << ": " << counted(simulation.result().steps, "step") << " to load factor "
             << simulation.result().load_factor << (file.empty() ? "" : ", " + file.string()) << "\n";
   if (accurate) report_mesh(app, name, *accurate);

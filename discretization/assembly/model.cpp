@@ -14,12 +14,12 @@
 
 namespace mixbeam {
 
-Model::Model(const Scene& scene, const Communicator& comm, const ModelOptions& options)
-    : scene_(scene),
-      mesh_(build_mesh(scene)),
-      structure_(build_structure(scene, mesh_, comm->getRank(), comm->getSize())),
-      line_fields_(scene, mesh_, structure_),
-      conditions_(build_conditions(scene, mesh_, structure_)),
+Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const ModelOptions& options)
+    : scene_(std::move(scene)),
+      mesh_(build_mesh(*scene_)),
+      structure_(build_structure(*scene_, mesh_, comm->getRank(), comm->getSize())),
+      line_fields_(*scene_, mesh_, structure_),
+      conditions_(build_conditions(*scene_, mesh_, structure_)),
       constraints_(conditions_),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {

@@ -34,12 +34,15 @@ struct Workspace;
 
 class Model {
  public:
-  Model(const Scene& scene, const Communicator& comm, const ModelOptions& options);
+  /// The scene must not change from here on; one that may is copied.
+  Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const ModelOptions& options);
+  Model(const Scene& scene, const Communicator& comm, const ModelOptions& options)
+      : Model(std::make_shared<const Scene>(scene), comm, options) {}
   ~Model();
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  const Scene& scene() const { return scene_; }
+  const Scene& scene() const { return *scene_; }
   const Mesh& mesh() const { return mesh_; }
   const Structure& structure() const { return structure_; }
   const ModelOptions& options() const { return options_; }
@@ -87,7 +90,7 @@ class Model {
   void build_adjacency();
   void build_plane();
 
-  Scene scene_;
+  std::shared_ptr<const Scene> scene_;
   Mesh mesh_;
   Structure structure_;
   LineFields line_fields_;

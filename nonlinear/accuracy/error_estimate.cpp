@@ -18,7 +18,7 @@ namespace {
 
 /// The same scene in a space that holds more.
 struct RicherScene {
-  Scene scene;
+  std::shared_ptr<Scene> scene;
   std::vector<unsigned char> is_halved;  ///< (member): two elements in place of each one, else one order more
 };
 
@@ -36,9 +36,9 @@ void halve_elements(const MeshMember& mesh, Member& member) {
 /// One order more in every member; where the order is the highest there is, two elements of it in place of each one.
 /// `mesh`: that of `scene`.
 RicherScene richer_scene(const Scene& scene, const Mesh& mesh) {
-  RicherScene richer{scene, std::vector<unsigned char>(scene.members.size(), 0)};
+  RicherScene richer{std::make_shared<Scene>(scene), std::vector<unsigned char>(scene.members.size(), 0)};
   for (size_t m = 0; m < scene.members.size(); ++m) {
-    Member& member = richer.scene.members[m];
+    Member& member = richer.scene->members[m];
     richer.is_halved[m] = member.order == kMaximumOrder;
     if (richer.is_halved[m])
       halve_elements(mesh.members[m], member);

@@ -22,10 +22,13 @@ struct WorkCount {
 
 class BeamProblem {
  public:
-  BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
-      : model(scene, comm, options_of(parameters)), linear_(parameters.linear) {
+  /// See Model.
+  BeamProblem(std::shared_ptr<const Scene> scene, const Communicator& comm, const SolverParameters& parameters)
+      : model(std::move(scene), comm, options_of(parameters)), linear_(parameters.linear) {
     take_solver();
   }
+  BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
+      : BeamProblem(std::make_shared<const Scene>(scene), comm, parameters) {}
 
   /// A solver that nobody else holds: as a rule the same one again and again.
   std::shared_ptr<TangentSolver> take_solver() {

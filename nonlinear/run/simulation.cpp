@@ -49,10 +49,10 @@ void follow_jumps(StepRecord& record) {
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
+Simulation::Simulation(std::shared_ptr<const Scene> scene, const SolverParameters& parameters, const Communicator& comm)
     : parameters_(parameters) {
   if (parameters.threads > 0) set_number_of_threads(parameters.threads);
-  problem_ = Teuchos::rcp(new BeamProblem(scene, comm, parameters));
+  problem_ = Teuchos::rcp(new BeamProblem(std::move(scene), comm, parameters));
   state_ = problem_->model.reference_state();
 }
 

@@ -14,8 +14,11 @@ namespace mixbeam {
 
 class Simulation {
  public:
-  /// Builds mesh, equations and the undeformed state. Throws InputError.
-  Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm);
+  /// Builds mesh, equations and the undeformed state. The scene must not change from here on; one that may is copied.
+  /// Throws InputError.
+  Simulation(std::shared_ptr<const Scene> scene, const SolverParameters& parameters, const Communicator& comm);
+  Simulation(const Scene& scene, const SolverParameters& parameters, const Communicator& comm)
+      : Simulation(std::make_shared<const Scene>(scene), parameters, comm) {}
 
   /// Follows the load path to its end, or as far as it goes; then state() is the last converged state and
   /// result().finished tells which. May be called once.

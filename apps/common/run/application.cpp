@@ -74,16 +74,16 @@ std::filesystem::path failure_file_of(const std::filesystem::path& results) {
   return results.parent_path() / (results.stem().string() + "_failure.txt");
 }
 
-Simulation Application::walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
-                             const PathControl& control, const std::function<void(Simulation&)>& prepare,
-                             const RunObserver& observer) {
+Simulation Application::walk(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
+                             const std::string& label, const PathControl& control,
+                             const std::function<void(Simulation&)>& prepare, const RunObserver& observer) {
   SolverParameters chosen = parameters;
-  chosen.threads = threads_for(solved, parameters);
+  chosen.threads = threads_for(*solved, parameters);
   Simulation simulation(solved, chosen, communicator);
   if (prepare) prepare(simulation);
   const int iterations_before = control.resume ? control.resume->newton_iterations : 0;
   const int steps_before = control.resume ? control.resume->step : 0;
-  Progress progress(progress_out(label), name + " " + label, solved.stages,
+  Progress progress(progress_out(label), name + " " + label, solved->stages,
                     control.resume ? simulation.share_done() : 0.0);
   PathControl watched = control;
   watched.step_failed = [&progress](const StepFailure& failure) { progress.report(failure); };
@@ -152,11 +152,11 @@ Simulation Application::solve(const Scene& solved, const SolverParameters& param
                               const RunObserver& observer) {
   require_room(*this, solved, parameters);
   StepReport last;
-  Simulation simulation =
-      walk(solved, parameters, label, {}, {}, [&](const Simulation& running, const StepReport& report) {
-        last = report;
-        if (observer) observer(running, report);
-      });
+  Simulation simulation = walk(std::make_shared<const Scene>(solved), parameters, label, {}, {},
+                               [&](const Simulation& running, const StepReport& report) {
+                                 last = report;
+                                 if (observer) observer(running, report);
+                               });
   if (simulation.result().finished) return simulation;
   const std::filesystem::path file = output / ((label.empty() ? name : label) + "_last_converged.h5");
   const StepRecord last_record = simulation.record(last, kPointsByOrder, {});

@@ -91,13 +91,18 @@ class Application {
   /// but InputError.
   Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {},
                           const PathControl& control = {}) {
-    return walk(solved, parameters, "", control, {}, observer);
+    return walk(std::make_shared<const Scene>(solved), parameters, "", control, {}, observer);
   }
 
   /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
   /// of a failure beside it in <name of the file>_failure.txt. A run that was
   /// stopped ends like any other, and result().interrupted tells.
-  Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording);
+  /// What is returned keeps the scene, which must not change.
+  Simulation record(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
+                    const Recording& recording);
+  Simulation record(const Scene& solved, const SolverParameters& parameters, const Recording& recording) {
+    return record(std::make_shared<const Scene>(solved), parameters, recording);
+  }
 
   /// As record(), for a scene with an accuracy (accurate_run.hpp): the file holds the last mesh, its whole path or,
   /// where the state was carried over from another mesh, its end. `keeps_path`: the whole path is wanted.
@@ -131,8 +136,8 @@ class Application {
 
   ResultHeader header(const Scene& solved, const std::map<std::string, std::string>& properties = {}) const;
   /// Walks along the path, after `prepare`, and counts its costs; does not judge how it ended.
-  Simulation walk(const Scene& solved, const SolverParameters& parameters, const std::string& label,
-                  const PathControl& control, const std::function<void(Simulation&)>& prepare,
+  Simulation walk(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
+                  const std::string& label, const PathControl& control, const std::function<void(Simulation&)>& prepare,
                   const RunObserver& observer);
   /// Writes the report to <stem of `results`>_failure.txt beside `results` and throws it as ConvergenceError.
   [[noreturn]] void give_up(const Simulation& simulation, const std::string& label, const std::string& where_state,

@@ -127,12 +127,13 @@ std::optional<StoredRun> Application::completed_series(const Scene& solved, cons
   return with_all_series(*run, solved, recording.quantities, simulation);
 }
 
-Simulation Application::record(const Scene& solved, const SolverParameters& parameters, const Recording& wanted) {
-  require_room(*this, solved, parameters, wanted.file);
-  const std::optional<StoredRun> completed = completed_series(solved, parameters, wanted);
+Simulation Application::record(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
+                               const Recording& wanted) {
+  require_room(*this, *solved, parameters, wanted.file);
+  const std::optional<StoredRun> completed = completed_series(*solved, parameters, wanted);
   Recording recording = wanted;
   if (completed) recording.resume = &*completed;
-  Recorder recorder(*this, solved, parameters, recording);
+  Recorder recorder(*this, *solved, parameters, recording);
   const auto prepare = [&](Simulation& simulation) {
     if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);
   };
