@@ -32,12 +32,14 @@ std::string duration_text(double seconds) {
   return text_of("%.2g s", seconds);
 }
 
-void print_needs(std::ostream& out, const Needs& needs) {
+void print_needs(std::ostream& out, const Needs& needs, int ranks) {
   out << text_of("  members %lld, elements %lld, vertices %lld\n", needs.members, needs.elements, needs.vertices);
   out << text_of("  unknowns %lld, of which %lld inside the elements; equations to solve %lld\n", needs.unknowns(),
                  needs.interior, needs.unknowns() - needs.interior);
   out << "  memory of a run about " << bytes_text(needs.memory) << ", of which factors " << bytes_text(needs.factors)
       << "; Newton iteration about " << duration_text(needs.seconds) << " on one thread\n";
+  if (ranks > 1)
+    out << "  memory of each of " << ranks << " ranks about " << bytes_text(needs.memory_of_rank(ranks)) << "\n";
   out << "  result file about " << bytes_text(needs.file) << " and " << bytes_text(needs.file_per_step)
       << " for each step\n";
 }
@@ -106,7 +108,7 @@ void print_check(Application& app, const std::string& load_case) {
   }
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   const Needs needs = needs_of_run(app, scene, app.solver);
-  print_needs(out, needs);
+  print_needs(out, needs, app.communicator->getSize());
   if (scene.sections.size() == 1) out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
   out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
                  scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),

@@ -30,8 +30,12 @@ constexpr double kCopiesAlive = 10.5;
 constexpr double kPlainBytes = 340.0;
 /// The same where no factors are made and idle ones are given back, from heaps of cubes of 30 and 40 junctions a side.
 constexpr double kCopiesIterated = 3.8;
-/// Two copies of its names and numbers, curve, fields of samples and their places in a file. [byte per member]
-constexpr double kBytesOfMember = 2700.0;
+/// Its names and numbers, curve, fields of samples and their places in a file. [byte per member]
+constexpr double kBytesOfMember = 2100.0;
+/// What of that every rank holds; mesh and numbering of the whole structure; and the share of factors by which ranks
+/// together need more. From sheets of 200 and 300, a cube of 20 junctions a side and a chain of 1e6 elements on one,
+/// two and three ranks.
+constexpr double kBytesOfMemberEverywhere = 1700.0, kBytesOfElementEverywhere = 160.0, kFactorsEverywhere = 0.35;
 /// Numbers of each element beside its tangent and response while stability is looked at.
 constexpr double kStabilityNumbers = 127.0;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
@@ -249,6 +253,8 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
     needs.memory = std::max(needs.memory, iterates ? sums.run + sums.estimate + of_mesh
                                                    : kShareDuringEstimate * sums.run + sums.estimate + stability);
   needs.memory += of_mesh + kBytesOfFactorEntry * junctions.entries;
+  needs.everywhere = kBytesOfMemberEverywhere * members + kBytesOfElementEverywhere * elements +
+                     kFactorsEverywhere * kBytesOfFactorEntry * junctions.entries;
   if (iterates) needs.memory += kBytesOfIteratedJunction * junctions.junctions + kBytesOfCoarsestLevel;
   needs.factors = sizeof(double) * (chain_factor(needs.planar) * elements + junctions.entries);
   needs.file = kFileBytesOfPlace * sums.samples + kFileBytesOfMember * members;

@@ -6,13 +6,14 @@
 
 namespace mixbeam {
 
-/// Memory in bytes, of all ranks together, on top of what the program takes when it has nothing to do. Without the
+/// Memory in bytes, on top of what the program takes when it has nothing to do. Without the
 /// points, members and loads of the scene, which are there already when this is asked.
 struct Needs {
   long long members = 0, elements = 0, vertices = 0;
   long long interior = 0;      ///< unknowns inside the elements, eliminated there
   bool planar = false;         ///< solved in a plane
-  double memory = 0.0;         ///< most that a run holds at a time
+  double memory = 0.0;         ///< most that a run holds at a time, on one rank
+  double everywhere = 0.0;     ///< thereof what each of several ranks holds too
   double factors = 0.0;        ///< thereof the factors of the chains and of what they leave
   double file = 0.0;           ///< result file without steps [byte]
   double file_per_step = 0.0;  ///< what a step adds [byte]
@@ -20,6 +21,7 @@ struct Needs {
   double seconds = 0.0;        ///< of a Newton iteration on one thread of the machine of performance.md
 
   long long unknowns() const { return 6 * vertices + interior; }
+  double memory_of_rank(int ranks) const { return everywhere + (memory - everywhere) / ranks; }
 };
 
 /// Orders and elements are those of the members. Throws InputError for scenes of which no mesh can be made.

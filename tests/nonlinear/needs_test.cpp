@@ -65,7 +65,10 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   SolverParameters plain;
   plain.analysis.stability = false;
   plain.analysis.error_estimate = ErrorEstimation::off;
-  const double small = needs_of(scene, plain).memory;
+  const Needs chain = needs_of(scene, plain);
+  const double small = chain.memory;
+  EXPECT_EQ(chain.memory_of_rank(1), small);
+  EXPECT_NEAR(chain.memory_of_rank(2) / small, 0.53, 0.03);  // measured with 1e6 elements
   scene.members[0].elements *= 2;
   EXPECT_NEAR(needs_of(scene, plain).memory / small, 2.0, 0.3);
   SolverParameters asked = plain;

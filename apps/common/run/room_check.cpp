@@ -77,7 +77,8 @@ void require_memory(const Application& app, double bytes, const std::string& wha
 }
 
 void require_memory(const Application& app, const Scene& scene, const Needs& needs) {
-  if (!is_small(app, scene)) require_memory(app, needs.memory, counts_of(needs));
+  const int ranks = app.communicator->getSize();
+  if (!is_small(app, scene)) require_memory(app, ranks * needs.memory_of_rank(ranks), counts_of(needs));
 }
 
 namespace {
