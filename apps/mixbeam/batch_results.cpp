@@ -47,7 +47,11 @@ void write_rows(const std::filesystem::path& file, const Batch& batch, const Cas
     if (!result.solved) continue;
     cells.assign(1, CsvCell(i + 1));
     for (std::size_t c = 0; c < batch.columns.size(); ++c) cells.emplace_back(batch.value(i, c));
-    for (std::size_t q = 0; q < quantities.names().size(); ++q) cells.emplace_back(value_of(result, q));
+    for (std::size_t q = 0; q < quantities.names().size(); ++q) {
+      const double value = value_of(result, q);
+      const std::string member = quantities.member_of(q, value);
+      cells.push_back(member.empty() ? CsvCell(value) : CsvCell(member));
+    }
     cells.emplace_back(result.iterations);
     cells.emplace_back(result.residual);
     cells.emplace_back(result.converged ? "yes" : "no");

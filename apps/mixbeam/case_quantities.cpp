@@ -29,6 +29,7 @@ CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const
     throw app.xml.source.error({"Batch", "Output"}, "value \"quantities\", but the list \"Quantities\" holds nothing");
   asked_ = app.quantities;
   names_ = asked_.names();
+  for (const Member& member : app.scene.members) members_.push_back(member.name);
   for (std::size_t i = 0; i < names_.size(); ++i) asked_columns_.push_back(i);
 }
 
@@ -75,6 +76,12 @@ void CaseQuantities::take_expected(const Application& app, const std::string& lo
   if (expected_.empty())
     throw app.xml.source.error({"Batch", "Output"}, "value \"expected\", but the list \"Expected\" holds nothing");
   quantities_ = QuantitySet(common, app.scene, {app.xml.source, {"Expected"}});
+}
+
+std::string CaseQuantities::member_of(std::size_t name, double value) const {
+  const std::size_t column = asked_columns_[name];
+  const bool is_member = !members_.empty() && column != kNotAsked && asked_.columns()[column].is_member;
+  return is_member && value >= 0.0 ? members_.at(static_cast<std::size_t>(value)) : "";
 }
 
 CaseValues CaseQuantities::of(const SolvedCases& solved, int part) const {

@@ -32,6 +32,8 @@ class CaseQuantities {
   /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
   CaseValues of(const SolvedCases& solved, int part) const;
+  /// Name of the member whose index a number is, as NAME.member of an extreme; empty for other numbers.
+  std::string member_of(std::size_t name, double value) const;
   /// Numbers of the list "Quantities" that have a limit, whatever is written.
   struct Limit {
     std::string name;
@@ -46,7 +48,7 @@ class CaseQuantities {
   void take_followed(const Application& app);
   void take_expected(const Application& app, const std::string& load_case);
 
-  std::vector<std::string> names_;
+  std::vector<std::string> names_, members_;
   QuantitySet quantities_;
   QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
   std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_

@@ -9,6 +9,7 @@
 #include "apps/mixbeam/text_of.hpp"
 #include "discretization/checks/mechanism.hpp"
 #include "discretization/checks/scene_warnings.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
 #include "discretization/text/message_text.hpp"
@@ -44,31 +45,41 @@ void print_needs(std::ostream& out, const Needs& needs, int ranks) {
       << " for each step\n";
 }
 
-/// Box around the samples of all undeformed members.
-void print_extent(std::ostream& out, const Simulation& simulation) {
-  double length = 0.0;
-  for (const MeshMember& member : simulation.model().mesh().members) length += member.curve.length;
-  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  for (const MemberSamples& member : simulation.samples(kPointsByOrder))
-    for (const Vector3& position : member.reference_position)
-      for (int i = 0; i < 3; ++i) {
-        low[i] = std::min(low[i], position[i]);
-        high[i] = std::max(high[i], position[i]);
-      }
-  out << text_of("  total length %.10g, box (%.10g, %.10g, %.10g) to (%.10g, %.10g, %.10g)\n", length, low[0], low[1],
-                 low[2], high[0], high[1], high[2]);
+/// Sums of many terms leave this share of them where they are zero.
+constexpr double kRoundingOfSums = 1e-12;
+
+Vector3 without_rounding(Vector3 v, double size) {
+  for (double& component : v)
+    if (std::abs(component) < kRoundingOfSums * size) component = 0.0;
+  return v;
 }
 
-/// Sums at the end of each stage, as they act on the undeformed shape.
-void print_loads(std::ostream& out, Simulation& simulation) {
+/// Box around the samples of all undeformed members; returns its diagonal.
+double print_extent(std::ostream& out, const Simulation& simulation) {
+  double length = 0.0;
+  for (const MeshMember& member : simulation.model().mesh().members) length += member.curve.length;
+  vector_algebra::Box box;
+  for (const MemberSamples& member : simulation.samples(kPointsByOrder))
+    for (const Vector3& position : member.reference_position) box.enclose(position);
+  const double size = box.diagonal();
+  const Vector3 low = without_rounding(box.low, size), high = without_rounding(box.high, size);
+  out << text_of("  total length %.10g, box (%.10g, %.10g, %.10g) to (%.10g, %.10g, %.10g)\n", length, low[0], low[1],
+                 low[2], high[0], high[1], high[2]);
+  return size;
+}
+
+/// Sums at the end of each stage, as they act on the undeformed shape of this size.
+void print_loads(std::ostream& out, Simulation& simulation, double size) {
   const StateSnapshot undeformed = snapshot_of(simulation.model(), simulation.state());
   for (int stage = 1; stage <= simulation.scene().stages; ++stage) {
     simulation.restore(undeformed, stage);
     const Balance sums = simulation.balance();
-    const Vector3 &f = sums.applied_force, &m = sums.applied_moment;
+    const double force = vector_algebra::norm(sums.applied_force);
+    const Vector3 f = without_rounding(sums.applied_force, force), c = without_rounding(sums.center, size);
+    const Vector3 m = without_rounding(sums.applied_moment, vector_algebra::norm(sums.applied_moment) + force * size);
     out << text_of("  loads at the end of stage %d: force (%.6g, %.6g, %.6g), moment (%.6g, %.6g, %.6g)", stage, f[0],
                    f[1], f[2], m[0], m[1], m[2])
-        << text_of(" about (%.6g, %.6g, %.6g)\n", sums.center[0], sums.center[1], sums.center[2]);
+        << text_of(" about (%.6g, %.6g, %.6g)\n", c[0], c[1], c[2]);
   }
 }
 
@@ -88,9 +99,16 @@ void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
 void print_simulation(Application& app, const Scene& scene) {
   const Scene coarse = coarse_scene(scene, kElementsForCheck);
   Simulation simulation(coarse, app.solver, app.communicator);
-  print_extent(app.out(), simulation);
-  print_loads(app.out(), simulation);
+  const double size = print_extent(app.out(), simulation);
+  print_loads(app.out(), simulation, size);
   warn_of_unmoved_control(app, simulation);
+}
+
+/// ", combination ULS"; empty of a scene without cases.
+std::string case_words(const Scene& scene, const std::string& name) {
+  if (name.empty()) return "";
+  const bool is_case = std::find(scene.load_cases.begin(), scene.load_cases.end(), name) != scene.load_cases.end();
+  return (is_case ? ", load case " : ", combination ") + name;
 }
 
 void print_check(Application& app, const std::string& load_case) {
@@ -101,7 +119,7 @@ void print_check(Application& app, const std::string& load_case) {
     scene = on_mesh(scene, start);
   }
   std::ostream& out = app.out();
-  out << (scene.name.empty() ? "scene" : scene.name) << (load_case.empty() ? "" : ", load case " + load_case) << "\n";
+  out << (scene.name.empty() ? "scene" : scene.name) << case_words(app.scene, load_case) << "\n";
   if (scene.accuracy) {
     out << text_of("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));

@@ -45,7 +45,11 @@ struct NamedError {
   double scale;
 };
 
+/// Without loads every error is rounding, however soft the structure is.
+bool is_without_strain(const RecordedErrorEstimate& estimate) { return estimate.energy.size == estimate.energy.error; }
+
 std::vector<NamedError> named(const RecordedErrorEstimate& estimate, double length, double bending) {
+  if (is_without_strain(estimate)) length = bending = HUGE_VAL;
   return {{"displacement, any vertex", estimate.largest_displacement, length},
           {"displacement, root mean square", estimate.displacement, length},
           {"section moments, root mean square", estimate.moment, bending / length},
@@ -209,7 +213,8 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
     }
     for (const MonitoredQuantity& point : estimate.points) {
       const RecordedError error{length_of(point), estimate.largest_displacement.size};
-      errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error, length_)});
+      const double scale = is_without_strain(estimate) ? HUGE_VAL : length_;
+      errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error, scale)});
     }
   }
   app.summary.estimated_errors.push_back(errors);

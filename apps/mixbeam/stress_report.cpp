@@ -58,7 +58,11 @@ void print_stresses(std::ostream& out, const StressSummary& stresses) {
 
 std::vector<std::string> stress_warnings(const StressSummary& stresses) {
   std::vector<std::string> warnings;
-  const LargestAlong &strain = stresses.strain, &curved = stresses.curvature;
+  const LargestAlong &strain = stresses.strain, &curved = stresses.curvature, &used = stresses.utilisation;
+  if (used.value > used.limit)
+    warnings.push_back("member \"" + used.member +
+                       "\" is stressed beyond the \"Strength\" of its material: utilisation " +
+                       text_of("%.3g at s = %.6g", used.value, used.arc_length));
   if (!strain.member.empty() && strain.value > strain.limit)
     warnings.push_back(
         "member \"" + strain.member + "\" is strained by " + percent(strain.value) +

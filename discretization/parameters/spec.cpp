@@ -148,7 +148,7 @@ std::string allowed_values(const ParameterSpec& parameter) {
   text += range_text(parameter.range);
   if (!parameter.choices.empty()) {
     text += parameter.type == ParameterType::text ? ", one of " : ", each at most once, of ";
-    text += quoted_list(parameter.choices);
+    text += quoted_list(parameter.choices, parameter.choices.size());
     if (!parameter.other_words.empty()) text += ", or " + parameter.other_words;
   }
   if (!parameter.words.empty()) text += ", or string, one of " + quoted_list(parameter.words);

@@ -98,7 +98,12 @@ Problem problem_of_words(const ParameterValue& value, const ParameterSpec& spec)
 /// What keeps a list from being of some form.
 struct Misfits {
   std::vector<std::string> missing, too_many;
+  std::size_t needed_given = 0;
   std::size_t size() const { return missing.size() + too_many.size(); }
+  /// Of two that miss as much, the form of which more was given is meant.
+  bool is_nearer_than(const Misfits& other) const {
+    return size() != other.size() ? size() < other.size() : needed_given > other.needed_given;
+  }
 };
 
 /// All names that some form speaks of.
@@ -116,6 +121,8 @@ Misfits misfits(const ParameterList& list, const ListSpec& spec, const Form& for
   Misfits found;
   for (const std::string& name : form.needed)
     if (!list.isParameter(name) && !list.isSublist(name)) found.missing.push_back(name);
+  found.needed_given = std::count_if(form.needed.begin(), form.needed.end(),
+                                     [&](const std::string& name) { return is_given(list, name); });
   for (const std::string& name : names_of_forms(spec))
     if (is_given(list, name) && !contains(form.needed, name) && !contains(form.optional, name))
       found.too_many.push_back(name);
@@ -261,7 +268,7 @@ class Validator {
     const std::vector<Form>& forms = spec.forms.at(word);
     Misfits nearest = misfits(list, spec, forms.front());
     for (const Form& form : forms)
-      if (Misfits other = misfits(list, spec, form); other.size() < nearest.size()) nearest = std::move(other);
+      if (Misfits other = misfits(list, spec, form); other.is_nearer_than(nearest)) nearest = std::move(other);
     if (nearest.size() == 0) return;
     const bool missing = !nearest.missing.empty();
     const std::string& name = missing ? nearest.missing.front() : nearest.too_many.front();

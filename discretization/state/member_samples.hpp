@@ -182,8 +182,9 @@ struct LargestAlong {
 struct StressSummary {
   std::vector<StressedMember> members{};  ///< at most kMostStressed, the largest von Mises stress first
   LargestAlong strain{};                  ///< the largest over its limit, see Section::largest_strain
-  LargestAlong curvature{};   ///< see SectionStresses::curvature_error; of the members whose section has a shape
-  bool has_strength = false;  ///< the material of some section has
+  LargestAlong curvature{};    ///< see SectionStresses::curvature_error; of the members whose section has a shape
+  LargestAlong utilisation{};  ///< of the members whose material has a strength; its limit is 1
+  bool has_strength = false;   ///< the material of some section has
 };
 
 /// How a converged configuration was reached, and its numbers: the same on every rank.

@@ -17,6 +17,9 @@ namespace {
 /// Fewer samples of a member are not worth the start of threads.
 constexpr std::size_t kSamplesForThreads = 64;
 
+/// Utilisation from which on a material is stressed beyond its strength.
+constexpr double kAllOfStrength = 1.0;
+
 constexpr double kNoStress = std::numeric_limits<double>::quiet_NaN();
 
 /// Stresses of one section, as far as they are known.
@@ -139,6 +142,8 @@ void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberS
   for (std::size_t i = 0; i < count; ++i) {
     keep_largest(summary.strain, member.name, member.arc_length[i], numbers[i].strain, along.largest_strain);
     keep_largest(summary.curvature, member.name, member.arc_length[i], numbers[i].curvature, kCurvatureError);
+    if (!std::isnan(member.utilisation[i]))
+      keep_largest(summary.utilisation, member.name, member.arc_length[i], member.utilisation[i], kAllOfStrength);
     if (std::isnan(member.von_mises_stress[i])) continue;
     if (worst == count || member.von_mises_stress[i] > member.von_mises_stress[worst]) worst = i;
   }
@@ -157,7 +162,7 @@ void fill_member(const SectionAlong& along, const ReferenceCurve& curve, MemberS
 
 /// A summary as numbers that ranks exchange; members by their number in the scene, -1: none.
 constexpr std::size_t kNumbersOfMember = 14, kNumbersOfLargest = 4;
-constexpr std::size_t kNumbersOfSummary = kMostStressed * kNumbersOfMember + 2 * kNumbersOfLargest;
+constexpr std::size_t kNumbersOfSummary = kMostStressed * kNumbersOfMember + 3 * kNumbersOfLargest;
 
 std::vector<double> numbers_of(const StressSummary& summary, const std::map<std::string, int>& index) {
   std::vector<double> numbers;
@@ -170,7 +175,7 @@ std::vector<double> numbers_of(const StressSummary& summary, const std::map<std:
     numbers.insert(numbers.end(), {m.utilisation.value_or(-1.0), m.torsion_share});
   }
   numbers.resize(kMostStressed * kNumbersOfMember, -1.0);
-  for (const LargestAlong* l : {&summary.strain, &summary.curvature})
+  for (const LargestAlong* l : {&summary.strain, &summary.curvature, &summary.utilisation})
     numbers.insert(numbers.end(), {l->member.empty() ? -1.0 : static_cast<double>(index.at(l->member)), l->arc_length,
                                    l->value, l->limit});
   return numbers;
@@ -190,7 +195,7 @@ void add_numbers(const double* n, const std::vector<MemberSamples>& members, Str
     else if (more_stressed(m, *same))
       *same = std::move(m);
   }
-  for (LargestAlong* l : {&summary.strain, &summary.curvature}) {
+  for (LargestAlong* l : {&summary.strain, &summary.curvature, &summary.utilisation}) {
     if (n[0] >= 0.0) keep_largest(*l, name(n[0]), n[1], n[2], n[3]);
     n += kNumbersOfLargest;
   }

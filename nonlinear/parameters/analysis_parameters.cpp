@@ -2,6 +2,7 @@
 
 #include "discretization/parameters/binding.hpp"
 #include "discretization/parameters/validate.hpp"
+#include "discretization/scene/load_cases.hpp"
 #include "discretization/scene/names.hpp"
 #include "discretization/scene/scene.hpp"
 #include "discretization/text/message_text.hpp"
@@ -82,6 +83,22 @@ void require_point(const std::string& name, const Scene& scene, const ParameterS
         path, "value \"" + name + "\" is no point of the scene; did you mean \"" + nearest_name(name, points) + "\"?");
 }
 
+/// The load factor is the unknown of a controlled displacement: something must grow with it, in every load case.
+void require_loads(const Scene& scene, const ParameterSource& source, const ParameterPath& path) {
+  std::vector<std::string> cases = alternatives(scene);
+  if (cases.empty()) cases.emplace_back();
+  for (const std::string& name : cases) {
+    const Scene one = scene_of_case(scene, name);
+    const bool acts = !one.point_loads.empty() || !one.distributed_loads.empty() || !one.eigenstrains.empty() ||
+                      std::any_of(one.supports.begin(), one.supports.end(), prescribes_motion);
+    if (!acts)
+      throw source.error(path,
+                         "given, but nothing acts" + (name.empty() ? "" : " in \"" + name + "\"") +
+                             "; allowed: with loads, whose factor is then found (a force at the point, say), or " +
+                             "\"Prescribed Displacement\" of a support in its place");
+  }
+}
+
 /// What is positive on the positive branch.
 std::optional<MonitoredComponent> read_branch_point(const Teuchos::ParameterList& list, const Scene& scene,
                                                     const ParameterSource& source, const ParameterPath& path) {
@@ -108,6 +125,7 @@ AnalysisParameters read_analysis_parameters(Teuchos::ParameterList& list, const 
   if (parameters.control) require_point(parameters.control->point, scene, source, child(control, "Point"));
   if (parameters.control && scene.stages > 1)
     throw source.error(control, "given, but the scene has " + std::to_string(scene.stages) + " stages; allowed: one");
+  if (parameters.control) require_loads(scene, source, control);
   parameters.branch_point = read_branch_point(list, scene, source, path);
   if (parameters.branch != Branch::primary && !parameters.stability.value_or(true))
     throw source.error(child(path, "Branch"), "given, but bifurcations are not looked for with \"Stability\" = false");

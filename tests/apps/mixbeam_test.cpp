@@ -679,6 +679,49 @@ TEST_F(Mixbeam, CheckTellsOfAControlledDisplacementThatTheLoadDoesNotMove) {
   EXPECT_EQ(checked("y", "{-1, 1e-3, 0}").out.find("warning"), std::string::npos);
 }
 
+/// Without loads nothing moves, and errors are rounding: none is relative, none is warned of.
+TEST_F(Mixbeam, ErrorsOfAStructureWithoutLoadsAreNotRelative) {
+  const std::string bow =
+      "<ParameterList name=\"Imperfection\"><ParameterList name=\"Bows\"><ParameterList name=\"bow\">"
+      "<Parameter name=\"Member\" type=\"string\" value=\"rod\"/><Parameter name=\"Share\" type=\"double\" "
+      "value=\"0.01\"/><Parameter name=\"Direction\" type=\"Array(double)\" value=\"{0, 1, 0.5}\"/>"
+      "</ParameterList></ParameterList></ParameterList><ParameterList name=\"Supports\">";
+  const auto out = [&](const std::string& load) {
+    return run({"run", write_scene(changed(column(load), "<ParameterList name=\"Supports\">", bow)), "--output",
+                (folder_ / "results").string()})
+        .out;
+  };
+  const std::string bare = out("0");
+  expect_in(bare, {"displacement, any vertex", "        -\n"});
+  EXPECT_EQ(bare.find("1.0e+00"), std::string::npos) << bare;
+  EXPECT_EQ(bare.find("estimated error of displacements is"), std::string::npos) << bare;
+  const std::string loaded = out("1");  // the twin
+  const std::size_t line = loaded.find("displacement, any vertex");
+  ASSERT_NE(line, std::string::npos);
+  EXPECT_NE(loaded.substr(line, loaded.find('\n', line) - line).back(), '-') << loaded;
+}
+
+/// Nothing grows with the load factor, which is the unknown of a controlled displacement.
+TEST_F(Mixbeam, AControlledDisplacementNeedsALoad) {
+  const std::string control =
+      "<ParameterList name=\"Analysis\"><ParameterList name=\"Control\">"
+      "<Parameter name=\"Point\" type=\"string\" value=\"tip\"/><Parameter name=\"Component\" type=\"string\" "
+      "value=\"x\"/><Parameter name=\"Target\" type=\"double\" value=\"-0.1\"/></ParameterList></ParameterList>";
+  const std::string loaded = column("1", control);
+  const std::size_t first = loaded.find("<ParameterList name=\"Point Loads\">");
+  ASSERT_NE(first, std::string::npos);
+  const std::string end = "</ParameterList></ParameterList>";
+  const std::size_t last = loaded.find(end, first);
+  ASSERT_NE(last, std::string::npos);
+  const std::string bare = loaded.substr(0, first) + loaded.substr(last + end.size());
+  for (const std::string command : {"check", "run"}) {
+    const Ended ended = run({command, write_scene(bare)});
+    EXPECT_EQ(ended.exit_code, kBadInput) << ended.out;
+    expect_in(ended.err, {"\"Analysis / Control\": given, but nothing acts", "Prescribed Displacement"});
+  }
+  EXPECT_EQ(run({"check", write_scene(loaded)}).exit_code, kOk);
+}
+
 /// A load factor at which no step will end is told before anything is solved, by `check` as by `run`.
 TEST_F(Mixbeam, LoadFactorsWhereNoStepEndsAreRefusedBeforeTheRun) {
   const auto asked_at = [&](const std::string& load_factor, const std::string& lists = "") {

@@ -189,7 +189,7 @@ TEST_F(Quantities, AreColumnsOfABatch) {
   auto row = last_row(folder_ / "many/scene-batch.csv");
   EXPECT_NEAR(std::abs(std::stod(row["M"])), std::sqrt(20.0 * std::sin(1.4302855388039)), 1e-8);
   EXPECT_NEAR(std::stod(row["sag.x"]), -0.5549955977538, 1e-8);
-  EXPECT_EQ(std::stod(row["M.member"]), 0.0);
+  EXPECT_EQ(row["M.member"], "strip");
 }
 
 /// The elastica under 5 and 10: its tip goes down by 0.7137 and 0.8106 (elliptic integrals).
@@ -258,6 +258,19 @@ TEST_F(Quantities, FormulasReferToWhatStandsAboveThem) {
   const Ended below = run(elastica_with(in_list("Quantities", twice + kTip)));
   EXPECT_EQ(below.exit_code, kBadInput);
   expect_in(below.err, {"Quantities / twice / Formula", "\"sag_y\"", "allowed: a formula of numbers with"});
+}
+
+TEST_F(Quantities, LargestOfAVectorNeedsAComponent) {
+  const auto asked = [&](const std::string& more) {
+    return run(elastica_with(in_list("Quantities", entry("M", "Quantity=material moment;Member=*" + more))));
+  };
+  const Ended without = asked(";Take=largest");
+  EXPECT_EQ(without.exit_code, kBadInput);
+  expect_in(without.err, {"\"Quantities / M / Component\": missing"});
+  const Ended bare = asked("");  // neither an extreme nor a place
+  EXPECT_EQ(bare.exit_code, kBadInput);
+  expect_in(bare.err, {"\"Quantities / M / Position\": missing"});
+  EXPECT_EQ(asked(";Take=largest;Component=norm").exit_code, kOk);
 }
 
 TEST_F(Quantities, NamesOfOtherSeriesAreRefused) {

@@ -141,6 +141,15 @@ TEST_F(StressReport, WarnsOfStrainsAndOfThickCurvedMembers) {
   EXPECT_EQ(allowed.out.find("is strained by"), std::string::npos);
 }
 
+TEST_F(StressReport, WarnsOfUtilisationAboveOne) {
+  const auto with_strength = [this](const std::string& strength) {  // 1.27324e7 is the largest stress, at the clamp
+    return run(cantilever(with_material(kCircle, parameter("Strength", "double", strength)), force_z("-10"))).out;
+  };
+  expect_in(with_strength("1.25e7"),
+            {"warning: member \"beam\" is stressed beyond the \"Strength\"", "utilisation 1.02 at s = 0", "1 warning"});
+  EXPECT_EQ(with_strength("1.3e7").find("warning"), std::string::npos);
+}
+
 TEST_F(StressReport, NotesTorsionOfOpenSections) {
   const std::string profile = parameter("Shape", "string", "I") + parameter("Width", "double", "0.1") +
                               parameter("Height", "double", "0.2") + parameter("Flange", "double", "0.0085") +

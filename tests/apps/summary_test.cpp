@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -94,6 +95,19 @@ TEST(Summary, PrintsFailuresAndCounts) {
   std::stringstream brief;
   summary.print_checks(brief, false);
   EXPECT_EQ(brief.str().find("u3"), std::string::npos);
+}
+
+TEST(Summary, ManyFailuresDoNotScrollTheTerminal) {
+  Summary summary;
+  for (int i = 0; i < 1000; ++i) summary.check_upper_bound("case " + std::to_string(i), 12, 11, "limit");
+  std::stringstream brief, every;
+  summary.print_checks(brief, false);
+  const std::string text = brief.str();
+  EXPECT_LT(std::count(text.begin(), text.end(), '\n'), 30);
+  EXPECT_NE(text.find("... and 976 more that FAIL"), std::string::npos) << text;
+  EXPECT_NE(text.find("0 of 1000 checks passed, 1000 FAILED"), std::string::npos);
+  summary.print_checks(every);
+  EXPECT_NE(every.str().find("case 999"), std::string::npos);
 }
 
 TEST(Summary, WordsAreComparedAsTheyStand) {

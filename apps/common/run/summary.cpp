@@ -123,6 +123,9 @@ nlohmann::ordered_json json_envelope(const QuantityEnvelope& one) {
           {"smallest_in", one.smallest_in}};
 }
 
+/// Failed checks on the terminal: a batch has one for each case and limit.
+constexpr std::size_t kMostFailures = 24;
+
 std::string check_line(const CheckedQuantity& quantity) {
   const bool digits = quantity.comparison == Comparison::printed_digits;
   std::string line = quantity.pass ? "  pass  " : "  FAIL  ";
@@ -250,8 +253,11 @@ void Summary::print_checks(std::ostream& stream, bool every_check) const {
   std::size_t failed = 0;
   for (const auto& quantity : checks_) {
     failed += quantity.pass ? 0 : 1;
-    if (every_check || !quantity.pass) stream << check_line(quantity) << ", from " << quantity.source << '\n';
+    if (every_check || (!quantity.pass && failed <= kMostFailures))
+      stream << check_line(quantity) << ", from " << quantity.source << '\n';
   }
+  if (!every_check && failed > kMostFailures)
+    stream << "  ... and " << failed - kMostFailures << " more that FAIL; --summary FILE.json has all\n";
   stream << checks_.size() - failed << " of " << checks_.size() << " checks passed";
   if (failed > 0) stream << ", " << failed << " FAILED";
   stream << (warnings.empty() ? "" : ", " + warned()) << ".\n";
