@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.patheffects import withStroke
 
 import fields
 import style
@@ -13,7 +14,8 @@ LETTERS_PER_INCH = 12  # of a title
 HEDGEHOG_SHARE = 0.14   # height of the highest diagram over the size of the structure
 MEMBER_SHARE = 0.35     # and at most over the length of a typical member
 NEARLY_ALONG_VIEW = 0.2  # below this projected length a tangent has no "side" in the picture
-SAME_SPOT = 0.06         # of the extent: two values nearer to each other share a label
+SAME_SPOT = 0.09         # of the extent: two values nearer to each other share a label
+BESIDE = 0.5             # share to the right of a spine from which on its value stands beside the tip, not across it
 SAME_DIGITS = 5e-4       # of the largest value
 ROUND_OFF = 1e-6         # share of the largest value that a title with four digits calls zero
 COLORS = (style.BLUE, style.RED, style.GREEN, style.ORANGE, style.PURPLE, style.SKY, style.BLACK, "#7F6000")
@@ -202,8 +204,10 @@ def _name_values(axes, nodes, tips, level, largest, extremes):
     for at, word in zip(named, words):
         away = tips[at] - nodes[at]
         away = away / (np.linalg.norm(away) or 1.0)
-        axes.annotate(word, tips[at], xytext=8 * away, textcoords="offset points", fontsize=9.5,
-                      ha="center", va="center", zorder=7, annotation_clip=False, gid="value")
+        beside = "center" if abs(away[0]) < BESIDE else "left" if away[0] > 0 else "right"
+        name = axes.annotate(word, tips[at], xytext=(5 if beside != "center" else 8) * away, textcoords="offset points", fontsize=9.5,
+                             ha=beside, va="center", zorder=7, annotation_clip=False, gid="value")
+        name.set_path_effects([withStroke(linewidth=2.5, foreground="white", alpha=0.85)])
 
 
 def _areas(axis, tips, part, owner):

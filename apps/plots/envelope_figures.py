@@ -37,6 +37,14 @@ class Envelope:
         return [(name, float(low), self.case(low_in), float(high), self.case(high_in)) for name, low, low_in, high, high_in in
                 zip(self.names, self.smallest, self.smallest_in, self.largest, self.largest_in)]
 
+    def units(self):
+        """{name: unit} of the quantities, as the file of a run says it; nothing where none is there."""
+        file = next((file for file in self.files() if file.exists()), None)
+        if file is None:
+            return {}
+        with Run(file) as run:
+            return run.quantity_units()
+
     def files(self):
         return [self.path.with_name(f"{run}.h5") for run in self.runs]
 
@@ -75,8 +83,10 @@ def ranges_figure(envelope):
         look = {"color": COLORS[i], "marker": MARKS[i]} if len(envelope.runs) <= len(MARKS) else {"color": style.GREY, "marker": "."}
         axes.plot((envelope.values[i] / scale)[shown], shown, linestyle="none", markersize=5.5, gid="run",
                   label=style.literal(envelope.case(i)), **look)
-    for row, (_, low, low_in, high, high_in) in zip(shown, envelope.rows()):
-        words = f"{low:.4g} ({low_in})  to  {high:.4g} ({high_in})" if low < high else f"{low:.4g} in all"
+    units = envelope.units()
+    for row, (name, low, low_in, high, high_in) in zip(shown, envelope.rows()):
+        unit = f" {units[name]}" if units.get(name) else ""
+        words = f"{low:.4g} ({low_in})  to  {high:.4g}{unit} ({high_in})" if low < high else f"{low:.4g}{unit} in all"
         axes.annotate(style.literal(words), (1.02, row), xycoords=("axes fraction", "data"), va="center", fontsize=9.5, gid="words")
     axes.axvline(0.0, color=style.BLACK, linewidth=0.7, zorder=1)
     axes.set_yticks(list(shown), [style.literal(envelope.names[i]) for i in shown])

@@ -17,6 +17,7 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "iterations": "Newton iterations and residuals",
          "steps": "several steps side by side"}
 OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams", "along")
+FEW_STEPS = 5   # points of a curve, the origin among them, that are hardly one
 BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
@@ -128,7 +129,20 @@ def figures(run, options):
         raise InputError(f"{run.path}: of one run; an envelope is in the file SCENE.h5 beside those of several load cases")
     every = wanted or [kind for kind in KINDS if kind not in ("along", "curve", "envelope")]
     for kind in options.picture or every:
-        yield from _figures(kind, run, view, chosen, options)
+        drawn = list(_figures(kind, run, view, chosen, options))
+        if options.picture and not drawn:
+            _note(f"--picture {kind}: nothing to show{_why_nothing(kind, run, options)}")
+        yield from drawn
+    if options.curve and len(run.steps) <= FEW_STEPS:
+        _note(f"a curve of {len(run.steps)} points: a run takes as few load steps as it can; \"Maximum Step\" in "
+              "\"Solver\" / \"Load Path\" of the scene, 0.05 say, gives more")
+
+
+def _why_nothing(kind, run, options):
+    if kind == "steps" and len(run.steps) > 1:
+        return f" of {options.field} in every step; for stresses: \"Stresses\" = \"every step\" in \"Analysis\" of the scene"
+    return {"critical_modes": ", no critical point was met", "load_path": " of a single step",
+            "steps": " of a single step"}.get(kind, "")
 
 
 def _figures(kind, run, view, chosen, options):
@@ -176,6 +190,10 @@ def _chosen_steps(run, wanted, path):
     if wanted not in steps:
         raise InputError(f"{path}: no step {wanted}; it has steps {run.steps[0].number} to {run.steps[-1].number}")
     return [steps[wanted]]
+
+
+def _note(text):
+    print(f"plot_result.py: note: {text}", file=sys.stderr)
 
 
 def _fail(text):

@@ -92,7 +92,9 @@ def _write_envelope(page, envelope):
 
     page.heading("Envelope")
     page.text(f"Quantities at the ends of {len(envelope.runs)} runs: the smallest and the largest value, and where each is.")
-    page.table(("quantity", "smallest", "in", "largest", "in"), envelope.rows())
+    units = envelope.units()
+    page.table(("quantity", "smallest", "in", "largest", "in", "unit"),
+               [(*row, units.get(row[0], "")) for row in envelope.rows()])
     page.picture(envelope_figures.ranges_figure(envelope), "ranges of the quantities over all runs", style)
 
 

@@ -12,6 +12,7 @@ LINE_SHARE = 0.08   # of the arrows of the largest line load
 MOST_ARROWS = 240   # of all line loads together
 MANY_SUPPORTS = 20  # get small signs
 CROWD = 300         # and more of them none: they would cover the structure
+ARROW_WIDTH = 0.012  # of a line load [inch]
 FACING = 0.2        # a direction whose share in the picture is smaller points at the reader
 
 # Signs below the point, which is at the origin, in sizes of a marker.
@@ -157,9 +158,10 @@ def _rows(table, place, position, *names):
 
 
 def draw_marks(axes, marks, points, projection, length):
-    """Draws into 3-D or plane axes; `points` (n, 2 or 3) of all samples; `length` of an arrow. Returns words for the caption."""
+    """Draws into 3-D or plane axes; `points` (n, 2 or 3) of all samples; `length` of an arrow. Returns words for the
+    caption and the ends of arrows."""
     flat = axes.name != "3d"
-    words = []
+    words, tips = [], []
     _draw_supports(axes, marks.supports, points, words)
     for kind in sorted({kind for _, kind in marks.joints}):
         samples = [sample for sample, of in marks.joints if of == kind]
@@ -170,18 +172,20 @@ def draw_marks(axes, marks, points, projection, length):
                                         (marks.shifts, marks.turns, (style.GREEN, style.GREEN), ("shift", "turn"))):
         for sample, direction in arrows:
             _arrow(axes, flat, points[sample], length * projection @ direction, length, colors[0], gids[0])
+            tips.append(points[sample] + length * projection @ direction)
         for sample, direction in turns:
             _turn(axes, flat, points[sample], direction, projection, length, colors[1], gids[1])
+            tips.append(points[sample] + length * projection @ direction)
     for member in marks.strained:
         axes.plot(*points[member.samples].T, color=style.ORANGE, linewidth=8, alpha=0.35, zorder=1, solid_capstyle="butt",
                   gid="eigenstrain")
-    _draw_line_loads(axes, flat, marks.line_loads, points, projection, length * LINE_SHARE / MARK_SHARE)
+    tips += _draw_line_loads(axes, flat, marks.line_loads, points, projection, length * LINE_SHARE / MARK_SHARE)
     words += ["arrows: directions of point forces"] if marks.forces else []
     words += ["purple: moments"] if marks.moments else []
     words += ["combs: line loads"] if marks.line_loads else []
     words += ["green: prescribed motions"] if marks.shifts or marks.turns else []
     words += ["broad: members with eigenstrains"] if marks.strained else []
-    return words
+    return words, tips
 
 
 def _draw_supports(axes, supports, points, words):
@@ -220,19 +224,22 @@ def _turn(axes, flat, point, direction, projection, length, color, gid):
 
 
 def _draw_line_loads(axes, flat, line_loads, points, projection, length):
+    """Returns the ends of the combs."""
     largest = max((np.linalg.norm(forces, axis=1).max() for _, forces in line_loads), default=0.0)
     if not largest > 0.0:
-        return
+        return []
     heads = np.concatenate([points[samples] for samples, _ in line_loads])
     arrows = length / largest * np.concatenate([forces for _, forces in line_loads]) @ projection.T
     ends = np.cumsum([len(samples) for samples, _ in line_loads])[:-1]
     backs = add_lines(axes, np.split(heads - arrows, ends), width=0.9, color=style.RED, zorder=4)
     backs.set(gid="line load", clip_on=False)
     chosen = slice(None, None, max(1, -(-len(heads) // MOST_ARROWS)))
-    tails, arrows = (heads - arrows)[chosen], arrows[chosen]
+    ends_of_backs = heads - arrows
+    tails, arrows = ends_of_backs[chosen], arrows[chosen]
     if flat:
-        drawn = axes.quiver(*tails.T, *arrows.T, color=style.RED, angles="xy", scale_units="xy", scale=1, width=0.0025,
-                            headwidth=5, headlength=6, headaxislength=6, zorder=4, clip_on=False, gid="line load arrows")
+        drawn = axes.quiver(*tails.T, *arrows.T, color=style.RED, angles="xy", scale_units="xy", scale=1, units="inches",
+                            width=ARROW_WIDTH, headwidth=5, headlength=6, headaxislength=6, zorder=4, clip_on=False, gid="line load arrows")
         drawn.set_in_layout(False)  # its extent is measured wrongly; the backs of the combs reach as far
     else:
         axes.quiver(*tails.T, *arrows.T, color=style.RED, linewidth=0.7, arrow_length_ratio=0.3, gid="line load arrows")
+    return list(ends_of_backs)

@@ -11,18 +11,15 @@ MOST_TRIADS = 24
 STRIP_STEPS = 6
 CAPTION_WIDTH = 12.0  # letters to an inch
 WIDTH, HEIGHT, FLAT_WIDTH = 12.4, 5.4, 4.7  # of a picture, and of its right panel for a structure wider than tall [inch]
-TALL = 2.0  # of a box in space, height over width: its labels need to be kept off its edge
+SPACE_WIDTH = 5.6  # of what the picture in space takes; none where a plane is asked for [inch]
+MARGIN_OF_TALL = 1.3  # empty to both sides of a mast in the square of the picture in space [inch]
+SMALL_WIDTH = 5.0  # letters of the caption need it [inch]
+TALL = 1.6  # of a box in space, height over width: its labels need to be kept off its edge
 
 
 def shape_figure(view, step, field, triads=False):
-    """Left in space, right in the best plane; grey: undeformed."""
-    projected = np.ptp(view.everything @ view.plane.T, axis=0)
-    flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.5, 1.0)
-    inch = 1.0 / (WIDTH - FLAT_WIDTH + flat_width)
-    with style.plt.rc_context({"figure.constrained_layout.use": False}):
-        canvas = style.plt.figure(figsize=(1.0 / inch, HEIGHT))
-    space = canvas.add_axes((0.0, 0.02, 5.46 * inch, 0.82), projection="3d")
-    flat = canvas.add_axes((6.57 * inch, 0.13, (flat_width + 0.88) * inch, 0.74))
+    """Left in space, right in the best plane, or in the plane that was asked for alone; grey: undeformed."""
+    canvas, space, flat, inch = _panels(view)
     position = view.position(step)
     values = field.values(step, view.size)
     exponent = fields.power_of_ten(np.nanmax(np.abs(values), initial=0.0))
@@ -33,24 +30,47 @@ def shape_figure(view, step, field, triads=False):
     grey, _ = view.lines(view.structure.reference)
     shrunk = view.has_shrunk(position)
     for axes, projection in ((space, np.eye(3)), (flat, view.plane)):
-        if axes is flat or not shrunk:
+        if axes is not None and (axes is flat or not shrunk):
             add_lines(axes, grey @ projection.T, width=max(0.35 * width, 0.4), zorder=1)
-        pieces = add_lines(axes, lines @ projection.T, colors, scale, width, zorder=3)
-    marked = _draw_marks(view, (space, flat), position, step, shrunk)
-    if triads:
-        _draw_triads(view, space, step, position)
-    style.equal_axes_3d(space, (position if shrunk else view.everything) / view.unit, ticks=4)
-    space.view_init(*(view.camera_of(position / view.unit) if shrunk else view.camera))
-    _name_axes_3d(space, view)
-    _finish_plane(flat, view)
+        if axes is not None:
+            pieces = add_lines(axes, lines @ projection.T, colors, scale, width, zorder=3)
+    marked, tips = _draw_marks(view, (space, flat), position, step, shrunk)
+    if space is not None:
+        if triads:
+            _draw_triads(view, space, step, position)
+        style.equal_axes_3d(space, (position if shrunk else view.everything) / view.unit, ticks=4)
+        space.view_init(*(view.camera_of(position / view.unit) if shrunk else view.camera))
+        _name_axes_3d(space, view)
+    _finish_plane(flat, view, tips=tips)
     label = view.field_label(field, exponent) + ("" if np.any(values) else ": zero everywhere")
     canvas.colorbar(pieces, ax=flat, shrink=0.85, pad=0.03, aspect=28, label=label)
-    caption = ["grey: undeformed, on the right only" if shrunk else "grey: undeformed", *marked, view.scale_words()]
+    on_the_right = shrunk and space is not None
+    caption = ["grey: undeformed, on the right only" if on_the_right else "grey: undeformed", *marked, view.scale_words()]
     words = style.wrapped("; ".join(caption), int(CAPTION_WIDTH / inch))
     raised = 0.045 * (len(words) - 1)  # a second line must not meet the box in space
     canvas.suptitle(view.title(step), y=0.985 + raised, fontsize=13)
     canvas.text(0.5, 0.925 + raised, "\n".join(words), ha="center", va="top", fontsize=11, color="#444444")
     return canvas
+
+
+def _panels(view):
+    """Canvas, axes in space (None where a plane of the axes was asked for) and in the plane, and an inch as a share of the width."""
+    projected = np.ptp(view.everything @ view.plane.T, axis=0)
+    flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.5, 1.0)
+    alone = view.look.in_plane
+    width = WIDTH - FLAT_WIDTH + flat_width
+    if alone:
+        flat_width = FLAT_WIDTH * np.clip(projected[0] / (projected[1] or 1.0), 0.25, 1.8)
+        width = max(WIDTH - FLAT_WIDTH + flat_width - SPACE_WIDTH, SMALL_WIDTH)
+    depth, height = np.hypot(*np.ptp(view.everything[:, :2], axis=0)), np.ptp(view.everything[:, 2])
+    margin = 0.0 if alone else MARGIN_OF_TALL * (1.0 - np.clip(depth / (height or 1.0), 0.0, 1.0))
+    width -= 2.0 * margin
+    with style.plt.rc_context({"figure.constrained_layout.use": False}):
+        canvas = style.plt.figure(figsize=(width, HEIGHT))
+    inch = 1.0 / width
+    space = None if alone else canvas.add_axes((-margin * inch, 0.02, 5.46 * inch, 0.82), projection="3d", facecolor="none")
+    left = (0.5 if alone else 1.0) * (1.0 - (flat_width + 1.13) * inch) + (0.35 * inch if alone else 0.0)  # labels stand left
+    return canvas, space, canvas.add_axes((left, 0.13, (flat_width + 0.88) * inch, 0.74)), inch
 
 
 def overview_figure(view, step):
@@ -124,12 +144,14 @@ def strip_steps(steps):
 
 
 def _draw_marks(view, panels, position, step, shrunk):
-    """What acts, in both panels; returns the words for the caption."""
+    """What acts, in both panels; returns the words for the caption and where marks end in the plane."""
     marks = Marks(view.run, step, view.structure.reference)
     for axes, projection in zip(panels, (np.eye(3), view.plane)):
+        if axes is None:
+            continue
         size = np.linalg.norm(np.ptp(position, axis=0)) if shrunk and axes.name == "3d" else view.size
-        words = draw_marks(axes, marks, position @ projection.T / view.unit, projection, MARK_SHARE * size / view.unit)
-    return words
+        words, tips = draw_marks(axes, marks, position @ projection.T / view.unit, projection, MARK_SHARE * size / view.unit)
+    return words, tips
 
 
 def _draw_triads(view, axes, step, position):
@@ -148,15 +170,12 @@ def _name_axes_3d(axes, view):
     if is_tall:
         axes.tick_params(axis="z", pad=8)
     for i, name in enumerate("xyz"):
-        if i not in view.look.shown_axes:
-            getattr(axes, f"set_{name}ticks")([])
-            getattr(axes, f"set_{name}label")("")
-            continue
         getattr(axes, f"set_{name}label")(f"${name}$" + fields.times(view.exponent, view.run.units[0]), labelpad=(9, 9, 34 if is_tall else 4)[i])
 
 
-def _finish_plane(axes, view, points=None):
+def _finish_plane(axes, view, points=None, tips=()):
     projected = (view.everything if points is None else points) @ view.plane.T / view.unit
+    projected = np.vstack([projected, *tips])
     low, high = projected.min(axis=0), projected.max(axis=0)
     extent = high - low
     margin = 0.06 * (extent.max() or 1.0)

@@ -20,9 +20,9 @@ class Look:
     def __init__(self, view=None, scale=1.0, moments="tension"):
         self.scale, self.moments = scale, moments
         self.camera, self.plane, self.from_camera = None, None, False
-        self.shown_axes = PLANES.get(view, (0, 1, 2))  # the third one points at the reader
-        if view in PLANES:
-            self.camera, self.plane = CAMERAS[view], np.eye(3)[list(PLANES[view])]
+        self.in_plane = view in PLANES  # which a picture in space would only repeat
+        if self.in_plane:
+            self.plane = np.eye(3)[list(PLANES[view])]
         elif view is not None:
             self.camera, self.from_camera = ISO if view == "iso" else _camera(view), True
             self.plane = _plane_of(self.camera)
@@ -58,7 +58,7 @@ class View:
         self.unit = 10.0 ** self.exponent
         chosen = self.look.plane is not None
         self.plane = self.look.plane if chosen else best_plane(self.everything / self.unit)
-        self.camera = self.look.camera if chosen else best_view(self.everything / self.unit)
+        self.camera = self.look.camera or best_view(self.everything / self.unit)
         self.size = self.structure.size
 
     def position(self, of):

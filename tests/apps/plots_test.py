@@ -209,6 +209,22 @@ class Plots(unittest.TestCase):
             with self.assertRaisesRegex(InputError, "--view"):
                 self.view("portal", view=wrong)
 
+    def test_a_plane_that_is_asked_for_stands_alone(self):
+        for look, panels in (({"view": "xz"}, 1), ({}, 2), ({"view": "iso"}, 2)):
+            figure = self.shape(*self.view("portal", **look))
+            self.assertEqual(len(named(figure, "supports")), panels, look)
+
+    def test_arrows_end_inside_the_picture(self):
+        figure = self.shape(*self.view("portal", view="xz"))
+        axes = figure.axes[0]
+        (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+        for arrow in named(figure, "force") + named(figure, "moment"):
+            for x, y in (arrow.xy, arrow.xyann):
+                self.assertTrue(left < x < right and low < y < high, (x, y))
+        for comb in named(figure, "line load"):
+            backs = np.vstack([path.vertices for path in comb.get_paths()])
+            self.assertLess(backs[:, 1].max(), high)
+
     def test_iso_shows_all_axes_equally_short(self):
         view, _ = self.view("portal", view="iso")
         np.testing.assert_allclose(np.linalg.norm(view.plane, axis=0), np.sqrt(2 / 3), atol=1e-4)
@@ -334,7 +350,7 @@ class Plots(unittest.TestCase):
         figure = envelope_figures.ranges_figure(envelope)
         lift = named(figure, "run")
         np.testing.assert_allclose([line.get_xdata()[1] for line in lift], (1.0, -0.5, 0.25), rtol=1e-9)
-        self.assertIn("-0.05 (up)  to  0.1 (down)", [text.get_text() for text in named(figure, "words")])
+        self.assertIn("-0.05 (up)  to  0.1 kN (down)", [text.get_text() for text in named(figure, "words")])
         figure = envelope_figures.along_figure(envelope, ["*"], Look())
         moment = next(axes for axes in figure.axes if axes.get_ylabel().startswith("$M_2"))
         ends = [{line.get_gid(): line.get_ydata()[0] for line in moment.lines}[gid] for gid in ("smallest", "largest")]
