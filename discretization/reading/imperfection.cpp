@@ -57,9 +57,13 @@ BoundList<Sway> sway_parameters() {
 }
 
 BoundList<ModeImperfection> mode_parameters() {
-  BoundList<ModeImperfection> mode("A mode of the linear buckling of the structure as it was drawn.");
-  mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100).required(),
-            "Its number, by growing positive load factor.");
+  BoundList<ModeImperfection> mode("A mode in which the structure as it was drawn buckles.");
+  mode.bind(&ModeImperfection::mode, integer("Mode").at_least(1).at_most(100),
+            "Number of the mode of linear buckling, by growing positive load factor.");
+  mode.bind(
+      &ModeImperfection::critical_point, integer("Critical Point").at_least(1).at_most(100),
+      "Instead of Mode: number of the limit point or bifurcation, counted from 1, on the path of the structure as "
+      "it was drawn, which is followed first; its mode with the sign that result files have.");
   mode.bind(&ModeImperfection::amplitude, real("Amplitude").required(),
             "Largest displacement of a vertex, with a sign [length].");
   return mode;
@@ -81,14 +85,21 @@ class Imperfection {
     if (list_.isParameter("Points File")) shift_by_table();
     for (const std::string& name : names_in("Bows"))
       bend(bow_parameters().read(list_.sublist("Bows").sublist(name)), place_["Bows"][name]);
-    for (const std::string& name : names_in("Modes")) {
-      scene_.imperfection_modes.push_back(mode_parameters().read(list_.sublist("Modes").sublist(name)));
-      scene_.imperfection_modes.back().name = name;
-    }
+    for (const std::string& name : names_in("Modes")) add_mode(name);
     if (list_.isParameter("Case")) scene_.imperfection_case = list_.get<std::string>("Case");
   }
 
  private:
+  void add_mode(const std::string& name) {
+    ModeImperfection mode = mode_parameters().read(list_.sublist("Modes").sublist(name));
+    mode.name = name;
+    if (mode.mode && mode.critical_point)
+      throw place_["Modes"][name].error("both of \"Mode\" and \"Critical Point\" given; allowed: exactly one");
+    if (!mode.mode && !mode.critical_point)
+      throw place_["Modes"][name]["Mode"].error("missing; needed: its number, or that of a \"Critical Point\"");
+    scene_.imperfection_modes.push_back(mode);
+  }
+
   std::vector<std::string> names_in(const std::string& list) const {
     return list_.isSublist(list) ? names_of(list_.sublist(list)) : std::vector<std::string>{};
   }

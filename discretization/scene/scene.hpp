@@ -211,9 +211,10 @@ struct Eigenstrain {
 
 /// A buckling mode that is laid on the geometry.
 struct ModeImperfection {
-  std::string name{};      ///< of its list
-  int mode = 1;            ///< by growing positive load factor
-  double amplitude = 0.0;  ///< largest displacement of a vertex
+  std::string name{};                   ///< of its list
+  std::optional<int> mode{};            ///< of linear buckling, by growing positive load factor; or
+  std::optional<int> critical_point{};  ///< of the path of the structure as it was drawn, counted from 1
+  double amplitude = 0.0;               ///< largest displacement of a vertex
 };
 
 /// Load cases that act together, each with a factor, with whatever belongs to no case.

@@ -4,6 +4,7 @@
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/state/sampling.hpp"
 #include "kernels/math/constants.hpp"
+#include "nonlinear/path/load_path.hpp"
 #include "nonlinear/stability/linear_buckling.hpp"
 
 #include <algorithm>
@@ -18,19 +19,79 @@ using namespace vector_algebra;
 /// Both are asked for beside the positive ones.
 constexpr int kNegativeModes = 2;
 
-double largest_displacement(const Model& model, const State& state) {
+/// Of a mode whose largest entry is one, for a central difference: its error is about 1e-10, from the third derivative
+/// as from rounding.
+constexpr double kStepAlongMode = 1e-5;
+
+/// Largest distance between a vertex in two states.
+double largest_displacement(const Model& model, const State& from, const State& to) {
   double largest = 0.0;
   for (int vertex = 0; vertex < model.mesh().vertices(); ++vertex) {
-    const std::array<double, 6> motion = vertex_motion(model, state, vertex);
-    largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
+    const std::array<double, 6> a = vertex_motion(model, from, vertex), b = vertex_motion(model, to, vertex);
+    largest = std::max(largest, std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
   }
   return largest;
 }
 
-/// Undeformed structure, moved by the modes that are asked for.
+/// A mode of a deformed state as it is laid on the undeformed structure: `factor` times the motion between two states.
+struct LaidMode {
+  State back{}, forth{};
+  double factor = 0.0;
+};
+
+/// The first critical points on the path of the structure as it was drawn, at least `most` if there are as many.
+std::vector<CriticalPoint> critical_points(const Teuchos::RCP<BeamProblem>& problem, SolverParameters parameters,
+                                           std::size_t most) {
+  parameters.analysis.branch = Branch::primary;
+  parameters.analysis.snap = Snap::follow;
+  parameters.analysis.stability = true;
+  std::vector<CriticalPoint> found;
+  PathControl control;
+  control.stop = [&] { return found.size() >= most; };
+  State state = problem->model.reference_state();
+  follow_load_path(
+      problem, parameters, state,
+      [&](const StepReport& report, const State&) {
+        found.insert(found.end(), report.critical_points.begin(), report.critical_points.end());
+      },
+      control);
+  return found;
+}
+
+/// The modes of critical points that are asked for.
+std::vector<LaidMode> modes_of_path(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
+                                    const Scene& scene, const InputPlace& place) {
+  int most = 0;
+  for (const ModeImperfection& wanted : scene.imperfection_modes)
+    most = std::max(most, wanted.critical_point.value_or(0));
+  if (most == 0) return {};
+  const std::vector<CriticalPoint> points = critical_points(problem, parameters, static_cast<std::size_t>(most));
+  std::vector<LaidMode> laid;
+  for (const ModeImperfection& wanted : scene.imperfection_modes) {
+    if (!wanted.critical_point) continue;
+    const InputPlace here = place[wanted.name]["Critical Point"];
+    const std::string value = "value " + std::to_string(*wanted.critical_point);
+    if (static_cast<std::size_t>(*wanted.critical_point) > points.size())
+      throw here.error(value + "; allowed: " +
+                       (points.empty() ? "none, for the path of the structure as it was drawn meets none"
+                                       : "1 to " + std::to_string(points.size()) +
+                                             ", those on the path of the structure as it was drawn"));
+    const CriticalPoint& point = points[static_cast<std::size_t>(*wanted.critical_point) - 1];
+    LaidMode mode{problem->model.apply(point.state, point.mode, -kStepAlongMode),
+                  problem->model.apply(point.state, point.mode, kStepAlongMode), wanted.amplitude};
+    const double largest = largest_displacement(problem->model, mode.back, mode.forth);
+    if (!(largest > 0.0)) throw here.error(value + ": this mode moves no vertex; allowed: one that does");
+    mode.factor /= largest;
+    laid.push_back(std::move(mode));
+  }
+  return laid;
+}
+
+/// Undeformed structure, moved by the modes of linear buckling that are asked for.
 State moved_by_modes(BeamProblem& problem, const Scene& scene, const InputPlace& place) {
   int most = 0;
-  for (const ModeImperfection& wanted : scene.imperfection_modes) most = std::max(most, wanted.mode);
+  for (const ModeImperfection& wanted : scene.imperfection_modes) most = std::max(most, wanted.mode.value_or(0));
+  if (most == 0) return problem.model.reference_state();
   std::vector<EigenMode> modes;
   for (EigenMode& mode : linear_buckling(problem, most + kNegativeModes))
     if (mode.eigenvalue > 0.0) modes.push_back(std::move(mode));
@@ -39,16 +100,17 @@ State moved_by_modes(BeamProblem& problem, const Scene& scene, const InputPlace&
   const State reference = problem.model.reference_state();
   State moved = reference;
   for (const ModeImperfection& wanted : scene.imperfection_modes) {
+    if (!wanted.mode) continue;
     const InputPlace here = place[wanted.name]["Mode"];
-    if (static_cast<std::size_t>(wanted.mode) > modes.size())
-      throw here.error("value " + std::to_string(wanted.mode) + "; allowed: " +
+    if (static_cast<std::size_t>(*wanted.mode) > modes.size())
+      throw here.error("value " + std::to_string(*wanted.mode) + "; allowed: " +
                        (modes.empty() ? "none, for no load factor above zero is critical by linear buckling"
                                       : "1 to " + std::to_string(modes.size()) +
                                             ", the modes of linear buckling with a load factor above zero"));
-    const MixedVector& mode = modes[static_cast<std::size_t>(wanted.mode) - 1].mode;
-    const double unit_size = largest_displacement(problem.model, problem.model.apply(reference, mode, 1.0));
+    const MixedVector& mode = modes[static_cast<std::size_t>(*wanted.mode) - 1].mode;
+    const double unit_size = largest_displacement(problem.model, reference, problem.model.apply(reference, mode, 1.0));
     if (!(unit_size > 0.0))
-      throw here.error("value " + std::to_string(wanted.mode) + ": this mode moves no vertex; allowed: one that does");
+      throw here.error("value " + std::to_string(*wanted.mode) + ": this mode moves no vertex; allowed: one that does");
     moved = problem.model.apply(moved, mode, wanted.amplitude / unit_size);
   }
   return moved;
@@ -70,9 +132,17 @@ double nearest_position(const ReferenceCurve& curve, const Vec3<double>& point, 
   return s / curve.length;
 }
 
+/// Where the imperfect structure has a section.
+struct PlacedSection {
+  double arc_length = 0.0;
+  Vec3<double> position, tangent;
+  Quaternion<double> triad;
+};
+
 class ModeShape {
  public:
-  ModeShape(const Model& model, const State& state, const Scene& scene) : model_(model), state_(state), scene_(scene) {}
+  ModeShape(const Model& model, const State& state, const std::vector<LaidMode>& laid, const Scene& scene)
+      : model_(model), state_(state), laid_(laid), scene_(scene) {}
 
   Scene scene() {
     move_points();
@@ -83,8 +153,14 @@ class ModeShape {
 
  private:
   Vector3 displaced(int vertex) const {
-    const std::array<double, 6> motion = vertex_motion(model_, state_, vertex);
-    return sum(model_.mesh().vertex_position[vertex], {motion[0], motion[1], motion[2]});
+    const auto moved = [&](const State& state) {
+      const std::array<double, 6> motion = vertex_motion(model_, state, vertex);
+      return Vector3{motion[0], motion[1], motion[2]};
+    };
+    Vector3 position = sum(model_.mesh().vertex_position[vertex], moved(state_));
+    for (const LaidMode& mode : laid_)
+      position = sum(position, scaled(mode.factor, difference(moved(mode.forth), moved(mode.back))));
+    return position;
   }
 
   /// Points that followed from curves become points of their own.
@@ -102,25 +178,21 @@ class ModeShape {
 
   void bend(int index, Member& member) {
     const MeshMember& mesh = model_.mesh().members[index];
-    std::vector<PointSample> samples;
+    std::vector<PlacedSection> samples;
     for (int e = 0; e < mesh.elements; ++e)
       for (const double xi : {-1.0, 0.0}) samples.push_back(sample(index, mesh.arc_length(e, xi)));
     samples.push_back(sample(index, mesh.curve.length));
     Curve curve;
     curve.shape = CurveShape::spline;
     for (std::size_t i = 1; i + 1 < samples.size(); ++i) curve.through.push_back(to_array(samples[i].position));
-    const auto axis = [](const PointSample& at, int i) {
-      const auto axes = rotation_matrix(at.triad);
-      return Vector3{axes(0, i), axes(1, i), axes(2, i)};
-    };
-    curve.end_tangents = {axis(samples.front(), 0), axis(samples.back(), 0)};
+    curve.end_tangents = {to_array(samples.front().tangent), to_array(samples.back().tangent)};
     member.curve = curve;
-    member.second_axis = axis(samples.front(), 1);
+    member.second_axis = to_array(axis(samples.front().triad, 1));
     member.twist = 0.0;
     const Vector3 start = to_array(samples.front().position), end = to_array(samples.back().position);
     const ReferenceCurve carried = make_reference_curve(member, start, end);
     double angle = 0.0;
-    for (const PointSample& at : samples)
+    for (const PlacedSection& at : samples)
       angle = turned(carried.triad(at.arc_length / mesh.curve.length * carried.length), at.triad, angle);
     member.twist = angle;
     for (InnerPoint& inner : member.inner_points) {
@@ -129,12 +201,34 @@ class ModeShape {
     }
   }
 
-  PointSample sample(int member, double s) const {
-    return sample_member(model_, state_, member, s / model_.mesh().members[member].curve.length);
+  static Vec3<double> axis(const Quaternion<double>& triad, int i) {
+    const auto axes = rotation_matrix(triad);
+    return {{axes(0, i), axes(1, i), axes(2, i)}};
+  }
+
+  /// Derivative of the position by the undeformed arc length.
+  static Vec3<double> slope(const PointSample& at) {
+    const Vec3<double>& strain = at.force_strain;
+    return (1.0 + strain[0]) * axis(at.triad, 0) + strain[1] * axis(at.triad, 1) + strain[2] * axis(at.triad, 2);
+  }
+
+  PlacedSection sample(int member, double s) const {
+    const double position = s / model_.mesh().members[member].curve.length;
+    const PointSample at = sample_member(model_, state_, member, position);
+    PlacedSection placed{at.arc_length, at.position, axis(at.triad, 0), at.triad};
+    for (const LaidMode& mode : laid_) {
+      const PointSample back = sample_member(model_, mode.back, member, position);
+      const PointSample forth = sample_member(model_, mode.forth, member, position);
+      placed.position = placed.position + mode.factor * (forth.position - back.position);
+      placed.tangent = placed.tangent + mode.factor * (slope(forth) - slope(back));
+      placed.triad = exp_quaternion(mode.factor * log_quaternion(forth.triad * conjugate(back.triad))) * placed.triad;
+    }
+    return placed;
   }
 
   const Model& model_;
   const State& state_;
+  const std::vector<LaidMode>& laid_;
   Scene scene_;
 };
 
@@ -144,9 +238,11 @@ Scene with_mode_shapes(const Scene& scene, const SolverParameters& parameters, c
                        const InputPlace& place) {
   if (scene.imperfection_modes.empty()) return scene;
   const InputPlace modes = place["Imperfection"]["Modes"];
-  BeamProblem problem(scene_of_case(scene, scene.imperfection_case), comm, parameters);
+  const auto problem = Teuchos::rcp(new BeamProblem(scene_of_case(scene, scene.imperfection_case), comm, parameters));
   try {
-    return ModeShape(problem.model, moved_by_modes(problem, scene, modes), scene).scene();
+    const State moved = moved_by_modes(*problem, scene, modes);
+    const std::vector<LaidMode> laid = modes_of_path(problem, parameters, scene, modes);
+    return ModeShape(problem->model, moved, laid, scene).scene();
   } catch (const LinearSolverError& error) {
     throw modes.error(std::string("no linear buckling: ") + error.what());
   }

@@ -11,6 +11,7 @@ namespace mixbeam::test {
 namespace {
 
 constexpr double kNoForce = 1e-12;       // of EI / L^2 = 1: rounding of rows that are sums of some hundred terms
+constexpr double kArcAndChord = 1e-4;    // arc length is not height: 0.02 times the square of its slope 0.063
 constexpr double kMiddleOfArc = 1e-6;    // half of the arc is not half of the chord: the offset times its slope squared
 constexpr double kCritical = kPi * kPi;  // of the column: EI = L = 1
 
@@ -71,6 +72,10 @@ std::string mode(int number, double amplitude) {
          std::to_string(amplitude) + "\"/></ParameterList></ParameterList>";
 }
 
+std::string mode_at_critical_point(int number, double amplitude) {
+  return changed(mode(number, amplitude), "name=\"Mode\"", "name=\"Critical Point\"");
+}
+
 TEST(Imperfections, AreFreeOfStress) {
   for (const std::string& imperfection : {bow(0.02), mode(1, 0.02), mode(2, -0.02)}) {
     const Simulation unloaded(scene_from(column(1.0, imperfection)), {}, this_rank());
@@ -98,6 +103,25 @@ TEST(Imperfections, ABowedColumnBendsAsItsAmplification) {  // a / (1 - P / P_cr
   EXPECT_LE(std::abs(perfect.sample("strut", 0.5).position[0]), 1e-12);
 }
 
+/// The path of a straight column that cannot be strained is straight: its bifurcation is that of linear buckling.
+TEST(Imperfections, FollowModesOfCriticalPoints) {
+  const auto offset = [](const std::string& imperfection, double s) {
+    return Simulation(scene_from(column(2.0 * kCritical, imperfection)), {}, this_rank())
+        .sample("strut", s)
+        .position[0];
+  };
+  const std::string of_path = mode_at_critical_point(1, 0.02);
+  const double sign = offset(mode(1, 0.02), 0.5) * offset(of_path, 0.5) > 0.0 ? 1.0 : -1.0;
+  for (const double s : {0.1, 0.25, 0.5, 0.7}) {
+    EXPECT_NEAR(offset(of_path, s), sign * offset(mode(1, 0.02), s), kMiddleOfArc) << s;
+    EXPECT_NEAR(std::abs(offset(of_path, s)), 0.02 * std::sin(kPi * s), kArcAndChord) << s;
+  }
+  EXPECT_NEAR(offset(mode_at_critical_point(1, -0.02), 0.5), -offset(of_path, 0.5), kMiddleOfArc);
+  const Simulation unloaded(scene_from(column(2.0 * kCritical, of_path)), {}, this_rank());
+  const StrainEnergy energy = unloaded.strain_energy();
+  EXPECT_EQ(energy.force + energy.moment, 0.0);
+}
+
 TEST(Imperfections, SignsFollowTheAmplitude) {
   const auto side = [](const std::string& imperfection) {
     return solved(scene_from(column(0.5 * kCritical, imperfection))).sample("strut", 0.5).position[0] > 0.0;
@@ -123,6 +147,11 @@ TEST(Imperfections, AreRefusedWithThePlace) {
   expect_in(refusal(mode(100, 0.1)), {"Imperfection / Modes / m / Mode", "value 100; allowed: 1 to "});
   expect_in(refusal(changed(mode(1, 0.1), "<Parameter name=\"Mode\" type=\"int\" value=\"1\"/>", "")),
             {"Imperfection / Modes / m / Mode", "missing"});
+  expect_in(refusal(mode_at_critical_point(1, 0.1)),
+            {"Imperfection / Modes / m / Critical Point", "value 1; allowed: none", "meets none"});
+  expect_in(refusal(changed(mode(1, 0.1), "<Parameter name=\"Mode\"",
+                            "<Parameter name=\"Critical Point\" type=\"int\" value=\"1\"/><Parameter name=\"Mode\"")),
+            {"Imperfection / Modes / m", "both of", "exactly one"});
   expect_in(
       refusal("<ParameterList name=\"Sway\"><Parameter name=\"Ratio\" type=\"double\" value=\"0.005\"/><Parameter "
               "name=\"Direction\" type=\"Array(double)\" value=\"{0, 0, -2}\"/></ParameterList>"),
