@@ -133,8 +133,10 @@ def _write_answers(page, run):
             known = np.where(np.abs(known) < ROUNDING * np.abs(known).max(), 0.0, known)
             return float(known.min()), float(known.max())
 
-        page.table(("quantity", "at the end", "smallest", "largest", "where, at the end"),
-                   [(name, float(quantities[name][-1]), *extremes(quantities[name]), place(name)) for name in shown])
+        units = run.quantity_units()
+        page.table(("quantity", "at the end", "smallest", "largest", "unit", "where, at the end"),
+                   [(name, float(quantities[name][-1]), *extremes(quantities[name]), units.get(name, ""), place(name))
+                    for name in shown])
     moved = [(name[:-len(".displacement")], *map(float, values[-1])) for name, values in run.monitor().items()
              if name.endswith(".displacement") and values[-1].any()]
     if moved:
@@ -168,6 +170,10 @@ def _write_stresses(page, run, step):
             rows.append((member.name, float(stress[at]), float(member.arc_length[at]), used if np.isfinite(used) else ""))
     if rows:
         page.table(("most stressed member", "von Mises", "at s", "utilisation"), sorted(rows, key=lambda row: -row[1])[:5])
+        used = [(row[3], row[0]) for row in rows if row[3] != "" and row[3] > 1.0]
+        if used:
+            page.text(f"Member {max(used)[1]} is stressed beyond the strength of its material: utilisation {max(used)[0]:.3g}.",
+                      bad=True)
 
 
 def _write_structure(page, run):

@@ -397,6 +397,23 @@ class Plots(unittest.TestCase):
         self.assertIn(f"<td>{jump['released']:.6g}</td>", page)
         self.assertIn("point &quot;crown&quot;", page)
 
+    def test_report_tells_units_and_utilisation_above_one(self):
+        folder = Path(self.folder.name)
+        words = "is stressed beyond the strength"
+        for strength, beyond in (("1", True), ("1e9", False)):
+            material = listed("Material", entry("E", "double", "1e6"), entry("nu", "double", "0.3"), entry("Strength", "double", strength))
+            section = listed("s", entry("Shape", "string", "circle"), entry("Diameter", "double", "0.1"), material)
+            text = asked_portal()
+            first, last = text.index('<ParameterList name="Sections">'), text.index('<ParameterList name="Points">')
+            (folder / "strong.xml").write_text(text[:first] + listed("Sections", section) + text[last:])
+            for command in (("run", "strong.xml", "--output", ".", "--quiet"), ("report", "strong.h5")):
+                ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
+                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+            page = (folder / "strong.html").read_text()
+            self.assertEqual(words in page, beyond)
+            self.assertIn(">unit<", page)
+            self.assertIn(">kN m<", page)
+
     def test_report(self):
         evil = "<img src=x onerror=alert(1)>"
         text = cantilever("{0, -1, 0}").replace('"b"', f'"{evil.replace("<", "&lt;").replace(">", "&gt;")}"')
