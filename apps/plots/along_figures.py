@@ -22,7 +22,7 @@ def along_figure(view, step, patterns):
     canvas, panels = style.figure(12.4, 7.6, 3, 2, sharex=True)
     for i, (name, field) in enumerate(fields.SECTION_FORCES.items()):
         axes = panels[i % 3, i // 3]
-        values = field.values(step, view.size)[samples]
+        values = field.values_at(step, view.size, samples)
         power = fields.power_of_ten(np.abs(values).max(initial=0.0))
         axes.plot(places, values / 10.0 ** power, color=style.BLUE, gid="diagram")
         axes.fill_between(places, values / 10.0 ** power, color=(*style.rgb(style.BLUE), 0.18), linewidth=0)

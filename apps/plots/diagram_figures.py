@@ -67,11 +67,12 @@ def name_extremes(axes, places, values):
     largest = np.abs(values).max(initial=0.0)
     if not largest > 0.0:
         return
-    for at in {int(np.argmax(values)), int(np.argmin(values))}:
+    highest = int(np.argmax(values))
+    for at in {highest, int(np.argmin(values))}:
         if abs(values[at]) < ROUND_OFF * largest or values.max() - values.min() < ROUND_OFF * largest and at > 0:
             continue
         axes.plot([places[at]], [values[at]], "o", color=style.BLACK, markersize=3.5, zorder=6, gid="extreme")
-        axes.annotate(f"{values[at]:.4g}", (places[at], values[at]), xytext=(0, 4 if values[at] > 0 else -11),
+        axes.annotate(f"{values[at]:.4g}", (places[at], values[at]), xytext=(0, 4 if at == highest else -11),
                       textcoords="offset points", fontsize=9, zorder=7, gid="value",
                       ha="left" if places[at] < np.mean([places[0], places[-1]]) else "right")
 

@@ -110,7 +110,7 @@ def along_figure(envelope, patterns, look):
             view = View(run, run.steps[-1:], look)
             row = path_of(run.members_meant(patterns, "--along"), view.size)
             places, samples, borders = running_length(row)
-            found.append((places, {name: field.values(run.steps[-1], view.size)[samples]
+            found.append((places, {name: field.values_at(run.steps[-1], view.size, samples)
                                    for name, field in fields.SECTION_FORCES.items()}))
     exponent = fields.power_of_ten(borders[-1])
     common = found[0][0]

@@ -34,6 +34,11 @@ class Field:
         values = np.where(np.isfinite(values), values, 0.0)
         return values if np.abs(values).max(initial=0.0) > self.floor(step, size) else np.zeros_like(values)
 
+    def values_at(self, step, size, samples):
+        """Those of some samples, as zero where they are round-off though others are not."""
+        values = self.values(step, size)[samples]
+        return values if np.abs(values).max(initial=0.0) > self.floor(step, size) else np.zeros_like(values)
+
     def floor(self, step, size):
         """Numbers of its source up to this one are round-off."""
         force, moment = (_largest(step.field(name)) for name in ("material_force", "material_moment"))

@@ -301,6 +301,19 @@ class Plots(unittest.TestCase):
         with self.assertRaisesRegex(InputError, "no path"):
             along_figures.along_figure(wheel_view, wheel_step, ["*"])
 
+    def test_round_off_along_some_members_is_zero(self):
+        class Step:
+            """A member that bears a shear force, and one that has its round-off."""
+
+            @staticmethod
+            def field(name):
+                return np.array([[0.0, 1000.0, 0.0], [0.0, 1e-12, 0.0]]) if name == "material_force" else np.ones((2, 3))
+
+        field = fields.SECTION_FORCES["shear_2"]
+        np.testing.assert_array_equal(field.values(Step, 1.0), (1000.0, 1e-12))
+        np.testing.assert_array_equal(field.values_at(Step, 1.0, [1]), (0.0,))
+        np.testing.assert_array_equal(field.values_at(Step, 1.0, [0, 1]), (1000.0, 1e-12))
+
     def test_curve(self):
         view, _ = self.view("portal")
         figure = path_figures.curve_figure(view, "force:a.x", "b.norm")
