@@ -3,7 +3,7 @@
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
-#include "apps/common/studies/asked_path.hpp"
+#include "apps/common/studies/variants.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"

@@ -1,7 +1,6 @@
 #include "apps/trade/benchmark.hpp"
 
 #include "apps/common/run/scene_file.hpp"
-#include "apps/common/studies/asked_path.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/state/sampling.hpp"
@@ -10,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -18,22 +18,20 @@ namespace {
 /// In place of the values in the file of the helical rod, which are those of a coarse mesh: the finest row of the
 /// paper's table, to half a unit of the last digit.
 std::vector<ExpectedValue> limit_of_the_helical_rod() {
-  ExpectedValue tip;
-  tip.name = tip.point = "tip";
-  tip.quantity = "position";
-  tip.kind = ToleranceKind::absolute;
-  tip.source = "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4";
+  const std::vector<std::tuple<const char*, double, double>> row = {
+      {"x", 4.803e-3, 5.1e-7}, {"y", 7.250e-5, 5.1e-9}, {"z", -7.644e-2, 5.1e-6}};
   std::vector<ExpectedValue> limit;
-  const auto add = [&](const std::string& component, double value, double tolerance) {
-    ExpectedValue& one = limit.emplace_back(tip);
-    one.name += ", " + component;
+  for (const auto& [component, value, tolerance] : row) {
+    ExpectedValue& one = limit.emplace_back();
+    one.name = std::string("tip, ") + component;
+    one.point = "tip";
+    one.quantity = "position";
     one.component = component;
     one.value = value;
+    one.kind = ToleranceKind::absolute;
     one.tolerance = tolerance;
-  };
-  add("x", 4.803e-3, 5.1e-7);
-  add("y", 7.250e-5, 5.1e-9);
-  add("z", -7.644e-2, 5.1e-6);
+    one.source = "Humer, Steinbrecher, Pechstein, table of the rod bent to helical shape, k = 4";
+  }
   return limit;
 }
 

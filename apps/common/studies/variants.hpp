@@ -2,6 +2,7 @@
 /// changed copy.
 #pragma once
 
+#include "discretization/checks/expected_values.hpp"
 #include "discretization/scene/scene.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
@@ -21,6 +22,11 @@ Support support_of(const std::string& point, const std::array<bool, 3>& displace
 /// Whether the scene is one straight member from the origin along x, clamped at its start, with one dead load at its
 /// end, and nothing else.
 bool is_straight_cantilever(const Scene& scene);
+
+/// Whether the solver's parameters or the expected values of this load case ("": of a scene without any) ask for steps
+/// on the way to the end. `scene`: of the case.
+bool asks_for_path(const SolverParameters& parameters, const std::vector<ExpectedValue>& expected,
+                   const std::string& load_case, const Scene& scene);
 
 /// Every member with this order and this number of elements.
 Scene with_mesh(Scene scene, int order, int elements_per_member);
