@@ -235,14 +235,13 @@ std::string equation_text(const EquationPlace& place) {
     case RowKind::vertex_rotation:
       return "balance of moments, component " + axis;
     case RowKind::held_displacement:
-      return "displacement held by a support or joint, component " + number;
+      return "displacement constrained by a support or joint, component " + number;
     case RowKind::held_rotation:
-      return "rotation held by a support or joint, component " + number;
+      return "rotation constrained by a support or joint, component " + number;
     case RowKind::element_force:
-      return std::string("strain of the motion against strain of the force, ") +
-             (place.component == 0 ? "axial" : "shear " + number);
+      return std::string("constitutive equation of the force, ") + (place.component == 0 ? "axial" : "shear " + number);
     case RowKind::element_moment:
-      return std::string("rotation of the motion against rotation of the moment, ") +
+      return std::string("constitutive equation of the moment, ") +
              (place.component == 0 ? "twist" : "bending " + number);
     case RowKind::element_rotation:
       return "balance of moments inside, component " + number;

@@ -35,7 +35,7 @@ class PlanarChains {
   const ChainStructure& structure_;
   ChainCondensation<kPlanarDofs> chains_;
   LinkMatrices<kSpatialDofs> remaining_;
-  KernelView<double**> elements_;  ///< behind remaining_
+  KernelView<double**> elements_;  ///< after remaining_
   KernelView<double* [12]> arrived_;
   KernelView<double*> rows_, x_;              ///< (3 * local vertex + component): scratch
   KernelView<int* [2]> ends_;                 ///< (local element, end): local vertex

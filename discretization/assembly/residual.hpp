@@ -41,7 +41,7 @@ double equilibrium_norm(const Model& model, const MixedVector& scaled_residual);
 /// Largest row of N or M of a scaled residual: compatibility and the constitutive law.
 double compatibility_norm(const Model& model, const MixedVector& scaled_residual);
 
-/// A state under its loads, and what its equations tell besides their rows.
+/// A state under its loads, and what its equations yield besides their rows.
 struct EvaluationPoint {
   State state{};
   double load_factor = 0.0;

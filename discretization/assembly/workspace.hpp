@@ -22,7 +22,7 @@ struct Workspace {
   Cap cap;  ///< the last one
   ViewPool<KernelView<SectionConstants*>> sections;
   ViewPool<KernelView<double*>> end_angles;
-  std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free where nobody else holds them
+  std::vector<std::shared_ptr<TangentArrays>> tangents;  ///< free where they are not in use elsewhere
 };
 
 /// Rows of the elements, summed at the vertices.

@@ -31,11 +31,11 @@ void add_close_points(const SceneSurvey& survey, WarningList& list) {
     grid.around(points[i].position, tolerance, [&](std::size_t j) {
       const double distance = norm(difference(points[i].position, points[j].position));
       if (j <= i || distance > tolerance || seen.size() > kMostOnOneMember || !seen.insert(j).second) return;
-      list.add("pairs of points at one place", "Points / " + excerpt(points[j].name) + ": lies at " +
-                                                   to_text(points[j].position) + ", " + shortest(distance) +
-                                                   " from \"" + excerpt(points[i].name) +
-                                                   "\", but members at them are not connected; usually they should be "
-                                                   "one point");
+      list.add("pairs of coincident points", "Points / " + excerpt(points[j].name) + ": lies at " +
+                                                 to_text(points[j].position) + ", " + shortest(distance) + " from \"" +
+                                                 excerpt(points[i].name) +
+                                                 "\", but members at them are not connected; usually they should be "
+                                                 "one point");
     });
   }
 }
@@ -58,9 +58,9 @@ void add_equal_members(const SceneSurvey& survey, WarningList& list) {
     for (const std::size_t j : same_ends) {
       const bool reversed = members[i].start_point != members[j].start_point;
       if (!same_course(survey.curves[i], survey.curves[j], reversed, kSamePlace * survey.size)) continue;
-      list.add("members that lie on each other", "Members / " + excerpt(members[i].name) + ": lies on \"" +
-                                                     excerpt(members[j].name) +
-                                                     "\" all along; usually one of them was copied by mistake");
+      list.add("coincident members", "Members / " + excerpt(members[i].name) + ": lies on \"" +
+                                         excerpt(members[j].name) +
+                                         "\" all along; usually one of them was copied by mistake");
       break;
     }
     if (same_ends.size() < kMostOnOneMember) same_ends.push_back(i);

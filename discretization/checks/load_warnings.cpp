@@ -23,7 +23,7 @@ constexpr double kMostLoad = 1e6;  // F L^2 / EI; a strut buckles at 2.5 to 40, 
 constexpr double kMostStrain = 0.1;
 // And F l^2 / EI far above all that buckles a member: thick members may strain so much and mean it.
 constexpr double kLoadOfStrain = 100.0;
-// F l^2 / EI where nobody could measure a deflection: a millionth of a millimetre on a metre.
+// F l^2 / EI where no deflection could be measured: a millionth of a millimetre on a metre.
 constexpr double kLeastLoad = 1e-6;
 // Gravity of the earth in m/s^2 beside an E that no solid has in kN/m^2 (diamond 1e9): the scene is in m, N and kg.
 constexpr double kLeastOfEarth = 9.5, kMostOfEarth = 10.1, kLeastModulusInPascal = 2e9;
@@ -103,14 +103,14 @@ void warn_of_large(const ForceSurvey& found, const StiffnessRange& stiffness, do
   for (const ActingForce& acting : found.forces) {
     const double load = std::max(acting.force * size * size, acting.moment * size) / stiffness.most_bending;
     if (stiffness.most_bending > 0.0 && load > kMostLoad) {
-      list.add("loads of such size", acting.at + "the load times size of the structure squared over EI is " +
-                                         rounded(load, 3) +
-                                         "; a strut buckles at about 10; usually units of the load or of EI");
+      list.add("loads of unusual size", acting.at + "the load times size of the structure squared over EI is " +
+                                            rounded(load, 3) +
+                                            "; a strut buckles at about 10; usually units of the load or of EI");
       continue;
     }
     const double strain = found.has_formulas ? 0.0 : strain_by(acting.force, stiffness);
     if (strain > kMostStrain)
-      list.add("loads that strain so much",
+      list.add("loads that cause large strains",
                acting.at + "the force strains the stiffest members by about " + rounded(100.0 * strain, 3) +
                    " %; steel yields at 0.2 %; usually units of the load, of E or of the section");
   }

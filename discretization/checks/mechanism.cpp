@@ -232,7 +232,8 @@ std::string point_moved_most(const RigidMotion& motion, const RigidPart& part) {
     if (distance > largest * (1.0 + kPrintedZero)) largest = distance, moved = &part.points[i];
   }
   if (moved == nullptr)
-    return "all its points lie on this axis and only turn; a hinge in place of a ball, or a fixed rotation, holds it";
+    return "all its points lie on this axis, about which it rotates; a hinge in place of a ball, or a fixed rotation, "
+           "prevents it";
   return "point \"" + excerpt(*moved) + "\" moves most";
 }
 
@@ -323,7 +324,7 @@ struct Mechanisms {
     if (others.empty()) return first + allowed;
     const std::string how_many =
         others.size() == 1 ? "one more connected part is" : std::to_string(others.size()) + " more connected parts are";
-    return first + "; " + how_many + " not held either, with member " + quoted_list(others) + allowed;
+    return first + "; " + how_many + " not supported either, with member " + quoted_list(others) + allowed;
   }
 };
 

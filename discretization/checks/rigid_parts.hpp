@@ -27,7 +27,7 @@ struct RigidLink {
   Vector3 position{};
 };
 
-/// Parts that hang together through joints; without joints a single part.
+/// Parts that are connected through joints; without joints a single part.
 struct RigidAssembly {
   std::vector<RigidPart> parts;
   std::vector<RigidLink> links;

@@ -31,7 +31,7 @@ constexpr double kMostElementRatio = 100.0;      // of neighbours: the longer on
 constexpr int kManyUnknowns = 1'000'000;         // order times elements of one member
 constexpr int kFewElementsOfOrderOne = 4;
 constexpr double kMostAngleOfElement = 1.6;  // pi/2: beyond, one element describes more than a quarter of a circle
-// The range that scenes.md states ("Ratios are free in wide ranges"): what is softer drowns in the rounding of the
+// The range that scenes.md states ("Ratios are free in wide ranges"): softer parts are lost in the rounding of the
 // rest.
 constexpr double kMostStiffnessRatio = 1e12;
 constexpr double kNoticeableStart = 1e-12;  // of an amplitude at t = 0: less is rounding of a formula
@@ -83,11 +83,11 @@ void add_slenderness_warnings(const SceneSurvey& survey, WarningList& list) {
                                                           " in a structure of size " + number(survey.size) +
                                                           "; usually EA and EI are in different units, as N with mm^2");
     } else if (radius < kLeastGyrationOfLength * survey.curves[i].length && seen.insert(member.section).second) {
-      list.add("sections without thickness", warned_place("Sections", member.section) + radius_text +
-                                                 " in a member of length " + number(survey.curves[i].length) +
-                                                 "; usually EA and EI are in different units");
+      list.add("very thin sections", warned_place("Sections", member.section) + radius_text +
+                                         " in a member of length " + number(survey.curves[i].length) +
+                                         "; usually EA and EI are in different units");
     } else if (radius > kMostGyrationOfElement * shortest) {
-      list.add("members with elements shorter than thick",
+      list.add("members with elements shorter than their thickness",
                warned_place("Members", member.name) + "elements of length " + number(shortest) + ", " + radius_text +
                    "; usually far more elements than needed, or a scene in other units than its section");
     }
@@ -108,9 +108,9 @@ void add_division_warnings(const SceneSurvey& survey, WarningList& list) {
                                                            "costs little more");
     const double angle = (std::abs(member.twist) + std::abs(member.curve.angle)) / member.elements;
     if (angle > kMostAngleOfElement)
-      list.add("members with much angle per element", at + "each of " + std::to_string(member.elements) +
-                                                          " element(s) turns by " + number(angle) +
-                                                          " radian; usually too few elements, or degrees");
+      list.add("members with a large angle per element", at + "each of " + std::to_string(member.elements) +
+                                                             " element(s) turns by " + number(angle) +
+                                                             " radian; usually too few elements, or degrees");
     const std::array<double, 2> lengths = survey.element_lengths(i);
     if (lengths[1] > kMostElementRatio * lengths[0])
       list.add("members with unequal elements", at + "elements from " + number(lengths[0]) + " to " +

@@ -8,7 +8,7 @@
 
 namespace mixbeam {
 
-/// Looks at a scene that read_scene accepted. Each warning is one line: place, value, and what is usually behind it. Of
+/// Looks at a scene that read_scene accepted. Each warning is one line: place, value, and the usual reason. Of
 /// warnings of one kind the first few are spelt out and the others counted. The limits are wide: a scene that means
 /// what it says rarely meets them, and may run all the same.
 std::vector<std::string> warnings(const Scene& scene);

@@ -32,7 +32,7 @@ struct SceneSurvey {
 /// Warnings in the order in which they were found, those of a kind cut off after the first few.
 class WarningList {
  public:
-  /// `kind` names what many warnings have in common: "members that lie on each other".
+  /// `kind` names what many warnings have in common: "coincident members".
   void add(const std::string& kind, const std::string& text) {
     if (++count_[kind] <= kMostOfAKind) texts_.push_back(text);
   }
@@ -45,7 +45,7 @@ class WarningList {
   }
 
  private:
-  static constexpr std::size_t kMostOfAKind = 5;  // the next ones tell the same story
+  static constexpr std::size_t kMostOfAKind = 5;  // further ones add nothing
 
   std::vector<std::string> texts_;
   std::map<std::string, std::size_t> count_;

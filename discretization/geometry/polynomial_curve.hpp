@@ -47,7 +47,7 @@ PolynomialCurve make_spline(const Curve& curve, const Vector3& start, const Vect
 /// t), interpolated at Chebyshev points to rounding: pieces are halved until their coefficients have decayed. Positions
 /// are as accurate as the formula, derivatives lose two to three digits.
 /// Throws std::invalid_argument for formulas that cannot be read, values that are not finite, and curves with a jump or
-/// a kink; it tells the t.
+/// a kink, with its t.
 PolynomialCurve make_formula_curve(const Curve& curve);
 
 }  // namespace mixbeam

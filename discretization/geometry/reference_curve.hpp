@@ -47,8 +47,8 @@ constexpr double kParallelToE3 = 1e-6;
 /// Below this angle between second axis and tangent, g2 would depend on digits that the user rounded away. [radian]
 constexpr double kSmallestSecondAxisAngle = 1e-6;
 
-/// Centerline of a member from `start` to `end`. An arc or helix does not look at `end`, which follows from center,
-/// axis, angle and rise; a parametric curve looks at neither.
+/// Centerline of a member from `start` to `end`. An arc or helix does not use `end`, which follows from center,
+/// axis, angle and rise; a parametric curve uses neither.
 ///
 /// g2 at the start is the normalised projection of the member's second axis onto the plane normal to the tangent.
 /// Without a second axis:

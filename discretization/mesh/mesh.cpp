@@ -20,7 +20,7 @@ namespace {
 
 using namespace vector_algebra;
 
-/// Vertex of a point, created at `position` when the point is met for the first time, and behind it one for each end
+/// Vertex of a point, created at `position` when the point is met for the first time, followed by one for each end
 /// that a joint connects there, unless it shares that of the end before.
 int find_or_add_vertex(Mesh& mesh, const JointTable& joints, const std::string& point, const Vector3& position) {
   const auto [entry, is_new] = mesh.vertex_of_point.try_emplace(point, mesh.vertices());

@@ -77,7 +77,7 @@ double arc_length_of_vertex(const Mesh& mesh, int member, int vertex);
 /// Index of a member by name; throws InputError with the nearest name.
 int member_index(const Scene& scene, const std::string& name);
 
-/// A length that stands for the whole structure: the total length of its longest member or the diagonal of its bounding
+/// Characteristic length of the structure: the total length of its longest member or the diagonal of its bounding
 /// box, whichever is larger.
 double characteristic_length(const Mesh& mesh);
 

@@ -21,7 +21,7 @@ using MemberLaws = std::vector<std::shared_ptr<const SectionLaw>>;
 /// may hold is never written to: a new one is allocated (Model::apply).
 struct State {
   StateViews views;
-  /// Known to lie in the plane of the scene (Model::plane()): nothing but its in-plane part is looked at.
+  /// Known to lie in the plane of the scene (Model::plane()): only its in-plane part is used.
   bool in_plane = false;
 };
 

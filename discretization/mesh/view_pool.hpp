@@ -11,7 +11,7 @@
 
 namespace mixbeam {
 
-/// Keeps every array it has ever handed out until it is told otherwise. An array is free again when nobody else holds
+/// Keeps every array it has ever handed out until it is told otherwise. An array is free again when no one else holds
 /// it. From outside of kernels, one thread at a time.
 template <class View>
 class ViewPool {
@@ -28,7 +28,7 @@ class ViewPool {
     return views_.back();
   }
 
-  /// Gives back what nobody holds.
+  /// Frees the arrays that are not in use.
   void release_idle() {
     const auto is_idle = [](const View& view) { return view.use_count() == 1; };
     views_.erase(std::remove_if(views_.begin(), views_.end(), is_idle), views_.end());

@@ -42,7 +42,7 @@ struct ParameterSpec {
   bool empty_allowed = false;        ///< arrays: no value at all is allowed too
   double shortest = 0.0;             ///< vectors: smallest Euclidean norm, below which there is no direction
   std::vector<std::string> choices;  ///< strings and arrays of strings: the only ones allowed; none given: any
-  std::string other_words;           ///< strings: what else they may say, which somebody else checks
+  std::string other_words;           ///< strings: other values allowed, checked elsewhere
   std::vector<std::string> words;    ///< numbers: strings (or booleans of these names) that may stand in their place
   std::string meaning;               ///< one sentence, with units and frame
 
@@ -112,7 +112,7 @@ struct ListSpec {
   std::shared_ptr<const ListSpec> named_list;            ///< what every list of a free name must be
   std::string placeholder;                               ///< stands for the free name in the manual: `point`
   int minimum_named = 0;                                 ///< how many free names there must be
-  bool unchecked = false;                                ///< anything goes: somebody else checks this list
+  bool unchecked = false;                                ///< any content: this list is checked elsewhere
 
   ListSpec& add(const ParameterSpec& parameter);
   ListSpec& add(const ParameterSpec& parameter, const std::string& sentence) { return add(parameter.means(sentence)); }

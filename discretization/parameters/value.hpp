@@ -38,7 +38,7 @@ Problem parse_value(const std::string& text, ParameterType type, ParameterValue&
 /// The value of an entry; empty for a type that XML cannot express (a list that the program made itself).
 ParameterValue value_of(const Teuchos::ParameterEntry& entry);
 
-/// `as_default`: the list remembers that nobody gave this value.
+/// `as_default`: the list remembers that this value was not given.
 void set_value(Teuchos::ParameterList& list, const std::string& name, const ParameterValue& value,
                bool as_default = false);
 

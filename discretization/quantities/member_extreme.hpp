@@ -12,7 +12,7 @@ namespace mixbeam {
 /// A number made of the fields at one point of a member (index in the scene of the model). Where it is the component of
 /// a field that records hold, that is read from them.
 struct FieldAlongMember {
-  std::string name{};  ///< fields of one name are the same, and looked at once however many ask for them
+  std::string name{};  ///< fields of one name are the same, and evaluated once however many ask for them
   std::function<double(const PointSample& sample, int member)> at{};
   std::vector<Vector3> MemberSamples::*recorded = nullptr;
   std::size_t component = 0;

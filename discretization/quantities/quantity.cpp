@@ -63,7 +63,7 @@ BoundList<Quantity> declared_quantity_parameters() {
   one.bind(&Quantity::position, real("Position").at_least(0.0).at_most(1.0),
            "Where along the member: arc length from its start over its length.");
   one.bind(&Quantity::before_vertex, text("Side").by_default(),
-           "At a vertex between two elements: the value of the element behind it, or of the one before it.",
+           "At a vertex between two elements: the value of the element after it, or of the one before it.",
            {{"after", false}, {"before", true}});
   one.bind(&Quantity::component, choice("Component", {"x", "y", "z", "1", "2", "3", "norm", "g1", "g2", "g3"}),
            "x, y, z in global axes; 1 (along), 2, 3 in the axes of the section; norm; g1, g2, g3 of a triad; all of "

@@ -85,8 +85,7 @@ std::vector<QuantityPlace> QuantityPlaces::along_members(const std::string& text
   if (is_share) written.pop_back();
   double number = 0.0;
   if (written.empty() || !parse_number(written, number).empty() || !(number >= 0.0))
-    throw place.error("value \"" + excerpt(text) +
-                      "\"; allowed behind @: an arc length from the start of the member, " +
+    throw place.error("value \"" + excerpt(text) + "\"; allowed after @: an arc length from the start of the member, " +
                       "or a share of its length as 50%");
   std::vector<QuantityPlace> found;
   for (const int index : members(text.substr(0, sign), place)) {

@@ -40,11 +40,11 @@ class QuantitySet {
 
   /// One number each, in the order of the list: NAME; NAME.x, .y, .z or NAME.1, .2, .3 of a vector; NAME[PLACE] of each
   /// place that fits a pattern; besides an extreme along members NAME.member (index in the scene), NAME.arc_length and
-  /// NAME.side (-1, 1: of the element before, behind a vertex; 0: inside an element).
+  /// NAME.side (-1, 1: of the element before, after a vertex; 0: inside an element).
   struct Column {
     std::string name;
     std::size_t quantity = 0;  ///< in the list
-    bool is_value = true;      ///< false: tells where an extreme is
+    bool is_value = true;      ///< false: place of an extreme
     bool is_member = false;    ///< index of a member
     std::optional<double> limit{};
   };

@@ -48,7 +48,7 @@ BoundList<CurveDraft> declared_curve_parameters() {
   draft.bind(
       [](auto& d) -> auto& { return d.curve.rise; },
       real("Rise").at_least(-kLargestCoordinate).at_most(kLargestCoordinate),
-      "helix: length gained along the axis over the whole angle, with sign [length].");
+      "helix: rise along the axis over the whole angle, with sign [length].");
   draft.bind(&CurveDraft::radius, real("Radius").above(0.0).at_most(kLargestCoordinate),
              "arc: with Axis, the arc of at most half a turn between the two points; with Axis, Start Tangent and "
              "Angle, the arc that leaves the start point in this direction [length].");

@@ -49,7 +49,7 @@ BoundList<Bow> bow_parameters() {
 }
 
 BoundList<Sway> sway_parameters() {
-  BoundList<Sway> sway("The whole structure leans: each point moves by its height times a ratio.");
+  BoundList<Sway> sway("Initial sway of the whole structure: each point is offset by its height times a ratio.");
   sway.bind(&Sway::ratio, real("Ratio").required(), "Offset over height, like 0.005.");
   sway.bind(&Sway::direction, direction("Direction").required(), "Of the offset (any length).");
   sway.bind(&Sway::up, direction("Up").by_default(), "Direction in which heights grow, from the lowest point.");

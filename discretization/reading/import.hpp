@@ -56,7 +56,7 @@ std::map<std::string, std::string> read_imported_files(const Teuchos::ParameterL
                                                        const ParameterPath& path = {"Scene"});
 
 /// Adds entries to the lists "Sections", "Supports", "Joints", "Point Loads", ... of a scene that is not validated yet:
-/// one for each line of the tables that its list "Import" names. `source` then tells their places. Throws InputError.
+/// one for each line of the tables that its list "Import" names. `source` then knows their places. Throws InputError.
 void import_entries(Teuchos::ParameterList& scene_list, ParameterSource& source, const ParameterPath& path = {"Scene"});
 
 /// The table that a parameter of the list "Import" (of offsets: "Imperfection") names: a text that the source has under

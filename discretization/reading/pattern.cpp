@@ -13,12 +13,13 @@ BoundList<Pattern> declared_pattern_parameters() {
   BoundList<Pattern> pattern("Copies of members with their points; acts on the copies of the patterns before it too.");
   pattern.bind(&Pattern::members, array("Members", ParameterType::text_array).by_default(),
                "Names of the members, where * stands for any characters.");
-  pattern.bind(&Pattern::kind, text("Kind").required(),
-               "repeat: shifted by Vector again and again; rotate: about an axis; mirror: reflected in a plane. Points "
-               "and members of copies that coincide with what is there become one.",
-               {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
+  pattern.bind(
+      &Pattern::kind, text("Kind").required(),
+      "repeat: translated by Vector, repeatedly; rotate: about an axis; mirror: reflected in a plane. Points and "
+      "members of copies that coincide with existing ones become one with them.",
+      {{"repeat", PatternKind::repeat}, {"rotate", PatternKind::rotate}, {"mirror", PatternKind::mirror}});
   pattern.bind(&Pattern::count, integer("Count").at_least(2).at_most(kMostElements),
-               "repeat, rotate: how often the members are there in the end, the original counted.");
+               "repeat, rotate: number of instances of the members, the original included.");
   pattern.bind(&Pattern::vector, direction("Vector"), "repeat: from each copy to the next [length].");
   pattern.bind(&Pattern::center, bounded_vector("Center"), "rotate: a point of the axis [length].");
   pattern.bind(&Pattern::axis, direction("Axis"), "rotate: direction of the axis; right-handed (any length).");

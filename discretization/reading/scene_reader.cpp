@@ -129,7 +129,7 @@ void SceneReader::import_points() {
   });
 }
 
-/// A table may hold more points than members use; a point that somebody wrote here without use is a slip.
+/// A table may hold more points than members use; a point written in the scene itself without use is a slip.
 void SceneReader::check_points_are_used() {
   for (std::size_t i = origins_.size(); i < scene_.members.size(); ++i) {  // copies of patterns
     const Member& copy = scene_.members[i];

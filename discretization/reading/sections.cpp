@@ -48,9 +48,8 @@ BoundList<SectionDraft> material_parameters() {
       "Shear modulus [force / length^2]; E / (2 (1 + nu)) if absent.");
   material.bind(
       [](auto& d) -> auto& { return d.shape.strength; }, real("Strength").above(0.0),
-      "Von Mises stress that the material bears (yield strength over the safety that is wanted) [force / length^2]; "
-      "the "
-      "report then states the utilisation.");
+      "Admissible von Mises stress (yield strength over the safety factor) [force / length^2]; the report then states "
+      "the utilisation.");
   material.bind(
       [](auto& d) -> auto& { return d.shape.density; }, real("Density").at_least(0.0),
       "Mass per volume, for the list Gravity.");
@@ -64,15 +63,15 @@ BoundList<StressPoints> stress_points_parameters() {
   stress.bind(&StressPoints::youngs_modulus, real("E").above(0.0).required(), "Young's modulus [force / length^2].");
   stress.bind(&StressPoints::area, real("Area").above(0.0), "Area A [length^2]; EA / E if absent.");
   stress.bind(&StressPoints::torsion_modulus, real("Torsion Modulus").above(0.0),
-              "The torque over it is the shear stress at every point [length^3]; absent: the torque makes none.");
+              "Torque over shear stress at every point [length^3]; if absent, the torque causes no shear stress.");
   stress.bind(&StressPoints::strength, real("Strength").above(0.0),
-              "Von Mises stress that the material bears [force / length^2]; the report then states the utilisation.");
+              "Admissible von Mises stress [force / length^2]; the report then states the utilisation.");
   stress.bind_named(&StressPoints::points, "Points", "The points; at least one.", "point",
                     array("", ParameterType::real_array, 2)
                         .at_least(-kLargestCoordinate)
                         .at_most(kLargestCoordinate)
                         .required()
-                        .means("Place along axes 2 and 3, from the centroid [length]."),
+                        .means("Coordinates along axes 2 and 3, from the centroid [length]."),
                     &StressPoints::Place::name, &StressPoints::Place::at);
   return stress;
 }
@@ -82,12 +81,10 @@ void bind_stiffnesses(BoundList<SectionDraft>& section) {
     section.bind(
         [i = component++](auto& d) -> auto& { return d.stiffness[i]; }, spec, meaning);
   };
-  bind(real("EA").above(0.0).or_infinite(),
-       "Axial stiffness [force]; inf or the switch Inextensible for none of the strain.");
+  bind(real("EA").above(0.0).or_infinite(), "Axial stiffness [force]; inf or the switch Inextensible for zero strain.");
   for (const std::string direction : {"2", "3"})
     bind(real("GA" + direction).above(0.0).or_infinite(),
-         "Shear stiffness in direction " + direction +
-             " [force]; inf or the switch Shear Rigid for none of the strain.");
+         "Shear stiffness in direction " + direction + " [force]; inf or the switch Shear Rigid for zero strain.");
   bind(real("GIt").above(0.0), "Torsional stiffness [force * length^2].");
   for (const std::string axis : {"2", "3"})
     bind(real("EI" + axis).above(0.0), "Bending stiffness about axis " + axis + " [force * length^2].");
@@ -146,7 +143,7 @@ BoundList<SectionDraft> section_parameters() {
                "rows of Matrix do not count.");
   section.bind(
       &SectionDraft::largest_strain, real("Largest Strain").above(0.0).by_default(),
-      "A run warns of larger strains of the section's force strains or at its edge: the linear law means little "
+      "A run warns of larger strains, of the axis or at the edge of the section: the linear law is hardly valid "
       "there. Eigenstrains do not count.");
   return section;
 }

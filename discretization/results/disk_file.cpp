@@ -149,7 +149,7 @@ void Replacement::publish(bool durable) {
   }
   std::error_code error;
   std::filesystem::rename(hidden_, path_, error);
-  if (error) throw DiskError("cannot take its name: " + error.message());
+  if (error) throw DiskError("cannot be renamed to its final name: " + error.message());
   published_ = true;
   if (durable) sync_folder_of(path_);
 }

@@ -70,7 +70,7 @@ void GuardedFile::write(std::uint64_t offset, const void* bytes, std::size_t cou
 void GuardedFile::resize(std::uint64_t bytes) {
   const bool shrinks = bytes < seal_.bytes;
   const std::uint64_t last = bytes / seal_.block;
-  if (shrinks && bytes % seal_.block != 0) {  // zeros behind the end
+  if (shrinks && bytes % seal_.block != 0) {  // zeros after the end
     Block& cut = block(last);
     std::fill(cut.bytes.begin() + static_cast<std::ptrdiff_t>(bytes % seal_.block), cut.bytes.end(), std::byte{0});
     cut.is_new = true;

@@ -112,7 +112,7 @@ std::uint64_t place_dataset(hid_t parent, const std::string& name, bool integers
                             std::size_t columns);
 
 std::size_t count_links(hid_t group);
-/// Throws Error where that cannot be told.
+/// Throws Error where that cannot be determined.
 bool has_link(hid_t group, const std::string& name);
 
 /// Names below a group, ascending.

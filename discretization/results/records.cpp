@@ -96,7 +96,8 @@ void require_known_format(hid_t file, const std::string& name, bool is_sealed) {
     throw InputError(name + ": its format_version is " + std::to_string(version) +
                      ", of a newer mixbeam; this one knows those up to " + std::to_string(kFormatVersion));
   if (version >= kFirstSealedFormat && !is_sealed)
-    throw InputError(name + ": damaged: the checksums behind its content are missing: the file was cut, or another " +
+    throw InputError(name +
+                     ": damaged: the checksums after its content are missing: the file was truncated, or another " +
                      "program has written to it");
 }
 
@@ -150,7 +151,7 @@ std::vector<SampledMember> read_member_groups(hid_t group) {
     hdf5::read_attribute(member, "index", index);
     hdf5::read_attribute(member, "samples", samples);
     if (index < 0 || static_cast<std::size_t>(index) >= members.size() || samples < 0)
-      throw hdf5::Error("cannot read member " + name + ": its numbers make no sense");
+      throw hdf5::Error("cannot read member " + name + ": its numbers are inconsistent");
     members[static_cast<std::size_t>(index)].name = name;
     members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
   }
@@ -170,7 +171,7 @@ std::vector<SampledMember> read_members(hid_t file) {
                             elements = hdf5::read_dataset(group, "elements");
   if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size() ||
       std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
-    throw hdf5::Error("cannot read the members: their numbers make no sense");
+    throw hdf5::Error("cannot read the members: their numbers are inconsistent");
   std::vector<SampledMember> members(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     members[i].name = names[i];

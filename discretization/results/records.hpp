@@ -50,7 +50,7 @@ std::vector<MonitoredSeries> read_monitor(hid_t file);
 /// The time series that every run has, from these steps.
 std::vector<MonitoredSeries> own_time_series(hid_t file, const std::vector<std::string>& groups);
 
-/// Copies everything but steps behind the first `steps` from one file to an empty one, in the present format.
+/// Copies everything but steps after the first `steps` from one file to an empty one, in the present format.
 /// `monitor`: the time series of at least so many steps.
 void copy_steps(hid_t source, hid_t target, std::size_t steps, const std::vector<MonitoredSeries>& monitor);
 

@@ -90,7 +90,7 @@ class ResultFile {
   ResultFile(const std::filesystem::path& path, ResultHeader header, const Communicator& communicator = one_rank(),
              WritingOptions options = {});
 
-  /// Goes on behind the last step of a stored run, in its own file. Throws ResultFileError. Collective.
+  /// Continues after the last step of a stored run, in its own file. Throws ResultFileError. Collective.
   explicit ResultFile(const StoredRun& run, const Communicator& communicator = one_rank(), WritingOptions options = {});
 
   /// Removes the second copy and completes the XDMF file, keeping quiet about errors; call `close` to hear of them. Not

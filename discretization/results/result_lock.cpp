@@ -22,7 +22,7 @@ bool is_without_locks(int error) {
 }
 
 /// The holder may have removed the hidden file between our opening and our locking it: then the lock is one on a file
-/// that nobody finds any more.
+/// that has no name any more.
 bool is_still_there(int descriptor, const std::filesystem::path& path) {
   struct stat mine {
   }, there{};
@@ -63,7 +63,7 @@ ResultLock::ResultLock(const std::filesystem::path& file) : path_(hidden(file, "
     if (!locked && error == EWOULDBLOCK) {
       const std::string other = holder(descriptor_);
       ::close(std::exchange(descriptor_, -1));
-      throw ResultFileError(prefix + "is being written by " + other + "; nothing of it was touched");
+      throw ResultFileError(prefix + "is being written by " + other + "; it was left unchanged");
     }
     if (is_without_locks(error)) {
       warning_ = file.string() + ": its file system has no locks (" + std::strerror(error) +

@@ -72,7 +72,7 @@ std::optional<Seal> read_seal(const DiskFile& file) {
     file.read(end.bytes, seal.sums.data(), 8 * seal.sums.size());
   }
   if (!fits || sum_of_list(seal) != end.sum)
-    throw DamageError("the list of checksums behind its content is damaged, or the file was cut");
+    throw DamageError("the list of checksums after its content is damaged, or the file was truncated");
   return seal;
 }
 

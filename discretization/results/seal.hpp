@@ -1,7 +1,7 @@
-/// Checksums of a file: it is divided into blocks, and behind its content stands the list of their sums (XXH3, 64
+/// Checksums of a file: it is divided into blocks, and its content is followed by the list of their sums (XXH3, 64
 /// bits). Every byte counts, those of the HDF5 library and those of the ranks alike; the place of a block is that of
 /// its sum in the list, so that zeros and bytes of an earlier version of the file are damage too. HDF5 does not look
-/// behind its own end of the file: other programs read sealed files as they are.
+/// beyond its own end of the file: other programs read sealed files as they are.
 ///
 ///     content | sum of block 0, 1, ... (8 bytes each) | SealEnd
 #pragma once
@@ -21,7 +21,7 @@ class DamageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Small blocks tell finely what is damaged; large ones keep the list short (1/8192) where a step takes many megabytes.
+/// Small blocks locate damage finely; large ones keep the list short (1/8192) where a step takes many megabytes.
 inline constexpr std::size_t kSmallBlock = 4096, kLargeBlock = 65536;
 /// Tables of a step from which on blocks are large.
 inline constexpr std::uint64_t kLargeStep = std::uint64_t{8} << 20;
@@ -57,7 +57,7 @@ std::optional<Seal> read_seal(const DiskFile& file);
 /// Behind the content, where the file then ends.
 void write_seal(DiskFile& file, const Seal& seal);
 
-/// Reads a block, with zeros behind the content.
+/// Reads a block, with zeros after the content.
 void read_block(const DiskFile& file, const Seal& seal, std::uint64_t number, std::byte* bytes);
 
 /// Seals what a file holds.

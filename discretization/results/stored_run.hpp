@@ -32,7 +32,7 @@ struct MonitoredSeries {
 /// Keeps no file open. Whatever is read has been checked against the seal of the file.
 class StoredRun {
  public:
-  /// `last_step`: steps behind it do not count, and where the time series cannot be read, has_all_series() is false and
+  /// `last_step`: steps after it do not count, and where the time series cannot be read, has_all_series() is false and
   /// those that every run has come from the steps. Throws InputError when `path` is no readable result file of this
   /// program, or of a version that kept no states, or one with a format that this program does not know yet.
   explicit StoredRun(const std::filesystem::path& path, std::optional<int> last_step = {});
@@ -50,7 +50,7 @@ class StoredRun {
   /// Names and sizes of monitored quantities, and the number of the last step; no values.
   const StepSummary& layout() const { return layout_; }
 
-  /// Of each of steps(); "unknown" in files of versions that did not tell.
+  /// Of each of steps(); "unknown" in files of versions that did not record it.
   const std::vector<RecordedStability>& stability() const { return stability_; }
   /// State of the step at this position in steps().
   StateSnapshot state(std::size_t position) const;

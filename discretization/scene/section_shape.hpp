@@ -35,7 +35,7 @@ struct SectionGeometry {
   std::array<double, 2> shear_factor{};   ///< of GA2, GA3
 };
 
-/// Of a shape that make_section takes; its own shear correction is not looked at.
+/// Of a shape that make_section takes; its own shear correction is not checked.
 SectionGeometry section_geometry(const SectionShape& shape);
 
 /// Torsion constant of a full rectangle, Saint-Venant's series [length^4]; relative error below 1e-14 for any ratio.

@@ -14,7 +14,7 @@ namespace mixbeam {
 
 namespace {
 
-/// Finds places of points. Members that are joined at a point stand behind all others.
+/// Finds places of points. Members that are joined at a point follow all others.
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const Mesh& mesh) : mesh_(mesh) {
@@ -44,7 +44,7 @@ class PlaceFinder {
       for (const auto& [index, s] : found->second)
         if (member.empty() || index == index_.at(member)) return {index, s, position_of(point)};
     }
-    return {0, 0.0, position_of(point)};  // of a scene whose points nobody checked
+    return {0, 0.0, position_of(point)};  // of a scene whose points were not checked
   }
 
  private:

@@ -32,7 +32,7 @@ struct SampledMember {
 
 /// One member sampled along its centerline, or the share of a rank in it. Every vector has one entry per sample, in the
 /// order of growing arc length. Elements may disagree in triad and strains at a common vertex, so a vertex inside the
-/// member is sampled once for each of the two elements that meet there; `element` tells them apart.
+/// member is sampled once for each of the two elements that meet there; `element` distinguishes them.
 struct MemberSamples : SampledMember {
   std::vector<double> arc_length;           ///< s of the undeformed centerline, 0 at the member's start point
   std::vector<int> element;                 ///< element within the member, 0, 1, ...
@@ -109,7 +109,7 @@ struct RecordedStability {
   bool has_potential = true;  ///< the loads have one; without, stability is never certain
 };
 
-/// From the last stable state on a path to another one, down the potential of the loads.
+/// From the last stable state on a path to another one, down the total potential.
 struct RecordedJump {
   double from = 0.0, to = 0.0;  ///< load factors between which the stable path ends
   double released = 0.0;        ///< energy [force * length], theory (66)

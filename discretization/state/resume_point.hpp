@@ -25,7 +25,7 @@ struct RowShare {
     return sum;
   }
 
-  /// Adds rows behind those that are held already.
+  /// Appends rows to those that are stored already.
   void hold(std::size_t first, std::size_t count) {
     if (count == 0) return;
     if (!runs.empty() && runs.back().first + runs.back().count == first)

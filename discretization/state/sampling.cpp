@@ -126,7 +126,7 @@ namespace {
 /// Share of a member within which a place is meant to be a vertex: positions are written with few digits.
 constexpr double kAtVertex = 1e-9;
 
-/// Element of a member that holds a place; at a vertex the one behind it, or the one before it.
+/// Element of a member that contains a place; at a vertex the one after it, or the one before it.
 int element_at(const MeshMember& member, double s, bool before_vertex) {
   const double rounding = kAtVertex * member.curve.length * (before_vertex ? -1.0 : 1.0);
   const auto& ends = member.vertex_arc_length;
@@ -184,7 +184,7 @@ int smooth_points(int order) {
 
 namespace {
 
-/// Place of the first sample of every element in the order of the mesh, and the number of all samples behind them.
+/// Place of the first sample of every element in the order of the mesh, and the number of all samples after them.
 std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
   const auto places = [&](const auto& points_of_order) {
     std::vector<size_t> first(mesh.elements.size() + 1, 0);

@@ -6,7 +6,7 @@
 
 namespace mixbeam {
 
-/// Where the interior unknowns of every element of a mesh begin in a snapshot, and their number behind the last one.
+/// Where the interior unknowns of every element of a mesh begin in a snapshot, and their number after the last one.
 std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh);
 
 /// The share of this rank: its own vertices, and the elements that start at one of them.

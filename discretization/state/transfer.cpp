@@ -56,7 +56,7 @@ class MemberFields {
   int elements() const { return mesh_.elements; }
   double start(int index) const { return mesh_.vertex_arc_length[index]; }
   double length(int index) const { return mesh_.element_length(index); }
-  /// Element that holds the point behind s.
+  /// Element that contains the point just after s.
   int element_behind(double s) const {
     const auto& ends = mesh_.vertex_arc_length;
     const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);

@@ -14,7 +14,7 @@ class Expression {
  public:
   /// Always zero.
   Expression();
-  /// Throws std::invalid_argument that tells what is wrong with the text and where, including names it does not know.
+  /// Throws std::invalid_argument that says what is wrong with the text and where, including names it does not know.
   Expression(const std::string& text, const std::vector<std::string>& variables);
 
   /// Value for the variables in the order of the constructor. The result may be infinite or not a number, as the

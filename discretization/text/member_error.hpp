@@ -11,7 +11,7 @@ namespace mixbeam {
 /// Whoever knows the file adds the place (scene_file.hpp).
 class MemberError : public InputError {
  public:
-  /// `remark`: behind the name, such as ", element 1 of 4".
+  /// `remark`: after the name, such as ", element 1 of 4".
   MemberError(std::string member, const std::string& remark, const std::string& problem)
       : InputError("member \"" + member + "\"" + remark + ": " + problem), member_(std::move(member)) {}
 

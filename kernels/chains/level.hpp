@@ -1,5 +1,5 @@
 /// Chains of links condensed to their two end vertices by theory (45), many of them side by side: a direct solver for
-/// what hangs together like beads on a string. A link is an element or, on the next level, a whole run of links that
+/// elements in a row. A link is an element or, on the next level, a whole run of links that
 /// has become one. Runs are cut by the structure alone, so results do not depend on the number of threads.
 #pragma once
 

@@ -53,7 +53,7 @@ void evaluate_planar_tangent(const ElementBlock& block, const PlanarBlock& plana
                              const StateViews& state, const PlanarTangents& tangents,
                              const ElementEquations& equations);
 
-/// As condense_right_hand_side; rows of `rhs_interior` that leave the plane are not looked at.
+/// As condense_right_hand_side; rows of `rhs_interior` out of the plane are ignored.
 void condense_planar_right_hand_side(const ElementBlock& block, const PlanarBlock& planar,
                                      const StructureViews& structure, const StateViews& state,
                                      const KernelView<const double*>& rhs_interior, const PlanarTangents& tangents,

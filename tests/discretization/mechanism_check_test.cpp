@@ -114,7 +114,7 @@ TEST(MechanismCheck, NamesEveryPartThatIsNotHeld) {
                                            point("f", {9, 1, 1}), point("g", {9, 2, 5})});
   scene.members.insert(scene.members.end(), {line("c", "d"), line("e", "f"), line("f", "g")});
   expect_in(refusal(scene), {"member \"c-d\" can move without strain in 6 ways",
-                             "; one more connected part is not held either, with member \"e-f\"; allowed: "});
+                             "; one more connected part is not supported either, with member \"e-f\"; allowed: "});
   scene.supports.push_back(support("f", kAll, kAll));
   EXPECT_EQ(refusal(scene).find("one more"), std::string::npos);
 }
@@ -172,7 +172,7 @@ TEST(MechanismCheck, ABarBetweenBallJointsSpins) {
   expect_held(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::hinge, "c", "b-c")}));
   expect_in(refusal(portal({joint(JointKind::ball, "b", "b-c"), joint(JointKind::ball, "c", "b-c")})),
             {"connected members \"a-b\", \"b-c\", \"d-c\"", "1 way", "member \"b-c\" by rotation about (1, 0, 0)",
-             "all its points lie on this axis and only turn", "springs and joints"});
+             "all its points lie on this axis, about which it rotates", "springs and joints"});
 }
 
 TEST(MechanismCheck, FourBarsAreAMechanism) {

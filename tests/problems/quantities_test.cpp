@@ -214,7 +214,7 @@ TEST(Quantities, NamesThatMatchNothingAreRefused) {
   expect_in(refusal({of_point("tpi")}, scene), {"\"Quantities / u / Point\"", "\"tpi\"", "did you mean \"tip\"?"});
   expect_in(refusal({of_point("legg*@50%")}, scene), {"is not a member", "\"leg 1\""});
   expect_in(refusal({of_point("leg 1@1.5")}, scene), {"beyond the end", "up to 1"});
-  expect_in(refusal({of_point("leg 1@x")}, scene), {"allowed behind @"});
+  expect_in(refusal({of_point("leg 1@x")}, scene), {"allowed after @"});
   expect_in(refusal({quantity("R", "reaction force", {{"Point", "tip"}})}, scene), {"no support", "\"clamp\""});
   expect_in(refusal({quantity("N", "material force", {{"Point", "first corner"}})}, scene),
             {"several members meet", "MEMBER@s"});

@@ -11,18 +11,20 @@ namespace {
 
 BoundList<Joint> joint_parameters() {
   BoundList<Joint> joint(
-      "A connection that gives way: each listed member ends in its own joint with the rest of what meets at the point; "
+      "A connection that is not rigid: each listed member ends in its own joint with the rest of what meets at the "
+      "point; "
       "members not listed stay rigidly connected, and supports and loads of the point act on them.");
   joint.bind(&Joint::point, text("Point").required(), "Name of the point.");
   joint.bind(&Joint::members, array("Members", ParameterType::text_array).required(),
              "Names of members that have one end at the point, like {strut 1, strut 2}" + kWildcard);
-  joint.bind(&Joint::kind, text("Kind").required(),
-             "hinge: free to turn about Axis; ball: free to turn about any axis; slider: free to move along Axis, not "
-             "to turn.",
-             {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}});
+  joint.bind(
+      &Joint::kind, text("Kind").required(),
+      "hinge: free rotation about Axis; ball: free rotation about any axis; slider: free translation along Axis, "
+      "no rotation.",
+      {{"hinge", JointKind::hinge}, {"ball", JointKind::ball}, {"slider", JointKind::slider}});
   joint.bind(&Joint::axis, direction("Axis"),
-             "hinge, slider: direction in the undeformed structure, in global components, of any length; it turns with "
-             "the members not listed.");
+             "hinge, slider: direction in the undeformed structure, in global components, of any length; it rotates "
+             "with the members not listed.");
   joint.bind(&Joint::stiffness, real("Stiffness").at_least(0.0).by_default(),
              "hinge, slider: of a spring against the free motion [force * length / radian, force / length].");
   joint.bind(&Joint::together, boolean("Together").by_default(),

@@ -254,7 +254,7 @@ void ConditionReader::add_temperature(EigenstrainDraft& strain, const InputPlace
   }
   if (!heated) return;
   const double expansion = *strain.temperature * *strain.expansion_coefficient;
-  if (!std::isfinite(expansion)) throw place["Temperature"].error("gives a strain beyond all numbers");
+  if (!std::isfinite(expansion)) throw place["Temperature"].error("gives a strain beyond the range of numbers");
   std::string& formula = strain.strain_formula[0];
   if (formula.empty()) {
     strain.strain[0] += expansion;

@@ -22,15 +22,16 @@ constexpr double kSmallestAngle = 1e-6;
 
 BoundList<Support> support_parameters() {
   BoundList<Support> support(
-      "What keeps a point in place, along global axes unless Axes are given; without further parameters a clamp.");
+      "Support of a point, along global axes unless Axes are given; without further parameters a clamp.");
   support.bind(&Support::point, text("Point").required(), "Name of the point" + kWildcard);
   support.bind(&Support::displacement_fixed,
                subset("Fixed Displacement", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
-               "Directions in which the point cannot move freely; {} for none.");
-  support.bind(&Support::rotation_fixed,
-               subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
-               "Axes about which it cannot turn freely; {} for a ball joint, two of them for a hinge about the third, "
-               "one of them to hold that component of the rotation vector at zero.");
+               "Directions in which the displacement is fixed or prescribed; {} for none.");
+  support.bind(
+      &Support::rotation_fixed,
+      subset("Fixed Rotation", kAxisNames).by_default(Teuchos::Array<std::string>(kAxisNames)),
+      "Axes about which the rotation is fixed or prescribed; {} for a ball joint, two of them for a hinge about "
+      "the third, one of them to fix that component of the rotation vector at zero.");
   support.bind_by(
       [](Support& s, const ParameterValue& value) {
         const auto& given = std::get<Teuchos::Array<double>>(value);
@@ -130,7 +131,7 @@ void ConditionReader::check_holds_still(const List& list, const InputPlace& plac
   for (const std::string parameter : {"Stage", "Amplitude", "Case"}) {
     if (!is_given(list, parameter) || (parameter == "Stage" && list.get<int>("Stage") == 1)) continue;
     throw place[parameter].error(
-        "given, but nothing is prescribed; a support holds from the beginning and in every load case");
+        "given, but nothing is prescribed; a support acts from the beginning and in every load case");
   }
 }
 
