@@ -207,7 +207,7 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
     estimate = compare(model, state, problem->model, start, solve.state());
   }
   if (solve.residual() > std::max(first, parameters.newton.residual_tolerance))
-    throw NotEstimated{"Newton's method does not settle with one order more; the mesh is too coarse"};
+    throw NotEstimated{"Newton's method does not converge with one order more; the mesh is too coarse"};
   estimate.corrections = solve.corrections();
   return estimate;
 }

@@ -40,7 +40,7 @@ struct ErrorEstimate {
 /// iterations are cheap beside those of order 2, and for order 8. The load factor stays what it is, also where a
 /// displacement is controlled: next to a limit point errors of the path count as errors of the state.
 ///
-/// What makes an estimate impossible is told in `not_estimated`, not thrown. Collective.
+/// What makes an estimate impossible is stated in `not_estimated`, not thrown. Collective.
 ///
 /// `problem`: of the state. What it keeps of its last tangent serves that of the richer space.
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,

@@ -17,7 +17,7 @@ namespace {
 
 /// Beyond this angle between an element and its vertices one more step may pass pi, where rotations become ambiguous.
 constexpr double kWideAngle = 0.75 * kPi;
-/// Failed attempts wander; only an angle that has all but reached pi says something.
+/// Failed attempts pass through large angles; only one close to pi is a cause.
 constexpr double kWideAngleOfAttempt = 0.95 * kPi;
 /// Elements are suggested for a quarter turn at the end of the path: where half of the range is left.
 constexpr double kComfortableAngle = 0.5 * kPi;

@@ -28,7 +28,7 @@ std::string motion_text(const MovingVertex& vertex) {
 
 void write_attempts(std::ostream& out, const FailureReport& report) {
   if (report.attempts.empty()) {
-    out << "No step failed: all steps that are permitted were used up.\n";
+    out << "No step failed: all permitted steps were used.\n";
     return;
   }
   const std::size_t shown = std::min(kAttemptsShown, report.attempts.size());
@@ -44,7 +44,7 @@ void write_attempts(std::ostream& out, const FailureReport& report) {
     out << ": " << cause_text(attempt) << "\n";
   }
   if (report.step_at_minimum) out << "  The step was reduced to its minimum of " << report.minimum_step << ".\n";
-  if (report.steps_used_up) out << "  Then all steps that are permitted were used up.\n";
+  if (report.steps_used_up) out << "  Then all permitted steps were used.\n";
   if (!report.attempts.back().linear_solver.empty())
     out << "Last linear solve: " << report.attempts.back().linear_solver << ".\n";
 }
@@ -52,11 +52,10 @@ void write_attempts(std::ostream& out, const FailureReport& report) {
 void write_peak(std::ostream& out, const FailureReport& report) {
   if (report.attempts.empty() || !report.attempts.back().peak) return;
   const ResidualPeak& peak = *report.attempts.back().peak;
-  out << "Farthest from equilibrium in the last attempt: " << equation_text(peak.place) << ", " << text_of(peak.place);
+  out << "Largest scaled residual of the last attempt: " << equation_text(peak.place) << ", " << text_of(peak.place);
   if (peak.place.element < 0 && !peak.place.point.empty())
     out << " (member \"" << excerpt(peak.place.member) << "\" at " << peak.place.along << " of its length)";
-  out << ", by " << peak.value << " in the units of the scene, " << peak.scaled
-      << " of what is at work in the structure.\n";
+  out << ", by " << peak.value << " in the units of the scene, " << peak.scaled << " after scaling.\n";
 }
 
 void write_angles(std::ostream& out, const FailureReport& report) {
@@ -64,7 +63,7 @@ void write_angles(std::ostream& out, const FailureReport& report) {
     out << "Rotation between an element and its vertices (must stay below pi): " << wide.angle << " rad in element "
         << wide.element << " of member \"" << excerpt(wide.member) << "\", "
         << (wide.converged ? "in the last equilibrium" : "in a failed attempt") << "; the member has " << wide.elements
-        << (wide.elements == 1 ? " element, " : " elements, ") << wide.suggested_elements << " would do.\n";
+        << (wide.elements == 1 ? " element, " : " elements, ") << wide.suggested_elements << " would suffice.\n";
 }
 
 void write_mode(std::ostream& out, const CriticalMode& mode) {
@@ -120,13 +119,13 @@ class Adviser {
     add(AdviceKind::check_units, text + ".");
   }
   void add_support() {
-    add(AdviceKind::add_support, "Hold the structure: without loads it moves without strain" + of_mode() +
-                                     ". Add a support or spring there, or close a joint.");
+    add(AdviceKind::add_support,
+        "Support the structure: it is a mechanism" + of_mode() + ". Add a support or spring there, or close a joint.");
   }
   void prescribe_displacement() {
     add(AdviceKind::prescribe_displacement,
         "If the load has reached its largest value: prescribe the displacement of the loaded point in place of the "
-        "force (\"Displacement\" of a support there); the structure can then be led through" +
+        "force (\"Prescribed Displacement\" of a support there), which is possible beyond the limit point" +
             of_mode() + ".");
   }
   void add_imperfection() {
@@ -136,7 +135,7 @@ class Adviser {
   }
   void stay_below() {
     add(AdviceKind::stay_below, "Results up to load factor " + number(report_.last_load_factor) +
-                                    " stand: if that load is what the structure carries, nothing is wrong.");
+                                    " are valid: if that is the limit load of the structure, nothing is wrong.");
   }
   void more_elements() {
     std::string text = "Use more elements";
@@ -194,8 +193,8 @@ class Adviser {
     add(AdviceKind::finite_stiffness,
         "Give member \"" + excerpt(place.member) + "\" " + (place.component == 0 ? "an axial" : "a shear") +
             " stiffness (" + (place.component == 0 ? "\"EA\"" : "\"GA2\", \"GA3\"") +
-            ") with which it can yield, or take away what is imposed: eigenstrains and prescribed motions that only " +
-            "fit if it changes its length or shears. Where it is straight and has to buckle, \"Branch\" in "
+            "), or remove eigenstrains and prescribed motions that are compatible only if it changes its length or " +
+            "shears. Where it is straight and has to buckle, \"Branch\" in "
             "\"Analysis\" "
             "chooses the side.");
   }
@@ -238,7 +237,7 @@ const std::map<FailureCause, std::vector<Advising>> kAdvice = {
       &Adviser::smaller_first_step}}};
 
 const std::map<FailureCause, const char*> kWords = {
-    {FailureCause::load_not_finite, "a load or prescribed motion has no value there"},
+    {FailureCause::load_not_finite, "a load or prescribed motion is not finite there"},
     {FailureCause::steps_used_up, "more steps are needed than are permitted"},
     {FailureCause::mechanism, "the structure is a mechanism: it can move without strain"},
     {FailureCause::end_angle, "elements are too long for the rotations in them"},
@@ -246,11 +245,11 @@ const std::map<FailureCause, const char*> kWords = {
      "a critical point: the load cannot grow from here (limit point), or the structure buckles (bifurcation)"},
     {FailureCause::overflow, "numbers beyond the range of double precision"},
     {FailureCause::linear_solver, "the linear equations are too ill-conditioned to be solved"},
-    {FailureCause::path_lost, "equilibria go on from here, but not to the end of the stage"},
+    {FailureCause::path_lost, "the path continues from here, but not to the end of the stage"},
     {FailureCause::incompatible,
-     "strains or motions are imposed that members which cannot stretch or shear, or hardly, do not take on"},
-    {FailureCause::slow, "Newton's method was on its way, but had too few iterations"},
-    {FailureCause::wandering, "Newton's method found no way from the last equilibrium to the next"}};
+     "imposed strains or motions are incompatible with members that are inextensible or shear rigid, or nearly so"},
+    {FailureCause::slow, "Newton's method was converging, but had too few iterations"},
+    {FailureCause::wandering, "Newton's method did not converge from the last equilibrium to the next"}};
 
 }  // namespace
 

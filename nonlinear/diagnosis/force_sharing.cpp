@@ -44,7 +44,7 @@ double scattered(int element, int row) {
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-/// Vertices that are known to hang together.
+/// Vertices that are known to be connected.
 class ConnectedVertices {
  public:
   /// False where they hung together before.
@@ -187,15 +187,14 @@ std::string text_of(const UncertainForce& force) {
   const std::string where = "member \"" + excerpt(force.member) + "\", element " + std::to_string(force.element) + ": ";
   if (force.rigid)
     return where +
-           "rigid members share forces here that neither equilibrium nor bending determines, in one way of many "
-           "(finite "
-           "stiffnesses would decide)";
+           "the forces in rigid members are statically indeterminate here: one of many solutions is given (finite "
+           "stiffnesses make them unique)";
   const std::string share = force.change < 1.0 ? rounded(100.0 * force.change, 1) + " % of the largest force"
                                                : "as much as the largest force";
   return where +
          "redundant members of this stiffness share forces by strains as small as their rounding errors, which may "
          "shift " +
-         share + " (more load, or a stiffness nearer to the bending of the others, would decide)";
+         share + " (larger loads, or a stiffness closer to the bending of the others, determine them)";
 }
 
 }  // namespace mixbeam

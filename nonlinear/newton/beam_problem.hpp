@@ -30,7 +30,7 @@ class BeamProblem {
   BeamProblem(const Scene& scene, const Communicator& comm, const SolverParameters& parameters)
       : BeamProblem(std::make_shared<const Scene>(scene), comm, parameters) {}
 
-  /// A solver that nobody else holds: as a rule the same one again and again.
+  /// A solver that is not in use elsewhere: as a rule the same one again and again.
   std::shared_ptr<TangentSolver> take_solver() {
     for (const auto& solver : solvers_)
       if (solver.use_count() == 1) return solver;
@@ -38,7 +38,7 @@ class BeamProblem {
     return solvers_.back();
   }
 
-  /// Whether tangents are too large for factors: then nobody counts eigenvalues.
+  /// Whether tangents are too large for factors: then eigenvalues are not counted.
   bool iterates() const { return solvers_.front()->iterates(); }
 
   /// What the next tangent is solved with depends on that tangent alone, as where a path is resumed.
@@ -52,7 +52,8 @@ class BeamProblem {
   const Model model;
   WorkCount work;
   AttemptLog attempts;
-  /// Asked before each iteration and each look at a path; throws to leave it. Must answer the same on every rank.
+  /// Called before each iteration and each evaluation inside a step; throws to leave it. Must answer the same on every
+  /// rank.
   std::function<void()> leave_if_asked{};
   std::string last_failure;  ///< why the last linear solve failed; empty when it did not
   std::string objection;     ///< why the path does not take what Newton's method has found

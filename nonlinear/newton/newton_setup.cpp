@@ -50,7 +50,7 @@ class RotationLimitedFactory : public NOX::LineSearch::UserDefinedFactory {
 /// one iteration more than is of use.
 constexpr double kNegligibleMotion = 1e-9;
 
-/// Beyond, rounding errors of the strains move the forces to and fro, and more iterations do not help.
+/// Beyond, rounding errors of the strains make the forces oscillate, and more iterations do not help.
 constexpr int kMostRefusals = 2;
 
 /// Tiny loads: residuals of compatibility allow for the rounding errors of strains, which are differences of numbers of
@@ -156,7 +156,7 @@ Teuchos::ParameterList default_nox(const NewtonParameters&) {
   return nox;
 }
 
-/// A user's status tests need not end an iteration that wanders or whose residual is NaN; these always do.
+/// A user's status tests need not end an iteration that diverges or whose residual is NaN; these always do.
 Teuchos::RCP<NOX::StatusTest::Generic> with_guards(const Teuchos::RCP<NOX::StatusTest::Generic>& tests) {
   constexpr int kIterationsWithoutEnd = 1000;
   const auto guarded = Teuchos::rcp(new NOX::StatusTest::Combo(NOX::StatusTest::Combo::OR));

@@ -22,7 +22,7 @@ struct SolveRecord {
   void clear() { *this = SolveRecord{}; }
 };
 
-/// What Newton's method is used for: a step of the path, or a look at one.
+/// What Newton's method is used for: a step of the path, or an evaluation inside one.
 enum class NewtonPurpose { step, check };
 
 /// The user's list, or the default, with our own objects put where their names stand; what Newton's method does goes to
@@ -30,7 +30,7 @@ enum class NewtonPurpose { step, check };
 Teuchos::ParameterList nox_list(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                                 SolveRecord& record, NewtonPurpose purpose = NewtonPurpose::step);
 
-/// The user's tests, or the default ones, and two that always end an iteration that wanders or whose residual is NaN.
+/// The user's tests, or the default ones, and two that always end an iteration that diverges or whose residual is NaN.
 /// Throws what NOX throws for lists that it refuses.
 Teuchos::RCP<NOX::StatusTest::Generic> guarded_status_tests(const SolverParameters& parameters,
                                                             const NOX::Utils& utils);

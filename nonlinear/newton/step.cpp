@@ -173,7 +173,7 @@ namespace {
 
 /// A full step beyond the rotation limit must reduce the imbalance of forces and moments at least to this fraction.
 /// Pure bending reaches round-off, whatever the angle; a step that merely shuffles the imbalance has left the range of
-/// the linearisation, and with 0.4 in place of 0.1 the kinked frame and the fork wander off to other equilibria.
+/// the linearisation, and with 0.4 in place of 0.1 the kinked frame and the fork converge to other equilibria.
 constexpr double kBalanceGain = 0.1;
 
 }  // namespace

@@ -74,7 +74,7 @@ class Linearization {
 ///
 /// From d with J_c d = -r to d with (J_c + D) d = -r. `cap_ratio`: of the cap to the largest finite stiffness
 /// (Cap::least_ratio); what answers less belongs to closed frames that are exactly rigid, may carry any stress of their
-/// own, and are left alone. The increment stays as it is where the iteration gains nothing. Returns whether it gained
+/// own, and are not changed. The increment stays as it is where the iteration gains nothing. Returns whether it gained
 /// something. Throws LinearSolverError, the increment being untouched then. Collective; the same for any number of
 /// threads.
 bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment);

@@ -19,8 +19,8 @@ const std::vector<std::pair<std::string, int>> kComponents = {{"x", 0}, {"y", 1}
 
 BoundList<MonitoredComponent> control_parameters() {
   BoundList<MonitoredComponent> control(
-      "A displacement that grows to a target while the load factor is whatever equilibrium needs; in place of the load "
-      "factor's own range, for scenes of one stage.");
+      "Displacement control: a displacement grows to a target, and the load factor follows from equilibrium; in place "
+      "of the load factor's own range, for scenes of one stage.");
   control.bind(&MonitoredComponent::point, text("Point").required(), "Name of the point that is followed.");
   control.bind(&MonitoredComponent::component, text("Component").required(), "Component of its displacement.",
                kComponents);
@@ -36,10 +36,10 @@ BoundList<AnalysisParameters> analysis_parameters() {
                 "points and bifurcations where the count changes. Default: true up to 100,000 vertices, false beyond, "
                 "where it costs more than the rest of a load step.");
   analysis.bind(&AnalysisParameters::trace, boolean("Trace").by_default(),
-                "Follow the path closely from the start, by its length. Without, load steps are as large as the test "
-                "of a step lets them be.");
+                "Follow the path closely from the start, by its length. Otherwise load steps are as large as the test "
+                "of a step permits.");
   analysis.bind(&AnalysisParameters::branch, text("Branch").by_default(),
-                "Path after the first bifurcation: primary: straight on; positive, negative: the branch along the "
+                "Path after the first bifurcation: primary: the primary path; positive, negative: the branch along the "
                 "buckling mode or against it. The mode counts as positive where it moves \"Branch Point\" along "
                 "\"Branch Component\"; where these are not given, in its mean displacement over the structure (the "
                 "first component x, y, z that is nearly the largest), or that of the first half of a member.",
@@ -47,8 +47,8 @@ BoundList<AnalysisParameters> analysis_parameters() {
   analysis.bind(
       &AnalysisParameters::snap, text("Snap").by_default(),
       "Where the stable path ends or turns unstable: follow: the path, through unstable states; jump: down the "
-      "potential of the loads to a stable state at the next load, for dead forces and prescribed motions. Each "
-      "jump is told, with its load and the energy that it releases.",
+      "total potential to a stable state at the next load, for dead forces and prescribed motions. Each jump is "
+      "reported, with its load and the energy that it releases.",
       {{"follow", Snap::follow}, {"jump", Snap::jump}});
   analysis.spec.add(text("Branch Point"), "Name of the point whose displacement is positive on the positive branch.");
   analysis.spec.add(choice("Branch Component", {"x", "y", "z"}), "Component of that displacement; default: y.");

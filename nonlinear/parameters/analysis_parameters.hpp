@@ -19,7 +19,7 @@ enum class Branch { primary, positive, negative };
 /// What happens where no stable state lies on the path at the next load.
 enum class Snap {
   follow,  ///< the path, through unstable states
-  jump     ///< down the potential of the loads to a stable state at that load
+  jump     ///< down the total potential to a stable state at that load
 };
 
 /// A displacement that is driven to a target, while the load factor is whatever equilibrium needs.
@@ -73,7 +73,7 @@ inline bool estimates_error(const AnalysisParameters& parameters, size_t element
   return parameters.error_estimate == ErrorEstimation::on;
 }
 
-/// Whether stability is looked at in a mesh of this many vertices.
+/// Whether stability is determined in a mesh of this many vertices.
 inline bool looks_at_stability(const AnalysisParameters& parameters, int vertices) {
   return parameters.stability.value_or(vertices <= kVerticesForStability);
 }

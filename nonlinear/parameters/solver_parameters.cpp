@@ -41,11 +41,11 @@ BoundList<LoadPathParameters> load_path_parameters() {
   path.bind(&LoadPathParameters::initial_step, real("Initial Step").above(0.0).at_most(1.0).by_default(),
             "automatic, adaptive: first size tried.");
   path.bind(&LoadPathParameters::minimum_step, real("Minimum Step").above(0.0).at_most(1.0).by_default(),
-            "adaptive: the run is given up when a smaller one would be needed.");
+            "adaptive: the run ends when a smaller one would be needed.");
   path.bind(&LoadPathParameters::maximum_step, real("Maximum Step").above(0.0).at_most(1.0).by_default(),
             "automatic, adaptive: largest size.");
   path.bind(&LoadPathParameters::maximum_steps, integer("Maximum Steps").at_least(1).at_most(kMostSteps).by_default(),
-            "The run is given up after this many steps; fixed: after as many on top of those that \"Steps\" asks for, "
+            "The run ends after this many steps; fixed: after as many on top of those that \"Steps\" asks for, "
             "which failed ones and shorter ones take.");
   path.bind(&LoadPathParameters::aggressiveness, real("Aggressiveness").at_least(0.0).at_most(1.0).by_default(),
             "adaptive: how fast steps grow; a step that takes no iteration lengthens the next one by this share.");
@@ -73,11 +73,10 @@ BoundList<LinearSolverParameters> linear_parameters() {
   linear.bind(
       &LinearSolverParameters::method, choice("Method", {"automatic", "chains", "iterative", "KLU2"}).by_default(),
       "automatic: chains, and iterative where factors of a network would take too much memory; chains: elements in a "
-      "row are condensed to the ends of their chain in parallel; what is left is solved by KLU2 where it has few "
-      "loops, "
-      "as L D L^T by MUMPS where it is a network; iterative: what is left is solved by conjugate gradients with coarse "
-      "spaces, on one rank, and of stability only its sign at the end of each stage is looked for; KLU2: sparse direct "
-      "solver of Amesos2 for the whole matrix. "
+      "row are condensed to the ends of their chain in parallel; the remaining system is solved by KLU2 where it has "
+      "few loops, as L D L^T by MUMPS where it is a network; iterative: the remaining system is solved by conjugate "
+      "gradients with coarse spaces, on one rank, and of stability only its sign at the end of each stage is "
+      "determined; KLU2: sparse direct solver of Amesos2 for the whole matrix. "
       "Of several ranks all make the factors of large networks, rank 0 makes those of everything else.");
   linear.bind(&LinearSolverParameters::residual_tolerance,
               real("Residual Tolerance").above(0.0).below(1.0).by_default(),
@@ -88,8 +87,7 @@ BoundList<LinearSolverParameters> linear_parameters() {
       real("Force Stiffness Cap").at_least(1e3).at_most(1e14).by_default(),
       "Force stiffness in the tangent (never in the residual) is cut off at this number times the larger of EI / L^2 "
       "and the forces at work, less where elements are shorter than 1e-4 of L, up to 1000 times as much in networks; "
-      "results do not depend on "
-      "it.");
+      "results do not depend on it.");
   return linear;
 }
 
@@ -140,8 +138,9 @@ ListSpec stepper_spec() {
   ListSpec spec("Continuation in the load factor.");
   spec.add(choice("Continuation Method", {"Natural", "Arc Length"}), "Step in the load factor or along the curve.");
   // "Nested", "Householder" and "LAPACK Direct Solve" need groups of another kind.
-  spec.add(choice("Bordered Solver Method", {"Bordering"}), "How the arc length equation is solved along.");
-  spec.add(boolean("Skip Parameter Derivative"), "No separate derivative by the parameter (LOCA: true).");
+  spec.add(choice("Bordered Solver Method", {"Bordering"}),
+           "Solution of the system bordered by the arc length equation.");
+  spec.add(boolean("Skip Parameter Derivative"), "No separate derivative with respect to the parameter (LOCA: true).");
   spec.add(boolean("Enable Arc Length Scaling"), "Balance parameter and solution in the arc length (LOCA: true).");
   spec.add(real("Goal Arc Length Parameter Contribution").above(0.0).below(1.0), "Share of the parameter (LOCA: 0.5).");
   spec.add(real("Max Arc Length Parameter Contribution").at_least(0.0).at_most(1.0), "Rescale above it (LOCA: 0.8).");
@@ -154,7 +153,7 @@ ListSpec stepper_spec() {
 }
 
 ListSpec predictor_spec() {
-  ListSpec spec("First guess of the next step.");
+  ListSpec spec("Predictor of the next step.");
   spec.add(choice("Method", {"Constant", "Tangent", "Secant"}), "Predictor (LOCA: Secant).");
   ListSpec single("For one step.");
   single.add(choice("Method", {"Constant", "Tangent"}), "Predictor.");

@@ -20,7 +20,7 @@ namespace {
 
 /// Load steps that have not converged by then seldom do (dead loads of 1e8 EI/L^2 take 23), and the attempt is lost.
 constexpr int kMostIterationsOfLoadStep = 25;
-/// Steps along the path are given up a little above what they aim at, see growth_along_path().
+/// Steps along the path are abandoned a little above what they aim at, see growth_along_path().
 constexpr int kMostIterationsAlongPath = 10;
 /// Attempts in a row that fail in the plane of the scene before the path goes on in space.
 constexpr int kFailuresInPlane = 3;
@@ -28,7 +28,7 @@ constexpr int kFailuresInPlane = 3;
 constexpr double kFirstSpin = 0.4;
 /// Loads that turn back are looked for so many steps ahead.
 constexpr double kReach = 2.0;
-/// The path is given up below this length (1: the structure moves by its own size).
+/// The path ends below this length (1: the structure moves by its own size).
 constexpr double kShortestStep = 1e-9;
 /// A path that runs away from the end of its stage is followed this far, in load factors of one stage.
 constexpr double kLargestDetour = 100.0;
@@ -159,7 +159,7 @@ class AutomaticPath {
     way_->add(measure_, moved, problem_->model, passed);
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
-    if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to where it was"};
+    if (along_path_ && way_->returns(measure_, here_, moved)) throw GaveUp{"the path returns to an earlier state"};
     return true;
   }
 
@@ -207,7 +207,7 @@ class AutomaticPath {
 
   bool start_along_path() {
     if (!here_.has_tangent()) {
-      recorder_.rejected("the path has no direction here: " + problem_->last_failure, 0);
+      recorder_.rejected("the direction of the path could not be computed: " + problem_->last_failure, 0);
       return false;
     }
     along_path_ = true;

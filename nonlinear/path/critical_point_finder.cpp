@@ -58,7 +58,7 @@ PathDirection CriticalPointFinder::predicted(double at) const {
 }
 
 CriticalPointFinder::Sample CriticalPointFinder::sample(double at, Asked asked) {
-  if (++samples_ > kMostSamples) throw NotLocated("critical points could not be told apart");
+  if (++samples_ > kMostSamples) throw NotLocated("critical points could not be separated");
   const PathDirection guess = predicted(at);
   const ControlRow row = measure_.row(scaled(piece_.moved, 1.0 / chord_), piece_.start.load_factor, at * chord_);
   const Correction found = judge_.corrector().on_row(

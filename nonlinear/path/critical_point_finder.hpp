@@ -21,7 +21,7 @@ struct PassingSample {
   double at, passing, load_factor;
 };
 
-/// More eigenvalues than these are not separated: the first one is located, the others are told by their number.
+/// More eigenvalues than these are not separated: the first one is located, of the others the number is reported.
 inline constexpr int kMostSeparated = 6;
 
 /// Of one step, whose counts at both ends are known and differ.

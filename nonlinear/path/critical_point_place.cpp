@@ -205,7 +205,7 @@ CriticalPoint CriticalPointFinder::locate_by_count(const Bracket& bracket) {
   while (high.at - low.at > kCountedPlace) {
     Sample middle = sample(0.5 * (low.at + high.at), Asked::count);
     if (middle.negative() != low.negative() && middle.negative() != high.negative())
-      throw NotLocated("a critical point could not be located: the count changes to and fro");
+      throw NotLocated("a critical point could not be located: the count of negative eigenvalues alternates");
     (middle.negative() == low.negative() ? low : high) = std::move(middle);
   }
   require_smoothness(low.station, high.station);
@@ -268,7 +268,7 @@ CriticalPoint CriticalPointFinder::locate(Bracket& bracket) {
   const double root = root_of_samples(samples, all, is_limit, low, high);
   const double error = std::abs(root - root_of_samples(samples, all - 2, is_limit, low, high));
   if (!(error < kWorstRoot * distance))
-    throw NotLocated("a critical point could not be located: its place is not certain");
+    throw NotLocated("a critical point could not be located: its location is not certain");
   CriticalPoint point{is_limit ? CriticalKind::limit_point : CriticalKind::bifurcation,
                       interpolate(samples, all, root, &PassingSample::load_factor),
                       bracket.low.negative(),

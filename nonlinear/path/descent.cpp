@@ -304,7 +304,8 @@ DescentResult Descent::from(const State& start, double load_factor) {
   const bool buckles_inside = tangent_->tangent().interior_count().negative > 0;
   return {
       std::nullopt,
-      "no stable state in " + std::to_string(factorizations_) + " factorisations down the potential of the loads" +
+      "no stable state in " + std::to_string(factorizations_) +
+          " factorisations of the descent along the total potential" +
           (buckles_inside ? ": elements buckle between their vertices (more \"Elements\", smaller load steps)" : ""),
       factorizations_};
 }

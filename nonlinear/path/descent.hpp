@@ -1,4 +1,4 @@
-/// From any state down the potential of the loads to a stable equilibrium: what a jump does, theory (67).
+/// Descent from any state along the total potential to a stable equilibrium: what a jump does, theory (67).
 ///
 /// Steps of a gradient flow, each to the minimum of the potential with springs from all vertices to where they stood:
 /// so the potential falls from step to step, and Newton's method has a tangent without negative eigenvalues, with all

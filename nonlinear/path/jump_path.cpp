@@ -1,5 +1,5 @@
 // A load path from one stable state to the next: load steps that follow the path as long as it is stable, and where it
-// ends or turns unstable a jump down the potential of the loads.
+// ends or turns unstable a jump down the total potential.
 #include "discretization/assembly/equation_place.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/state/difference.hpp"

@@ -39,8 +39,8 @@ struct DescentProgress {
 struct PathControl {
   std::optional<PathPoint> resume{};  ///< the given state is that of this point; none: the path starts
   std::function<bool()> stop{};       ///< asked after each completed step; must answer the same on every rank
-  std::function<void(const StepFailure&)> step_failed{};   ///< told of each failed attempt, on every rank
-  std::function<void(const DescentProgress&)> descends{};  ///< told of each step of a jump, on every rank
+  std::function<void(const StepFailure&)> step_failed{};   ///< called for each failed attempt, on every rank
+  std::function<void(const DescentProgress&)> descends{};  ///< called for each step of a jump, on every rank
 };
 
 struct LoadPathResult {

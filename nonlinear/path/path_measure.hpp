@@ -56,7 +56,7 @@ class PathMeasure {
 /// A motion smaller than this is rounding: the displacements of a structure are known to about 1e-13 of its length.
 inline constexpr double kNoMotion = 1e-12;
 
-/// A converged point of a path and what tells where the path goes from there.
+/// A converged point of a path and its direction from there.
 struct Station {
   State state;
   double load_factor = 0.0;

@@ -68,7 +68,7 @@ class PathRecorder {
 
   /// Throws PathInterrupted where the path is to stop here.
   void converged(const ConvergedStep& step);
-  /// An attempt failed to converge; Newton's method has told of it already.
+  /// An attempt failed to converge; Newton's method has reported it already.
   void not_converged() { ++failed_in_stage_; }
   /// A converged attempt is not taken.
   void rejected(const std::string& cause, int iterations);

@@ -208,7 +208,7 @@ std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) 
   if (!a || !b || negative < 0) return "";
   const auto [least, most] = std::minmax(a->negative, b->negative);
   if (least <= negative && negative <= most) return "";
-  return "stability changes to and fro within the step";
+  return "stability changes several times within the step";
 }
 
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) {
@@ -229,7 +229,8 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   if (!looks && !dips && !turns_unseen) return "";
   Look seen = look(piece, cubic(piece, 0.5));
   const double load_error = seen.load_error;
-  // Where rates at the ends differ by decades the cubic overshoots in the forces: they alone may spoil count and rate.
+  // Where rates at the ends differ by decades the cubic overshoots in the forces: they alone may falsify count and
+  // rate.
   if (seen.correction <= kSure && (seen.goes_back || !objection_to_count(piece, seen.negative).empty()))
     seen = look(piece, std::move(seen.corrected));
   if (!(seen.correction <= kLargestCorrection)) return objection_of_halves(piece, test, depth);
@@ -246,7 +247,7 @@ std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, i
   if (dips) return objection_of_halves(piece, test, depth);
   if (!test.always_looks) return "";
   // where all critical points are looked for the cubic must leave no room for a dip, and pairs between which the count
-  // has changed to and fro are met by further looks
+  // has changed several times are found by further evaluations
   const bool is_sure =
       !turns && kErrorOfRate * load_error <= whole(piece).least_rate() * measure_.motion(piece.moved.x);
   if (!turns && !is_sure && !is_last) return objection_of_halves(piece, test, depth);

@@ -79,7 +79,7 @@ class StepJudge {
   const Teuchos::RCP<BeamProblem>& problem() const { return problem_; }
   const PathMeasure& measure() const { return measure_; }
   const LoadHistory& loads() const { return loads_; }
-  /// Of looks at steps: counted apart, and no failed attempts of the path.
+  /// Of evaluations inside steps: counted separately, and no failed attempts of the path.
   Corrector& corrector() { return corrector_; }
   Stability* stability() const { return stability_; }
 
@@ -100,7 +100,7 @@ class StepJudge {
   std::string objection(const PathPiece& piece, const StepTest& test);
   std::string objection(const PathPiece& piece, const StepTest& test, int depth);
   std::string objection_where_loads_turn(const PathPiece& piece) const;
-  /// What the tangent at a state tells: Newton's increment, and that for the load less du/dlambda.
+  /// What the tangent at a state yields: Newton's increment, and that for the load less du/dlambda.
   struct Linear {
     State state;
     MixedVector newton, less_rate;

@@ -60,7 +60,7 @@ double motion(const Model& model, const State& a, const State& b) {
   return largest;
 }
 
-/// Does what a path does for a problem of its own, which nobody is told of.
+/// Follows a path of an auxiliary problem, which is not reported.
 class YieldingPath {
  public:
   YieldingPath(const Teuchos::RCP<BeamProblem>& rigid, const SolverParameters& parameters, const State& start,

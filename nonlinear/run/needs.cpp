@@ -240,7 +240,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
              iterates ? kCopiesIterated : kCopiesAlive);
   const double vertices = static_cast<double>(needs.vertices), elements = static_cast<double>(needs.elements),
                members = static_cast<double>(needs.members);
-  // critical points are looked for in smaller structures even if nobody asks for the stability of steps
+  // critical points are looked for in smaller structures even where the stability of steps is not asked for
   const bool counts =
       !iterates && (needs.vertices <= kVerticesForStability || parameters.analysis.stability.value_or(false));
   const double of_stresses = parameters.analysis.stresses == StressesOf::every_step ? kStressBytes : 0.0;

@@ -42,7 +42,7 @@ class Simulation {
   const State& state() const { return state_; }
   /// Load factor of state(), also inside an observer.
   double load_factor() const { return load_factor_; }
-  /// Whether state() is stable, as far as the path or a stored run has told; the words of files.
+  /// Whether state() is stable, as far as the path or a stored run states it; the words of files.
   const RecordedStability& stability() const { return stability_; }
   /// Of the path so far, see RecordedJump.
   int jumps() const { return jumps_; }

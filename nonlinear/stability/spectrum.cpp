@@ -123,7 +123,7 @@ Spectrum Stability::spectrum(const State& state, double load_factor, int count) 
   Pairs pairs = nearest(result.stability, count, kExactModes);
   const auto is_zero = [&](const Pair& pair) { return std::abs(pair.value) <= std::max(look.zero, pair.error); };
   if (result.stability.symmetric && !pairs.empty() && is_zero(pairs.front()) && result.stability.shift == 0.0) {
-    result.stability = inertia(look, kShiftBesideZero);  // all others drown in the rounding of so large an inverse
+    result.stability = inertia(look, kShiftBesideZero);  // all others are lost in the rounding of so large an inverse
     pairs = nearest(result.stability, count, kExactModes);
   }
   result.modes = corrected_modes(look, result.stability, pairs);
@@ -137,7 +137,7 @@ Spectrum Stability::spectrum(const State& state, double load_factor, int count) 
 namespace {
 
 /// Derivative of the equations of equilibrium, unscaled, by differences of the residual, which holds compliances and no
-/// stiffness: nothing large is there to drown what is small. Rows of N and M are zero.
+/// stiffness: no large entries in whose rounding small ones are lost. Rows of N and M are zero.
 MixedVector derivative_along(const Model& model, const State& state, double load_factor, const MixedVector& motion) {
   const Structure& structure = model.structure();
   const LargestParts size = largest_parts(*model.map()->getComm(), motion.vertex());

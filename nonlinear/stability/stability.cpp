@@ -20,7 +20,7 @@ constexpr double kSymmetric = 1e-9;
 ///
 /// Where the stresses, N L^2/EI or M L/EI with the largest EI of the structure, are below one and so is the stiffness
 /// of the structure, as that of a stiff column on a soft spring, the cap is lower in proportion: what is 1e7 times as
-/// stiff is as good as rigid, and stiffnesses far above would drown those that decide in their rounding.
+/// stiff is as good as rigid, and in the rounding of stiffnesses far above the decisive ones would be lost.
 constexpr double kCapOfCount = 100.0, kCapOfModes = 1.0;
 /// Parts of it: the second is taken where a pivot inside an element is zero with the first; whether it is depends on
 /// it.
@@ -31,8 +31,8 @@ constexpr double kSmallStress = 1e-2;
 constexpr double kLeastCapShare = 1e-12;
 /// An eigenvalue below this share of the stresses at work, N L^2/EI or M L/EI, is zero: states are equilibria to 1e-11.
 constexpr double kZero = 1e-9;
-/// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of what chains leave is a
-/// few dozen times larger.
+/// Below this share of them an eigenvalue is looked at: the cap shifts it by 1e-7, and that of the remaining
+/// system is a few dozen times larger.
 constexpr double kNearZero = 1e-4;
 /// The same as a multiple of rounding errors.
 constexpr double kNearRounding = 100.0;
@@ -231,8 +231,8 @@ std::optional<StabilityResult> Stability::inertia_with_chains(const Look& look) 
 
 namespace {
 
-/// Of all members, over the length of the structure, and at least one: eigenvalues of what chains leave are that much
-/// smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
+/// Of all members, over the length of the structure, and at least one: eigenvalues of the remaining system are that
+/// much smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
 double relative_length(const Model& model) {
   double length = 0.0;
   for (const MeshMember& member : model.mesh().members) length += member.curve.length;
@@ -241,10 +241,10 @@ double relative_length(const Model& model) {
 
 }  // namespace
 
-/// An eigenvalue of what chains leave is no nearer to zero than the nearest one of the whole tangent.
+/// An eigenvalue of the remaining system is no nearer to zero than the nearest one of the whole tangent.
 std::optional<StabilityResult> Stability::count_by(Linearization& at) const {
   const Tangent& tangent = at.tangent();
-  const bool iterates = at.solver().iterates();  // then what solves meet tells
+  const bool iterates = at.solver().iterates();  // then the signs found in the solves count
   if (tangent.is_planar() || (tangent.cap().cuts_off && !iterates) || !at.failure().empty()) return std::nullopt;
   const Tangent::InteriorCount interior = tangent.interior_count();
   if (interior.uncertain || (!iterates && !at.solver().negative_eigenvalues())) return std::nullopt;

@@ -43,9 +43,9 @@ struct StabilityResult {
   int negative = 0;        ///< eigenvalues below zero; unsymmetric: real ones that are known, at least the parity
   int null = 0;            ///< eigenvalues that are zero within their errors; not among `negative`
   bool symmetric = true;   ///< the tangent was treated as symmetric
-  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj); of count_by: not told
+  double asymmetry = 0.0;  ///< largest |K_ij - K_ji| / sqrt(K_ii K_jj); of count_by: unknown
   int sign = 0;            ///< of det K: -1, 0 or 1; symmetric: (-1)^negative, 0 where an eigenvalue is zero
-  double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was looked at
+  double cap_ratio = 0.0;  ///< Cap::least_ratio of the tangent that was examined
   double end_angle = 0.0;  ///< largest relative rotation between an element and its vertices; of Stability::count
   long inside = 0;         ///< of `negative`: inside of elements, between vertices that stand still
   double shift = 0.0;      ///< of the factors left, those of K + shift I: `negative` counts eigenvalues below -shift
@@ -91,7 +91,7 @@ class Stability {
   explicit Stability(BeamProblem& problem);
 
   /// Inertia of the tangent: one factorisation, most of it that of chains, in parallel. Where an eigenvalue may be zero
-  /// the nearest ones are looked at, by spectrum(). Unsymmetric: the sign of the determinant alone.
+  /// the nearest ones are computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
   StabilityResult count(const State& state, double load_factor);
 
   /// The same by the factors that Newton's method has, where these tell and no eigenvalue may be zero: no joints,
@@ -103,7 +103,7 @@ class Stability {
   std::optional<StabilityResult> sign_by_iteration(const State& state, double load_factor);
 
   /// The same while a motion is held, that of a controlled displacement, <motion, dx> = 0: theory (48). `motion`: rows
-  /// of vertices, as an increment (ControlRow::weights); interior rows are not looked at. One factorisation of the
+  /// of vertices, as an increment (ControlRow::weights); interior rows are ignored. One factorisation of the
   /// whole tangent.
   StabilityResult count_held(const State& state, double load_factor, const MixedVector& motion);
 
