@@ -15,9 +15,9 @@ constexpr double kSameSolution = 1e-9;
 /// Inner points that carry a load of zero.
 constexpr int kInnerPoints = 1000;
 constexpr int kLoadSteps = 10;
-/// A line load that rounding swallows; one of zero would not be looked at.
+/// A line load below rounding; one of zero would be ignored.
 constexpr double kNothing = 1e-200;
-/// Stiffness beside which 1 is bending: what is left of its strain is rounding.
+/// Stiffness beside which 1 is bending: its strain is that of rounding.
 constexpr double kNearlyRigid = 1e14;
 
 /// One way to get at an answer, and what was measured of it.
@@ -175,7 +175,7 @@ std::vector<Economy> unused_features(const Scene& rod, const SolverParameters& g
        {"loads of zero there: none of these vertices is eliminated in a chain", with_inner_points(rod, true), solver}},
       {"rotation_support",
        {"free end", planar, in_space},
-       {"rotation about the axis held there: one row that depends on the rotation", with_held_twist, in_space}},
+       {"rotation about the axis fixed there: one row that depends on the rotation", with_held_twist, in_space}},
       {"rigid",
        {"inextensible and shear rigid", with_force_stiffness(rod, rigid), solver},
        {"EA = GA = 1e14", with_force_stiffness(rod, kNearlyRigid), solver}},

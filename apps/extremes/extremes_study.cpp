@@ -18,7 +18,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr double kShootingError = 1e-12;
 constexpr double kThrustDigits = 3e-11;  // printed, relative to the smallest of them
-/// Of the paths whose end is known, those that may be given up.
+/// Of the paths whose end is known, those that may be refused.
 constexpr double kMostRefused = 0.02;
 
 /// The closed forms against cases that do not use any.
@@ -149,7 +149,7 @@ void run_random_paths(Application& app) {
   const std::string source = "the same path in small steps, which do not change its end";
   const int known = count - ends[PathOutcome::unknown];
   app.summary.check_upper_bound("random structures: wrong ends", ends[PathOutcome::wrong], 0.0, source);
-  app.summary.check_upper_bound("random structures: paths given up", ends[PathOutcome::refused], kMostRefused * known,
+  app.summary.check_upper_bound("random structures: paths refused", ends[PathOutcome::refused], kMostRefused * known,
                                 source);
 }
 

@@ -1,4 +1,4 @@
-// How the result depends on the representation of the semicircle, about which the paper is silent.
+// How the result depends on the representation of the semicircle, which the paper does not state.
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
@@ -256,7 +256,7 @@ void compare_representations(Application& app) {
   app.out() << "The reference has the exact arc, k = " << order << " and " << elements
             << " elements in each member. With the exact arc the\n"
             << "rate is k+1. The polygon has the same limit, but with rate 2 at every order: its corners, not its\n"
-            << "elements, are what is left of the error.\n\n";
+            << "elements, determine the remaining error.\n\n";
   of_p1.print(app.out());
   app.out() << "At vertices the exact arc converges with rate 2k.\n\n";
 }

@@ -143,12 +143,11 @@ ListSpec batch_spec() {
       "CSV file, relative to the folder of the scene: its first line names parameters of the scene by their paths "
       "(Sections/steel/EI2, Points/tip[0], Expected/deflection/Value), each further line has their values in one "
       "case."));
-  batch.add(
-      choice("Output", {"followed", "expected", "quantities"})
-          .by_default(std::string("followed"))
-          .means(
-              "What is written of each case: displacement and rotation of the points that are held or loaded "
-              "and the reactions of supports, the quantities of the list Expected, or those of the list Quantities."));
+  batch.add(choice("Output", {"followed", "expected", "quantities"})
+                .by_default(std::string("followed"))
+                .means("What is written of each case: displacement and rotation of the points that are supported or "
+                       "loaded and the reactions of supports, the quantities of the list Expected, or those of the "
+                       "list Quantities."));
   batch.add_list("Vary",
                  ListSpec("A grid: every value of one direction with every value of the others.")
                      .with_named_lists("direction", vary_parameters().spec, 1),

@@ -39,7 +39,8 @@ class BatchSolver {
   /// Solves these cases, which are alike; `scenes` are theirs, in the same order.
   void solve(const std::vector<std::size_t>& cases, const std::vector<Scene>& scenes);
 
-  /// Solves all groups, whose scenes are gone then, and tells of each its number. False: stopped before the last case.
+  /// Solves all groups, whose scenes are freed then, and reports the number of each. False: stopped before the last
+  /// case.
   bool solve_all(GroupedCases& cases, const std::function<void(std::size_t group)>& solved);
 
   const std::vector<CaseResult>& results() const { return results_; }

@@ -13,7 +13,7 @@ namespace mixbeam {
 /// largest in the group. With 2 a decade of loads makes four groups.
 inline constexpr double kLikeness = 2.0;
 
-/// Elements of a group: enough for all threads and vector lanes; with more, memory and what one bad case spoils for its
+/// Elements of a group: enough for all threads and vector lanes; with more, memory and what one failing case costs its
 /// neighbours grow.
 inline constexpr int kElementsPerGroup = 40'000;
 

@@ -23,7 +23,7 @@ class CaseProcesses {
  public:
   /// Before MPI starts, for each of them starts its own. Throws std::runtime_error.
   CaseProcesses(int count, const CaseWork& work);
-  /// Lets them end; in the middle of a case, behind its last completed step.
+  /// Lets them end; in the middle of a case, after its last completed step.
   ~CaseProcesses();
   CaseProcesses(const CaseProcesses&) = delete;
   CaseProcesses& operator=(const CaseProcesses&) = delete;

@@ -41,7 +41,7 @@ class CaseQuantities {
     bool is_kept(double value) const { return std::abs(value) <= largest_size; }  // false for NaN
   };
   const std::vector<Limit>& limits() const { return limits_; }
-  /// The expected values behind the names; empty when other quantities are written.
+  /// The expected values of the names; empty when other quantities are written.
   const std::vector<ExpectedValue>& expected() const { return expected_; }
 
  private:

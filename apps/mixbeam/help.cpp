@@ -20,7 +20,7 @@ const char* const kProgram =
     "  convert SCENE.xml SCENE.yaml    writes a scene in YAML, or back in XML\n"
     "  parameters          lists every parameter of a scene file: type, default, range, meaning\n"
     "  schema              what editors complete and check scenes with: RELAX NG, or JSON Schema for YAML\n"
-    "  resume RESULTS.h5   goes on with a run that was stopped or killed\n"
+    "  resume RESULTS.h5   continues a run that was stopped or killed\n"
     "  plot RESULTS.h5     draws pictures of results\n"
     "  report RESULTS.h5   writes one HTML page about a run\n"
     "  view RESULTS.h5     writes one HTML file that shows the structure in a browser, to turn and to ask\n"
@@ -35,7 +35,7 @@ const std::map<std::string, const char*>& texts() {
        "  DIR/NAME.h5            every converged step: shape, forces, strains, energies, reactions, residuals, state\n"
        "  DIR/NAME.xdmf          the same for ParaView and VisIt: open this file there\n"
        "  DIR/NAME-monitor.csv   what is followed over the steps: load factor, displacements, reactions, energies\n"
-       "where NAME is that of the scene file without its ending, with -CASE behind it for each load case. The list "
+       "where NAME is that of the scene file without its ending, with -CASE after it for each load case. The list "
        "\"Study\"\n"
        "of a benchmark's scene is ignored.\n\n"
        "  --output DIR         folder for results; default: results/NAME\n"
@@ -89,17 +89,18 @@ const std::map<std::string, const char*>& texts() {
        "  --force              replaces TO if it is there\n\n"},
       {"resume",
        "usage: mixbeam resume RESULTS.h5 [options]\n\n"
-       "Goes on behind the last completed step in a result file, to the very bits of a run that was never stopped, on\n"
+       "Continues after the last completed step in a result file, to the very bits of a run that was never stopped, "
+       "on\n"
        "any number of threads. The scene is the one in the file. Appends to the file, and writes NAME.xdmf and\n"
        "NAME-monitor.csv beside it.\n\n"
-       "  --from STEP          goes on behind this step; later ones are dropped. For files that are damaged behind it\n"
+       "  --from STEP          continues after this step; later ones are dropped. For files that are damaged after it\n"
        "  --threads N, --summary FILE.json, --durable, --quiet, --force    as for mixbeam run\n\n"},
       {"verify",
        "usage: mixbeam verify RESULTS.h5 [--from STEP]\n\n"
        "Reads a result file and compares its checksums. Names the bytes and objects that are damaged, and the last "
        "step\n"
-       "up to which all is whole. mixbeam resume and plot do so before they read a file.\n\n"
-       "  --from STEP          damage behind this step does not count\n\n"},
+       "up to which all is intact. mixbeam resume and plot do so before they read a file.\n\n"
+       "  --from STEP          damage after this step does not count\n\n"},
       {"plot",
        "usage: mixbeam plot RESULTS.h5 [options of the script]\n\n"
        "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists all options. Needs Python\n"

@@ -37,7 +37,7 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   if (!obstacle.empty()) throw InputError(run.path().string() + ": cannot be resumed: " + obstacle);
   if (property(run, "program") != "mixbeam")
     throw InputError(run.path().string() + ": written by \"" + property(run, "program") +
-                     "\", which goes on where its own study wants; allowed: results of mixbeam run");
+                     "\", whose runs belong to its study; allowed: results of mixbeam run");
 }
 
 void say_where(const Application& app, const StoredRun& run) {
@@ -45,10 +45,10 @@ void say_where(const Application& app, const StoredRun& run) {
     app.out() << "Written by version " << run.header().version << ", resumed by " << kVersion
               << ": the last digits may differ from those of an uninterrupted run.\n";
   if (run.steps().empty())
-    app.out() << "The file holds no steps: the run starts.\n";
+    app.out() << "The file contains no steps: the run starts.\n";
   else
-    app.out() << "Resuming behind step " << run.steps().back().step << ", load factor "
-              << run.steps().back().load_factor << ".\n";
+    app.out() << "Resuming after step " << run.steps().back().step << ", load factor " << run.steps().back().load_factor
+              << ".\n";
 }
 
 /// Nothing where the file has another name than the run gave it.

@@ -26,7 +26,7 @@ double elements_of(const StepRecord& record) {
 
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
-/// Those that somebody has asked for.
+/// Those that were asked for.
 constexpr std::size_t kMostQuantities = 100;
 
 bool ends_with(const std::string& text, const std::string& ending) {
@@ -78,8 +78,8 @@ void print_left_out(std::ostream& out, std::size_t count) {
 
 /// "false (2 negative eigenvalues)".
 std::string verdict_text(const EndOfRun& end) {
-  if (end.stable == "neutral") return "neutral (an eigenvalue is zero: some motion meets no resistance)";
-  if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not looked at)";
+  if (end.stable == "neutral") return "neutral (an eigenvalue is zero: some motion has no stiffness)";
+  if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not determined)";
   if (end.stable == "unknown" && !end.has_potential) return "unknown (loads without a potential: it may flutter)";
   if (end.negative <= 0) return end.stable;
   return end.stable + text_of(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
@@ -180,7 +180,7 @@ void RunReport::add_end(Application& app, const std::string& run) const {
   const RecordedStability& known = last_.stability;
   EndOfRun end{run, last_.point.load_factor, known.stable, known.held, known.negative, known.has_potential, jumps_};
   app.summary.ends.push_back(end);
-  // who controls the displacement holds it: then only the state that is unstable all the same is left by itself
+  // where the displacement is controlled, only a state that is unstable with it prescribed is left by the structure
   if (end.stable == "false" && end.held != "true")
     app.summary.warnings.push_back(run + ": the last state is unstable: " + kDoesNotStay);
 }
@@ -188,10 +188,11 @@ void RunReport::add_end(Application& app, const std::string& run) const {
 void print_ends(std::ostream& out, const Summary& summary, bool controlled) {
   for (const EndOfRun& end : summary.ends) {
     out << end.run << ": stable: " << verdict_text(end) << (controlled ? " under the dead load" : "");
-    if (end.stable == "false") out << ": " << kDoesNotStay << (end.held == "true" ? " unless it is held" : "");
+    if (end.stable == "false")
+      out << ": " << kDoesNotStay << (end.held == "true" ? " unless the displacement is prescribed" : "");
     out << "\n";
     if (end.held.empty()) continue;
-    out << end.run << ": stable: " << end.held << " with the displacement held"
+    out << end.run << ": stable: " << end.held << " with the displacement prescribed"
         << (end.held == "false" ? std::string(": ") + kDoesNotStay : "") << "\n";
   }
 }
@@ -242,7 +243,7 @@ void RunReport::print_errors(std::ostream& out) const {
   }
 }
 
-/// "beam at s = 1.25, behind a vertex" of an extreme along members; empty for others.
+/// "beam at s = 1.25, after a vertex" of an extreme along members; empty for others.
 std::string RunReport::place_of(std::size_t column) const {
   const std::vector<QuantitySet::Column>& columns = quantities_->columns();
   if (column + 1 >= columns.size() || !columns[column + 1].is_member || std::isnan(followed_[column].last)) return "";
@@ -251,7 +252,7 @@ std::string RunReport::place_of(std::size_t column) const {
   return member_names_[member] + text_of(" at s = %.6g", followed_[column + 2].last) +
          (side == 0  ? ""
           : side < 0 ? ", before a vertex"
-                     : ", behind a vertex");
+                     : ", after a vertex");
 }
 
 void RunReport::print_quantities(std::ostream& out) const {

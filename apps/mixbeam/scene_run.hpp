@@ -19,7 +19,7 @@ void warn_without_lock(Application& app, const SharedResultLock& lock);
 /// holds it. Collective.
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
 
-/// What a result file tells of the case of its scene.
+/// What a result file records of the case of its scene.
 std::map<std::string, std::string> properties_of_case(const std::string& load_case);
 
 /// Solves the scene of one case (an empty name: what acts in all cases) into `file` (none where that is empty), or goes
@@ -38,7 +38,7 @@ void write_envelope(Application& app, const std::filesystem::path& file);
 
 /// The same after one run of several: those of the others come from their files. Where a file is missing, of another
 /// scene or of a run that has not ended, an envelope that is there stays, with a warning. Not of paths with a
-/// controlled displacement, of which a file does not tell whether they are complete.
+/// controlled displacement, of which a file does not record whether they are complete.
 void renew_envelope(Application& app, const std::filesystem::path& file);
 
 /// Closing line, summary file and exit code of a program that ran `cases` and returns whether all of them arrived.

@@ -14,7 +14,7 @@ namespace {
 /// Share of the von Mises stress of an I that its torque makes, above which warping deserves a note.
 constexpr double kTorsionNote = 0.1;
 
-/// Strains below this are what is left of larger numbers: a structure that only eigenstrains deform has no stresses.
+/// Strains below this are differences of larger numbers: a structure that only eigenstrains deform has no stresses.
 constexpr double kNoStrain = 1e-12;
 
 /// Place over the length of the member.
@@ -51,7 +51,7 @@ void print_stresses(std::ostream& out, const StressSummary& stresses) {
   for (const StressedMember& m : stresses.members)
     if (m.torsion_share > kTorsionNote) {
       out << "  note: of the stress in \"" << m.member << "\" torsion makes " << percent(m.torsion_share)
-          << "; an open section that is held against warping has other stresses than these (Saint-Venant's)\n";
+          << "; with restrained warping an open section has other stresses than these (Saint-Venant's)\n";
       break;
     }
 }
@@ -67,7 +67,7 @@ std::vector<std::string> stress_warnings(const StressSummary& stresses) {
     warnings.push_back(
         "member \"" + strain.member + "\" is strained by " + percent(strain.value) +
         " at s = " + text_of("%.6g", strain.arc_length) + ", more than " + percent(strain.limit) +
-        ": hardly any material stays linear that far (\"Largest Strain\" of its section changes the limit)");
+        ": hardly any material is linear up to there (\"Largest Strain\" of its section changes the limit)");
   if (!curved.member.empty() && curved.value > curved.limit)
     warnings.push_back("member \"" + curved.member +
                        "\" is curved so much that the bending stress at its inner fibre is "

@@ -14,7 +14,7 @@ Value without_sign_of_zero(Value value) {
   return value;
 }
 
-/// The formatted text, cut behind 255 characters.
+/// The formatted text, truncated after 255 characters.
 template <class... Values>
 std::string text_of(const char* format, Values... values) {
   char line[256];

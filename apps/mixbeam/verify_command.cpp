@@ -24,9 +24,9 @@ namespace {
 const std::string kBadInput = "mixbeam: bad input: ";
 
 std::string advice(const FileReport& report, const std::string& file) {
-  if (!report.last_whole_step) return "; no step of it can be relied on";
+  if (!report.last_whole_step) return "; none of its steps is intact";
   const std::string step = std::to_string(*report.last_whole_step);
-  return "; whole up to step " + step + ": mixbeam resume " + file + " --from " + step + " goes on from there";
+  return "; intact up to step " + step + ": mixbeam resume " + file + " --from " + step + " continues from there";
 }
 
 /// Tells whether a path still names the file that it named before.
@@ -66,9 +66,9 @@ int verify_command(const Arguments& arguments) {
     throw InputError(file + ": damaged: " + report.damage + advice(report, file));
   std::cout << file << ": " << report.steps.size() << (report.steps.size() == 1 ? " step" : " steps");
   if (!report.damage.empty())
-    std::cout << ", whole up to step " << *report.last_whole_step << "; damaged: " << report.damage << "\n";
+    std::cout << ", intact up to step " << *report.last_whole_step << "; damaged: " << report.damage << "\n";
   else if (report.is_sealed)
-    std::cout << ", whole: every checksum is right\n";
+    std::cout << ", intact: all checksums agree\n";
   else
     std::cout << ", readable; it was written by a version without checksums: more cannot be told\n";
   return 0;

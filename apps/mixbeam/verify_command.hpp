@@ -1,4 +1,4 @@
-/// Result files are looked at by another process before this one reads them.
+/// Result files are verified in another process before this one reads them.
 #pragma once
 
 #include <filesystem>

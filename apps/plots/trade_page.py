@@ -117,7 +117,7 @@ A cell is an order k on a number of elements for each member, written k x n. Its
 relative to a reference: displacement of a tip, centerline and material moment in the L2 norm, strain energy. Its time
 is the processor time with one thread from the scene to equilibrium, reading left out, which is the wall time on an idle
 machine: the median of several runs for short ones. Wall times are in trade.csv; here they were {wall:.2f} times as long
-(median). Stability is looked at only where a branch is followed.
+(median). Stability is determined only where a branch is followed.
 """
 
 ORDERS = """## Which order to take

@@ -1,4 +1,4 @@
-/// The manners of a guest in somebody else's process: one call of the library at a time, the interpreter's lock
+/// Rules for a library in the process of another program: one call of the library at a time, the interpreter's lock
 /// released meanwhile, its signals heard, its forks survived.
 #pragma once
 

@@ -69,8 +69,8 @@ struct BenchmarkProblem {
   double judged(const Errors& errors) const { return about.in_gallery ? motion_error(errors) : largest_error(errors); }
 };
 
-/// Reads the scene file. On the benchmarks stability is looked at only where a branch is to be followed: it would cost
-/// as much as the solve, and tells nothing about accuracy.
+/// Reads the scene file. On the benchmarks stability is determined only where a branch is to be followed: it would cost
+/// as much as the solve, and has no effect on accuracy.
 BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchmark);
 
 /// What a run estimates of its own error; not a number where it does not.
@@ -94,7 +94,8 @@ class PathTrace {
 };
 
 struct Reference {
-  /// Solves on both meshes; the first is the reference, the second tells how far to trust it. Throws ConvergenceError.
+  /// Solves on both meshes; the first is the reference, the second gives the accuracy of the first. Throws
+  /// ConvergenceError.
   Reference(const BenchmarkProblem& problem, const Communicator& communicator, const Discretization& reference,
             const Discretization& confirmation);
   /// Of a simulation of the same scene on any mesh. Collective.

@@ -122,10 +122,10 @@ TEST_F(BadInput, Options) {
 TEST_F(BadInput, PlacesThatCannotBeWrittenTo) {
   write_text(folder_ / "file", "");
   const std::string below_a_file = (folder_ / "file" / "below").string();
-  expect_refused(run({"--output", below_a_file}), {below_a_file, "cannot be made", "Not a directory"});
+  expect_refused(run({"--output", below_a_file}), {below_a_file, "cannot be created", "Not a directory"});
   expect_refused(run({"--output", (folder_ / "file").string()}), {(folder_ / "file").string()});
   expect_refused(run({"--summary", folder_.path().string()}), {folder_.path().string(), "is a folder"});
-  expect_refused(run({"--summary", below_a_file + "/summary.json"}), {below_a_file, "cannot be made"});
+  expect_refused(run({"--summary", below_a_file + "/summary.json"}), {below_a_file, "cannot be created"});
 }
 
 TEST_F(BadInput, ExpectationsThatAreNeverCompared) {

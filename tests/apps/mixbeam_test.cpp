@@ -370,7 +370,7 @@ TEST_F(Disturbed, DamagedFilesAreRefusedByNameAndGoOnFromAWholeStep) {
   EXPECT_EQ(run({"verify", file.string(), "--from", step}).exit_code, kOk);
   const Ended resumed = run({"resume", file.string(), "--from", step, "--quiet"});
   EXPECT_EQ(resumed.exit_code, kOk) << resumed.err;
-  expect_in(resumed.out, {"Resuming behind step " + step + ","});
+  expect_in(resumed.out, {"Resuming after step " + step + ","});
   const auto contents = contents_of(file);
   ASSERT_TRUE(contents);
   EXPECT_EQ(differences(whole_, *contents), "");

@@ -25,10 +25,10 @@ namespace {
 /// keep a thread waiting; a run below takes a fraction of a second anyway.
 constexpr long long kWorkForThreads = 10000;
 
-/// Between a load factor that somebody has written down and that of a step.
+/// Between a load factor written in a scene and that of a step.
 constexpr double kWrittenLoadFactor = 1e-9;
 
-/// A stream that swallows everything.
+/// A stream that discards everything.
 std::ostream& nowhere() {
   static std::ostream stream(nullptr);
   return stream;
@@ -174,10 +174,10 @@ void Application::give_up(const Simulation& simulation, const std::string& label
   try {
     const bool durable = false;
     replace_file(file, page + "\n", durable);
-  } catch (const FileError& error) {  // what the page says matters more
-    throw ConvergenceError(page + " This page cannot be kept: " + error.what());
+  } catch (const FileError& error) {  // what the report says matters more
+    throw ConvergenceError(page + " This report cannot be written: " + error.what());
   }
-  throw ConvergenceError(page + " This page is in " + file.string() + ".");
+  throw ConvergenceError(page + " This report is in " + file.string() + ".");
 }
 
 Simulation Application::solve_and_record(const Scene& solved, const SolverParameters& parameters,

@@ -33,7 +33,7 @@ struct Recording {
   std::function<bool()> stop{};             ///< see PathControl
   std::function<void()> restart{};          ///< what was observed so far does not count: another mesh follows
   const QuantitySet* quantities = nullptr;  ///< followed besides the motion of points
-  const StoredRun* resume = nullptr;        ///< goes on behind its last step, in its file
+  const StoredRun* resume = nullptr;        ///< continues after its last step, in its file
   WritingOptions writing{};
 };
 
@@ -47,7 +47,7 @@ struct KeptStep {
 /// `results/scene_failure.txt` of `results/scene.h5`.
 std::filesystem::path failure_file_of(const std::filesystem::path& results);
 
-/// What a study works with. Output streams and files belong to rank 0: `out()` swallows everything on other ranks, and
+/// What a study works with. Output streams and files belong to rank 0: `out()` discards everything on other ranks, and
 /// files are written only where `writes_files()`.
 class Application {
  public:
@@ -87,7 +87,7 @@ class Application {
   /// Threads that a scene profits from, unless the user chose a number.
   int threads_for(const Scene& solved, const SolverParameters& parameters) const;
 
-  /// As solve(), for runs that may fail: result() of what is returned tells how it ended, nothing is written or thrown
+  /// As solve(), for runs that may fail: result() of what is returned states how it ended, nothing is written or thrown
   /// but InputError.
   Simulation try_to_solve(const Scene& solved, const SolverParameters& parameters, const RunObserver& observer = {},
                           const PathControl& control = {}) {
@@ -96,7 +96,7 @@ class Application {
 
   /// As solve(), and writes every step to a result file; then the last converged state is in that file, and the report
   /// of a failure beside it in <name of the file>_failure.txt. A run that was
-  /// stopped ends like any other, and result().interrupted tells.
+  /// stopped ends like any other, and result().interrupted is true.
   /// What is returned keeps the scene, which must not change.
   Simulation record(const std::shared_ptr<const Scene>& solved, const SolverParameters& parameters,
                     const Recording& recording);
@@ -128,7 +128,7 @@ class Application {
   }
   /// Expected values that no check_expected() has compared so far.
   std::vector<ExpectedValue> not_compared() const;
-  /// Critical points on the paths that were followed, by load case, as far as check_expected() was told of them.
+  /// Critical points on the paths that were followed, by load case, as far as check_expected() has seen them.
   int critical_points(const std::string& of_case) const;
 
  private:

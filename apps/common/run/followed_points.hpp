@@ -17,7 +17,7 @@ std::vector<std::string> followed_points(const Scene& scene);
 /// points.
 void follow_reactions(const std::vector<std::string>& points, StepRecord& record);
 
-/// A stored run whose time series are damaged, with those that its states tell, bit for bit. `quantities`: of its
+/// A stored run whose time series are damaged, with those computed from its states, bit for bit. `quantities`: of its
 /// scene, null where none were asked for; `simulation`: of its scene; left at the last step. Collective.
 StoredRun with_all_series(const StoredRun& run, const Scene& scene, const QuantitySet* quantities,
                           Simulation& simulation);

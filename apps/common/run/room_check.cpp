@@ -46,7 +46,7 @@ std::string counts_of(const Needs& needs) {
 }
 
 [[noreturn]] void refuse(const Application& app, const std::string& problem, const std::string& allowed) {
-  const std::string text = problem + "; allowed: " + allowed + ", or --force to try it all the same";
+  const std::string text = problem + "; allowed: " + allowed + ", or --force to run it anyway";
   if (app.xml.source.line({"Scene"}) > 0) throw app.xml.source.error({"Scene"}, text);
   throw InputError(text);
 }

@@ -75,7 +75,7 @@ std::string without_potential(const Teuchos::ParameterList& load) {
   return load.isParameter("Couple Formula") ? "Couple Formula" : "";
 }
 
-/// Jumps go down the potential of the loads, from one stable state to the next, by steps of the load factor.
+/// Jumps go down the total potential, from one stable state to the next, by steps of the load factor.
 void check_jumps(const Application& app) {
   const AnalysisParameters& analysis = app.solver.analysis;
   if (analysis.snap != Snap::jump) return;
@@ -193,7 +193,8 @@ void describe_run(Application& app, const std::string& name, const std::optional
 void prepare_output_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError("the folder \"" + folder.string() + "\" for results cannot be made: " + error.message());
+  if (error)
+    throw InputError("the folder \"" + folder.string() + "\" for results cannot be created: " + error.message());
   if (!std::filesystem::is_directory(folder))
     throw InputError("\"" + folder.string() + "\", meant as a folder for results, is not a folder");
   if (access(folder.c_str(), W_OK | X_OK) != 0)

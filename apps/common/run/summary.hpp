@@ -84,7 +84,7 @@ struct FollowedQuantity {
   int step_of_largest_size = 0;
   std::string member{};     ///< where an extreme along members is, at the end; empty for others
   double arc_length = 0.0;  ///< [length]
-  int side = 0;             ///< -1, 1: before, behind a vertex
+  int side = 0;             ///< -1, 1: before, after a vertex
 };
 
 /// Largest and smallest value of a quantity at the ends of several runs, and in which of them.
@@ -129,7 +129,7 @@ class Summary {
   std::map<std::string, double> seconds;  ///< phase of the run -> wall time
 
   /// Judges the quantity, keeps it and returns whether it passed. A quantity without a source is refused
-  /// (std::invalid_argument): a reference that nobody can look up checks nothing.
+  /// (std::invalid_argument): a reference that cannot be looked up checks nothing.
   bool check(CheckedQuantity quantity);
 
   bool check_absolute(const std::string& name, double value, double reference, double tolerance,

@@ -46,7 +46,7 @@ bool all_ranks_fail() {
 
 std::terminate_handler other_handler = nullptr;
 
-/// Where nobody can catch it: before main, in a destructor, on a thread. Nothing here allocates.
+/// Where it cannot be caught: before main, in a destructor, on a thread. Nothing here allocates.
 [[noreturn]] void end_without_memory() {
   try {
     if (const std::exception_ptr error = std::current_exception()) std::rethrow_exception(error);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// The number behind a word at the begin of a line of a file; none: neither file nor word.
+/// The number after a word at the beginning of a line of a file; none: neither file nor word.
 std::optional<double> number_behind(const fs::path& file, const std::string& word) {
   std::ifstream stream(file);
   std::string first;
@@ -49,7 +49,7 @@ constexpr CgroupFiles kVersion1{"/sys/fs/cgroup/memory", "memory.limit_in_bytes"
                                 "total_inactive_file"};
 constexpr CgroupFiles kVersion2{"/sys/fs/cgroup", "memory.max", "memory.current", "inactive_file"};
 
-/// A cgroup and all above it. Pages of files that nobody uses count as free: the system takes them back.
+/// A cgroup and all above it. Pages of files that are not in use count as free: the system takes them back.
 void lower_by_cgroups(Room& room, const CgroupFiles& files, fs::path group) {
   for (;; group = group.parent_path()) {
     const fs::path folder = files.root + (group == "/" ? "" : group.string());

@@ -26,8 +26,8 @@ class MpiSession {
   Communicator communicator_;
 };
 
-/// For a library in the process of somebody else: MPI (a process alone), Kokkos and Tpetra, once, and to the end of the
-/// process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI
+/// For a library in the process of another program: MPI (a process alone), Kokkos and Tpetra, once, and to the end of
+/// the process. Environment, signals and the allocator of the host stay as they were. Where the host has started MPI
 /// already, this process is alone all the same. Throws InputError under mpirun with several ranks.
 Communicator start_as_guest();
 

@@ -46,7 +46,7 @@ int StandardOutput::overflow(int character) {
   return character;
 }
 
-// After a failure what follows is swallowed: half a report is worse than its beginning.
+// After a failure what follows is discarded: half a report is worse than its beginning.
 int StandardOutput::sync() {
   const char* from = pbase();
   while (from < pptr() && error_ == 0) {

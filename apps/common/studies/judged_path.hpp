@@ -10,8 +10,8 @@ namespace mixbeam {
 
 enum class PathOutcome {
   right,    ///< the end is that of the reference
-  refused,  ///< the path was given up, as the program must where it cannot tell
-  wrong,    ///< another end, without a word
+  refused,  ///< the path ended early, as it must where a step cannot be verified
+  wrong,    ///< another end, without a failure
   unknown   ///< the references do not agree with each other, or have no end
 };
 

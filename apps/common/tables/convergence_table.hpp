@@ -9,7 +9,7 @@
 namespace mixbeam {
 
 /// Rate p of errors ~ elements^-p between two neighbouring meshes: the finest two before the error first falls below
-/// `round_off`, where it no longer tells anything about the mesh. None if there are no two such meshes.
+/// `round_off`, where it no longer depends on the mesh. None if there are no two such meshes.
 std::optional<double> observed_rate(const std::vector<int>& elements, const std::vector<double>& errors,
                                     double round_off);
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostDigits = 17;  // of a double, and few enough for a 64-bit integer
 
-// A printed number: sign, digits without point, how many of them stand behind the point, power of ten.
+// A printed number: sign, digits without point, how many of them follow the point, power of ten.
 struct Decimal {
   bool negative = false;
   std::string digits;

@@ -47,7 +47,7 @@ class TablePrinter {
   /// Rows with at least one value that differs.
   int rows_out_of_tolerance() const;
 
-  /// Prints the table; rows out of tolerance have `*` behind the differing values and `<- differs` at the end.
+  /// Prints the table; rows out of tolerance have `*` after the differing values and `<- differs` at the end.
   void print(std::ostream& stream) const;
 
  private:

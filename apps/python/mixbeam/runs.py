@@ -39,7 +39,7 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
 
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
-    """Goes on behind the last step of a result file, in that file, to the bits of a run that was never stopped."""
+    """Continues after the last step of a result file, in that file, to the bits of a run that was never stopped."""
     rest = _watched(lambda listener: _core.resume(os.fspath(file), threads, durable, listener), file, progress, on_step)
     whole = open_results(file)
     whole._told = rest._core
@@ -295,7 +295,7 @@ class MemberResults:
 
     def field(self, name, s, step=-1, before_vertex=False):
         """(3,) for a number s, (n, 3) for an array; triad: unit quaternions w, x, y, z. At a vertex between two elements
-        the one behind it counts, or the one before it."""
+        the one after it counts, or the one before it."""
         s = np.asarray(s, dtype=float)
         share = s.ravel() / self.length
         if not np.all((share >= -AT_ENDS) & (share <= 1 + AT_ENDS)):
