@@ -177,7 +177,7 @@ def extremes_page(folder):
         "condition", "expected_points", "critical_points", "negative", "processor_seconds", "failure"])
     sweeps = {name: table.where(sweep=name).rows() for name in dict.fromkeys(table["sweep"])}
     text = page.head("extremes", "Extremes",
-                     "One quantity of a structure at a time, swept to its limits and held against a closed form; then "
+                     "One quantity of a structure at a time, swept to its limits and compared with a closed form; then "
                      f"paths of random imperfect structures. {len(table)} runs.", folder, figures=True)
     text += "![Errors, iterations and condition numbers over each quantity](extremes.png)\n\n"
     text += _overview(sweeps) + _ends(sweeps) + "".join(_sweep(name, rows) for name, rows in sweeps.items())

@@ -190,7 +190,7 @@ REFERENCES = """
 ## References
 
 Errors are measured against a far finer solution, which another order on another mesh confirms; the run checks that
-they agree to 1e-10, and holds the reference against the closed forms and literature values of the scene. Scenes of the
+they agree to 1e-10, and compares the reference with the closed forms and literature values of the scene. Scenes of the
 gallery are judged by their displacements only; elements are those of the finest member, and values of the path are
 compared by the scene itself.
 

@@ -1,4 +1,4 @@
-"""What can go wrong, as the program tells it."""
+"""Errors, with the messages of the program."""
 
 import difflib
 
@@ -8,7 +8,7 @@ class InputError(ValueError):
 
 
 class UnknownName(InputError, AttributeError, KeyError):
-    """A name that the scene or the declarations of its parameters do not have; the message tells the nearest one."""
+    """A name that the scene or the declarations of its parameters do not have; the message names the nearest one."""
 
     def __str__(self):
         return str(self.args[0])

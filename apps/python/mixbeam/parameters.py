@@ -108,7 +108,7 @@ class Parameters(MutableMapping):
         return [*super().__dir__(), *self._declaration.xml_names]
 
     def update_by_name(self, given):
-        """Sets what `given` {name: value} tells; a name of the lists below is that of the first which has it: E of Material."""
+        """Sets the parameters in `given` {name: value}; a name of the lists below is that of the first which has it: E of Material."""
         for name, value in given.items():
             places = self._declaration.places(name)
             if not places and not self._takes(name):

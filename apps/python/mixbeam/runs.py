@@ -27,7 +27,7 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
     """Solves a scene (a Scene, an XML text or the path of a file), in this process.
 
     case: of a scene with load cases; output: result file, else nothing is written; durable: each step waits for the
-    disk; force: also what seems not to fit into memory; progress: a line that tells where the run is; on_step: called
+    disk; force: also what seems not to fit into memory; progress: a line with the progress of the run; on_step: called
     with the Run as far as it is, after each step, and stops it by returning True.
 
     Returns a Run. Raises InputError, ConvergenceError.
@@ -61,7 +61,7 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
     """Solves a scene once for each row of a table, by the program's solver for many cases at once.
 
     table: {parameter: values}, or a structured array; parameters by their paths, "point_loads/tip/force[1]". output:
-    "followed" (motion of points that are held or loaded, reactions), "expected" or "quantities" of the scene.
+    "followed" (motion of supported or loaded points, reactions), "expected" or "quantities" of the scene.
 
     Returns a structured array: the columns of the table, those of the output, and of each case iterations, residual,
     converged, stable and, where it is not converged, its cause.
@@ -91,7 +91,7 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
 
 
 def _watched(start, output, progress, on_step):
-    """Runs, and tells who wants to know."""
+    """Runs, and reports its steps to callback and progress line."""
 
     def listener(core):
         path = core.path()

@@ -148,7 +148,7 @@ def text_and_file(scene):
         return scene, "scene"
     file = os.fspath(scene)
     if file.endswith((".xml", ".yaml", ".yml")) and os.path.isfile(file):
-        with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader tells of
+        with contextlib.suppress(OSError, UnicodeError):  # which the program's own reader reports
             return Path(file).read_text(encoding="utf-8"), file
     return text_and_file(Scene.read(file))
 
