@@ -4,6 +4,7 @@
 #include "apps/common/tables/table_printer.hpp"
 #include "apps/fork/fork_study.hpp"
 #include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -53,8 +54,6 @@ std::array<PrintedDisplacement, 2> prototype_p1_displacement(const std::string& 
     return {{{"-1.083302", "-0.753566", "1.981053"}, {"-0.590690", "-0.728401", "1.463117"}}};
   return {{{"-1.095829", "-0.764450", "1.998650"}, {"-0.603967", "-0.740340", "1.483168"}}};
 }
-
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 /// Corner `i` of the polygon in place of a member; the ends are points of the scene.
 std::string corner_name(const Member& member, int i) {
@@ -117,7 +116,7 @@ double mean_difference(const std::vector<Vector3>& a, const std::vector<Vector3>
   for (std::size_t i = 0; i < a.size() && i < b.size(); ++i) {
     const auto place = static_cast<int>(i) % points_per_member;
     const double weight = place == 0 || place == points_per_member - 1 ? 0.5 : 1.0;  // trapezoidal rule
-    sum += weight * std::pow(distance(a[i], b[i]), 2);
+    sum += weight * std::pow(vector_algebra::distance(a[i], b[i]), 2);
     weights += weight;
   }
   double mean = std::sqrt(sum / weights);
@@ -152,7 +151,7 @@ Errors errors_of(Application& app, const std::string& representation, int order,
   for (const int elements : study_list<int>(app, "Convergence Elements per Member")) {
     const Solution solution = solve(app, order, elements, representation);
     errors.fork.push_back(mean_difference(solution.field, reference.field, points_per_member(app), app.communicator));
-    errors.p1.push_back(distance(solution.p1, reference.p1));
+    errors.p1.push_back(vector_algebra::distance(solution.p1, reference.p1));
     errors.displacement.push_back(solution.p1);
   }
   return errors;
@@ -185,7 +184,7 @@ void check_polygon_limit(Application& app, int order, const Errors& errors, cons
     extrapolated[i] = (errors.displacement[finest][i] - share * errors.displacement[finest - 1][i]) / (1.0 - share);
   app.summary.check_upper_bound(
       "k=" + std::to_string(order) + ": distance of the limits of polygon and exact arc at P1",
-      distance(extrapolated, limit), kPolygonLimitTolerance, "both represent the same structure");
+      vector_algebra::distance(extrapolated, limit), kPolygonLimitTolerance, "both represent the same structure");
 }
 
 /// k = 1 with 3 elements per member is what the prototype computed for both representations.

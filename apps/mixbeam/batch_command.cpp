@@ -5,13 +5,13 @@
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/session/last_resort.hpp"
 #include "apps/common/session/mpi_session.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/batch_solver.hpp"
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/case_scenes.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "apps/mixbeam/text_of.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 
@@ -41,23 +41,16 @@ class Stopwatch {
 };
 
 std::string chosen_case(const Scene& scene, const std::optional<std::string>& wanted) {
-  const std::vector<std::string> known = alternatives(scene);
-  if (!wanted && known.empty()) return "";
-  if (!wanted) throw InputError("the scene has load cases; a batch takes one of them: --case " + known.front());
-  if (std::find(known.begin(), known.end(), *wanted) != known.end()) return *wanted;
-  throw InputError("option --case: \"" + excerpt(*wanted) +
-                   "\" is not a load case or combination of the scene; allowed: " +
-                   (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
+  const std::vector<std::string> cases = chosen_cases(scene, wanted);
+  if (!wanted && !cases.front().empty())
+    throw InputError("the scene has load cases; a batch takes one of them: --case " + cases.front());
+  return cases.front();
 }
 
 void set_up_batch(Application& app, const CommandLine& line) {
-  app.quiet = line.quiet;
-  app.force = line.force;
   if (app.communicator->getSize() > 1)
     throw InputError(std::to_string(app.communicator->getSize()) + " ranks; a batch runs on the threads of one");
-  if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, *line.scene_file, mixbeam_definition());
-  describe_run(app, "mixbeam", line.threads);
+  set_up_run(app, line, *line.scene_file, mixbeam_definition());
   warn_of_scene(app);
   if (!app.xml.list->isSublist("Batch"))
     throw app.xml.source.error(
@@ -151,7 +144,7 @@ void BatchRun::report_group(const std::vector<std::size_t>& group, std::size_t n
     failed += result.converged ? 0 : 1;
     unstable += result.stable == "false" ? 1 : 0;
   }
-  app_.out() << text_of(
+  app_.out() << formatted(
                     "mixbeam batch: group %3zu of %zu  cases %6zu  iterations %3d  solved alone %4zu  failed %4zu  "
                     "unstable %4zu  %8.3f s\n",
                     number + 1, groups, group.size(), most_iterations, alone, failed, unstable, seconds)
@@ -204,7 +197,8 @@ void BatchRun::count_ends() {
     if (result.solved) ++app_.summary.stable_cases[result.stable];
   const int unstable = app_.summary.stable_cases["false"];
   if (unstable > 0)
-    app_.summary.warnings.push_back(text_of("%d of %zu cases end unstable: ", unstable, batch_.size()) + kDoesNotStay);
+    app_.summary.warnings.push_back(formatted("%d of %zu cases end unstable: ", unstable, batch_.size()) +
+                                    kDoesNotStay);
 }
 
 /// The last lines.
@@ -238,8 +232,8 @@ int conclude(Application& app, const CommandLine& line, BatchRun& run) {
   run.print_failures();
   app.summary.print_checks(app.out(), false);
   const auto seconds = [&app](const char* name) { return app.summary.seconds[name]; };
-  app.out() << text_of("mixbeam: %zu cases, %zu failed; set-up %.3f s, solve %.3f s, output %.3f s, results in ",
-                       run.cases(), failed, seconds("batch set-up"), seconds("batch solve"), seconds("batch output"))
+  app.out() << formatted("mixbeam: %zu cases, %zu failed; set-up %.3f s, solve %.3f s, output %.3f s, results in ",
+                         run.cases(), failed, seconds("batch set-up"), seconds("batch solve"), seconds("batch output"))
             << app.output.string() << "\n";
   run.print_ends();
   if (run.interrupted()) return kInterruptedExitCode;

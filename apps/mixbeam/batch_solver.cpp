@@ -1,8 +1,8 @@
 #include "apps/mixbeam/batch_solver.hpp"
 
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/run_report.hpp"
-#include "apps/mixbeam/text_of.hpp"
 #include "discretization/scene/merged_scene.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 
@@ -34,7 +34,7 @@ double elements_of(const Scene& scene) {
 }
 
 std::string cause_of(const LoadPathResult& result) {
-  std::string text = text_of("stopped at load factor %.6g", result.load_factor);
+  std::string text = formatted("stopped at load factor %.6g", result.load_factor);
   if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
   return text;
 }
@@ -151,7 +151,7 @@ CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   result = checked_alone(run.simulation, scene);
   if (run.end == AccuracyEnd::reached || run.rounds.back().error <= *scene.accuracy) return result;
   result.converged = false;
-  result.cause = text_of("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
+  result.cause = formatted("accuracy of %.1e: ", *scene.accuracy) + text_of(run.end);
   return result;
 }
 
@@ -215,8 +215,8 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     if (result.converged)
       result.values = quantities_.of(solved, part);
     else
-      result.cause = text_of("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
-                             check.force_error, check.moment_error);
+      result.cause = formatted("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
+                               check.force_error, check.moment_error);
   }
   return results;
 }

@@ -1,5 +1,6 @@
 #include "apps/mixbeam/case_groups.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 
 #include <algorithm>
@@ -12,23 +13,17 @@ namespace mixbeam {
 
 namespace {
 
-double largest(const Vector3& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
+using vector_algebra::largest_component;
 
 /// Diagonal of the box around the points, or the length of what has none (a closed ring: from its centre).
 double length_of(const Scene& scene) {
-  Vector3 low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  const auto enclose = [&](const Vector3& p) {
-    for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], p[i]);
-      high[i] = std::max(high[i], p[i]);
-    }
-  };
-  for (const Point& point : scene.points) enclose(point.position);
+  vector_algebra::Box box;
+  for (const Point& point : scene.points) box.enclose(point.position);
   for (const Member& member : scene.members) {
-    if (member.curve.shape == CurveShape::circular_arc) enclose(member.curve.center);
-    for (const Vector3& point : member.curve.through) enclose(point);
+    if (member.curve.shape == CurveShape::circular_arc) box.enclose(member.curve.center);
+    for (const Vector3& point : member.curve.through) box.enclose(point);
   }
-  const double length = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  const double length = box.diagonal();
   return length > 0.0 && std::isfinite(length) ? length : 1.0;
 }
 
@@ -45,14 +40,14 @@ double load_of(const Scene& scene, double length, double stiffness) {
   double load = 0.0;
   const auto raise = [&load](double value) { load = std::max(load, value); };
   for (const PointLoad& point : scene.point_loads)
-    raise(std::max(largest(point.force), largest(point.moment) / length));
+    raise(std::max(largest_component(point.force), largest_component(point.moment) / length));
   for (const DistributedLoad& line : scene.distributed_loads)
-    raise(std::max(largest(line.force) * length, largest(line.couple)));
+    raise(std::max(largest_component(line.force) * length, largest_component(line.couple)));
   for (const Support& support : scene.supports)
-    raise(stiffness *
-          std::max(largest(support.prescribed_displacement) / length, largest(support.prescribed_rotation)));
+    raise(stiffness * std::max(largest_component(support.prescribed_displacement) / length,
+                               largest_component(support.prescribed_rotation)));
   for (const Eigenstrain& strain : scene.eigenstrains)
-    raise(stiffness * std::max(largest(strain.strain), largest(strain.curvature) * length));
+    raise(stiffness * std::max(largest_component(strain.strain), largest_component(strain.curvature) * length));
   return load;
 }
 

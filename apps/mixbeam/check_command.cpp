@@ -4,9 +4,9 @@
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/machine_room.hpp"
 #include "apps/common/session/mpi_session.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
-#include "apps/mixbeam/text_of.hpp"
 #include "discretization/checks/mechanism.hpp"
 #include "discretization/checks/scene_warnings.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
@@ -28,15 +28,15 @@ constexpr long long kElementsForCheck = 20'000;
 /// "0.35 s", "12 h".
 std::string duration_text(double seconds) {
   constexpr double kMinute = 60.0, kHour = 3600.0;
-  if (seconds >= 2 * kHour) return text_of("%.2g h", seconds / kHour);
-  if (seconds >= 2 * kMinute) return text_of("%.2g min", seconds / kMinute);
-  return text_of("%.2g s", seconds);
+  if (seconds >= 2 * kHour) return formatted("%.2g h", seconds / kHour);
+  if (seconds >= 2 * kMinute) return formatted("%.2g min", seconds / kMinute);
+  return formatted("%.2g s", seconds);
 }
 
 void print_needs(std::ostream& out, const Needs& needs, int ranks) {
-  out << text_of("  members %lld, elements %lld, vertices %lld\n", needs.members, needs.elements, needs.vertices);
-  out << text_of("  unknowns %lld, of which %lld inside the elements; equations to solve %lld\n", needs.unknowns(),
-                 needs.interior, needs.unknowns() - needs.interior);
+  out << formatted("  members %lld, elements %lld, vertices %lld\n", needs.members, needs.elements, needs.vertices);
+  out << formatted("  unknowns %lld, of which %lld inside the elements; equations to solve %lld\n", needs.unknowns(),
+                   needs.interior, needs.unknowns() - needs.interior);
   out << "  memory of a run about " << bytes_text(needs.memory) << ", of which factors " << bytes_text(needs.factors)
       << "; Newton iteration about " << duration_text(needs.seconds) << " on one thread\n";
   if (ranks > 1)
@@ -63,8 +63,8 @@ double print_extent(std::ostream& out, const Simulation& simulation) {
     for (const Vector3& position : member.reference_position) box.enclose(position);
   const double size = box.diagonal();
   const Vector3 low = without_rounding(box.low, size), high = without_rounding(box.high, size);
-  out << text_of("  total length %.10g, box (%.10g, %.10g, %.10g) to (%.10g, %.10g, %.10g)\n", length, low[0], low[1],
-                 low[2], high[0], high[1], high[2]);
+  out << formatted("  total length %.10g, box (%.10g, %.10g, %.10g) to (%.10g, %.10g, %.10g)\n", length, low[0], low[1],
+                   low[2], high[0], high[1], high[2]);
   return size;
 }
 
@@ -77,9 +77,9 @@ void print_loads(std::ostream& out, Simulation& simulation, double size) {
     const double force = vector_algebra::norm(sums.applied_force);
     const Vector3 f = without_rounding(sums.applied_force, force), c = without_rounding(sums.center, size);
     const Vector3 m = without_rounding(sums.applied_moment, vector_algebra::norm(sums.applied_moment) + force * size);
-    out << text_of("  loads at the end of stage %d: force (%.6g, %.6g, %.6g), moment (%.6g, %.6g, %.6g)", stage, f[0],
-                   f[1], f[2], m[0], m[1], m[2])
-        << text_of(" about (%.6g, %.6g, %.6g)\n", c[0], c[1], c[2]);
+    out << formatted("  loads at the end of stage %d: force (%.6g, %.6g, %.6g), moment (%.6g, %.6g, %.6g)", stage, f[0],
+                     f[1], f[2], m[0], m[1], m[2])
+        << formatted(" about (%.6g, %.6g, %.6g)\n", c[0], c[1], c[2]);
   }
 }
 
@@ -121,16 +121,16 @@ void print_check(Application& app, const std::string& load_case) {
   std::ostream& out = app.out();
   out << (scene.name.empty() ? "scene" : scene.name) << case_words(app.scene, load_case) << "\n";
   if (scene.accuracy) {
-    out << text_of("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
+    out << formatted("  start mesh for an accuracy of %.1e\n", *scene.accuracy);
     print_members(out, members_by_mesh(scene, start));
   }
   if (!scene.units.empty()) out << "  units of length, force: " << excerpt(scene.units) << "\n";
   const Needs needs = needs_of_run(app, scene, app.solver);
   print_needs(out, needs, app.communicator->getSize());
   if (scene.sections.size() == 1) out << "  section of all members: " << excerpt(scene.sections[0].name) << "\n";
-  out << text_of("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
-                 scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
-                 scene.distributed_loads.size(), scene.eigenstrains.size());
+  out << formatted("  sections %zu, supports %zu, joints %zu, point loads %zu, line loads %zu, eigenstrains %zu\n",
+                   scene.sections.size(), scene.supports.size(), scene.joints.size(), scene.point_loads.size(),
+                   scene.distributed_loads.size(), scene.eigenstrains.size());
   if (!app.quantities.empty()) out << "  numbers asked for by quantities " << app.quantities.columns().size() << "\n";
   require_memory(app, scene, needs);
   print_simulation(app, scene);

@@ -1,6 +1,6 @@
 #include "apps/common/tables/csv_table.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/scene_run.hpp"
-#include "apps/mixbeam/text_of.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
@@ -75,14 +75,14 @@ void write_envelope_of(Application& app, const std::vector<FollowedQuantity>& qu
   write_columns(app, quantities, file);
   const std::filesystem::path csv = file.parent_path() / (file.stem().string() + "-envelope.csv");
   CsvTable table(csv, {"quantity", "largest", "largest in", "smallest", "smallest in"}, Appears::when_closed);
-  app.out() << text_of("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
+  app.out() << formatted("%-30s %18s %-20s %18s %s\n", "envelope of the ends", "largest", "in", "smallest", "in");
   constexpr std::size_t kMostPrinted = 100;  // the file has them all
   std::size_t printed = 0;
   for (const QuantityEnvelope& one : app.summary.envelope) {
     table.add_row({one.name, one.largest, one.largest_in, one.smallest, one.smallest_in});
     if (++printed <= kMostPrinted)
-      app.out() << text_of("%-30.60s %18.10g %-20.40s %18.10g %.40s\n", one.name.c_str(), one.largest,
-                           one.largest_in.c_str(), one.smallest, one.smallest_in.c_str());
+      app.out() << formatted("%-30.60s %18.10g %-20.40s %18.10g %.40s\n", one.name.c_str(), one.largest,
+                             one.largest_in.c_str(), one.smallest, one.smallest_in.c_str());
   }
   table.close();
   app.out() << "envelope: " << file.string() << ", " << csv.string() << "\n";

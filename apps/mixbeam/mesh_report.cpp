@@ -1,6 +1,6 @@
 #include "apps/mixbeam/mesh_report.hpp"
 
-#include "apps/mixbeam/text_of.hpp"
+#include "apps/common/tables/formatted.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,14 +18,14 @@ constexpr int kMostNames = 4;
 constexpr std::size_t kMostGroups = 12;
 
 void print_rounds(std::ostream& out, const std::vector<ChosenMesh::Round>& rounds) {
-  out << text_of("  %-4s %9s %-12s %6s %10s %9s %10s\n", "mesh", "elements", "solved by", "steps", "iterations",
-                 "seconds", "estimated");
+  out << formatted("  %-4s %9s %-12s %6s %10s %9s %10s\n", "mesh", "elements", "solved by", "steps", "iterations",
+                   "seconds", "estimated");
   for (std::size_t i = 0; i < rounds.size(); ++i) {
     const ChosenMesh::Round& round = rounds[i];
-    const std::string error = std::isnan(round.error) ? "-" : text_of("%.1e", round.error);
-    out << text_of("  %-4zu %9d %-12s %6d %10d %9.3f %10s%s%s\n", i + 1, round.elements,
-                   round.followed ? "load path" : "correction", round.steps, round.iterations, round.seconds,
-                   error.c_str(), round.remark.empty() ? "" : "  ", round.remark.c_str());
+    const std::string error = std::isnan(round.error) ? "-" : formatted("%.1e", round.error);
+    out << formatted("  %-4zu %9d %-12s %6d %10d %9.3f %10s%s%s\n", i + 1, round.elements,
+                     round.followed ? "load path" : "correction", round.steps, round.iterations, round.seconds,
+                     error.c_str(), round.remark.empty() ? "" : "  ", round.remark.c_str());
   }
 }
 
@@ -39,7 +39,8 @@ void check_critical_points(Application& app, const std::string& run, const Accur
   if (has_kept)
     app.out() << "  error of critical load factors not estimated: members keep order and elements\n";
   else if (!std::isnan(last.critical_error))
-    app.out() << text_of("  critical load factors differ by %.1e from those of the mesh before\n", last.critical_error);
+    app.out() << formatted("  critical load factors differ by %.1e from those of the mesh before\n",
+                           last.critical_error);
   if (!has_kept && accurate.end != AccuracyEnd::interrupted)
     app.summary.check_upper_bound(run + ": estimated error of critical load factors", last.critical_error,
                                   *accurate.simulation.scene().accuracy, "accuracy that the scene asks for");
@@ -66,7 +67,7 @@ std::vector<ChosenMesh::Members> members_by_mesh(const Scene& scene, const MeshC
 
 void print_members(std::ostream& out, const std::vector<ChosenMesh::Members>& members) {
   for (std::size_t i = 0; i < std::min(members.size(), kMostGroups); ++i)
-    out << text_of("  order %d, elements %d: ", members[i].order, members[i].elements) << members[i].names << "\n";
+    out << formatted("  order %d, elements %d: ", members[i].order, members[i].elements) << members[i].names << "\n";
   if (members.size() > kMostGroups) out << "  ... and " << members.size() - kMostGroups << " other meshes\n";
 }
 
@@ -84,8 +85,8 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
   for (const MeshRound& round : accurate.rounds)
     report.rounds.push_back(
         {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
-  app.out() << text_of("  wanted accuracy of displacements %.1e, estimated error %.1e: ", report.wanted,
-                       report.estimated)
+  app.out() << formatted("  wanted accuracy of displacements %.1e, estimated error %.1e: ", report.wanted,
+                         report.estimated)
             << report.outcome << "\n";
   print_members(app.out(), report.members);
   print_rounds(app.out(), report.rounds);

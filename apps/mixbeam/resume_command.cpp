@@ -17,11 +17,6 @@ namespace mixbeam {
 
 namespace {
 
-std::string property(const StoredRun& run, const std::string& name) {
-  const auto found = run.header().properties.find(name);
-  return found == run.header().properties.end() ? "" : found->second;
-}
-
 void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   app.quiet = line.quiet;
   app.force = line.force;

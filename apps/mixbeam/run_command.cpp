@@ -8,7 +8,6 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
-#include "discretization/text/message_text.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <algorithm>
@@ -19,15 +18,6 @@
 namespace mixbeam {
 
 namespace {
-
-std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<std::string>& wanted) {
-  const std::vector<std::string> known = alternatives(scene);
-  if (!wanted) return known.empty() ? std::vector<std::string>{""} : known;
-  if (std::find(known.begin(), known.end(), *wanted) != known.end()) return {*wanted};
-  throw InputError("option --case: \"" + excerpt(*wanted) +
-                   "\" is not a load case or combination of the scene; allowed: " +
-                   (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
-}
 
 /// As many as are solved at once.
 std::size_t jobs_of(const CommandLine& line, const std::vector<std::string>& cases) {
@@ -42,11 +32,7 @@ void share_processors(Application& app, std::size_t jobs) {
 }
 
 void set_up(Application& app, const CommandLine& line) {
-  app.quiet = line.quiet;
-  app.force = line.force;
-  if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, *line.scene_file, mixbeam_definition());
-  describe_run(app, "mixbeam", line.threads);
+  set_up_run(app, line, *line.scene_file, mixbeam_definition());
   warn_of_scene(app);
   if (line.jobs > 1) share_processors(app, jobs_of(line, chosen_cases(app.scene, line.load_case)));
   const std::filesystem::path scene(*line.scene_file);

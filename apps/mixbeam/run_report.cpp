@@ -1,8 +1,8 @@
 #include "apps/mixbeam/run_report.hpp"
 
 #include "apps/common/session/progress.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
-#include "apps/mixbeam/text_of.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/result_names.hpp"
 
@@ -82,7 +82,7 @@ std::string verdict_text(const EndOfRun& end) {
   if (end.stable == "unknown" && end.negative < 0) return "unknown (\"Stability\" was not determined)";
   if (end.stable == "unknown" && !end.has_potential) return "unknown (loads without a potential: it may flutter)";
   if (end.negative <= 0) return end.stable;
-  return end.stable + text_of(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
+  return end.stable + formatted(" (%d negative eigenvalue%s)", end.negative, end.negative == 1 ? "" : "s");
 }
 
 }  // namespace
@@ -155,7 +155,8 @@ void RunReport::print_buckling(std::ostream& out) const {
   if (buckling_.empty()) return;
   out << "  linear buckling of the undeformed structure at load factors";
   for (const RecordedBucklingMode& mode : buckling_)
-    out << text_of(" %.8g (residual %.0e%s)", mode.load_factor, mode.residual, mode.confirmed ? "" : ", not confirmed");
+    out << formatted(" %.8g (residual %.0e%s)", mode.load_factor, mode.residual,
+                     mode.confirmed ? "" : ", not confirmed");
   const auto is_negative = [](const RecordedBucklingMode& mode) { return mode.load_factor < 0.0; };
   out << (std::any_of(buckling_.begin(), buckling_.end(), is_negative) ? "; negative: under the reversed loads\n"
                                                                        : "\n");
@@ -164,9 +165,9 @@ void RunReport::print_buckling(std::ostream& out) const {
 void RunReport::print_critical_points(std::ostream& out) const {
   for (std::size_t i = 0; i < std::min(critical_.size(), kMostLines); ++i) {
     const RecordedCriticalPoint& point = critical_[i];
-    out << text_of("  critical point %zu: %s at load factor %s, negative eigenvalues %d before, %d after\n", i + 1,
-                   point.kind.c_str(), in_known_digits(point.load_factor, point.load_factor_error).c_str(),
-                   point.negative_before, point.negative_after);
+    out << formatted("  critical point %zu: %s at load factor %s, negative eigenvalues %d before, %d after\n", i + 1,
+                     point.kind.c_str(), in_known_digits(point.load_factor, point.load_factor_error).c_str(),
+                     point.negative_before, point.negative_after);
   }
   print_left_out(out, critical_.size());
 }
@@ -207,7 +208,7 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
     const double large = errors.quantities.front().relative;
     if (large > kLargeError) {
       const std::string warning =
-          run + text_of(": the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
+          run + formatted(": the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
           "more \"Elements\", a higher \"Order\", or \"Accuracy\" in the scene";
       app.summary.warnings.push_back(warning);
       app.out() << "warning: " << warning << "\n";
@@ -235,11 +236,11 @@ void RunReport::print_errors(std::ostream& out) const {
     out << "  discretization error not estimated: " << last_.error_estimate->not_estimated << "\n";
     return;
   }
-  out << text_of("  %-36s %9s %9s\n", "estimated discretization error", "absolute", "relative");
+  out << formatted("  %-36s %9s %9s\n", "estimated discretization error", "absolute", "relative");
   for (const NamedError& quantity : named(*last_.error_estimate, length_, bending_)) {
     const double share = relative(quantity.error, quantity.scale);
-    out << text_of("    %-34s %9.1e %9s\n", quantity.name, std::abs(quantity.error.error),
-                   std::isnan(share) ? "-" : text_of("%.1e", share).c_str());
+    out << formatted("    %-34s %9.1e %9s\n", quantity.name, std::abs(quantity.error.error),
+                     std::isnan(share) ? "-" : formatted("%.1e", share).c_str());
   }
 }
 
@@ -249,7 +250,7 @@ std::string RunReport::place_of(std::size_t column) const {
   if (column + 1 >= columns.size() || !columns[column + 1].is_member || std::isnan(followed_[column].last)) return "";
   const auto member = static_cast<std::size_t>(followed_[column + 1].last);
   const int side = static_cast<int>(followed_[column + 3].last);
-  return member_names_[member] + text_of(" at s = %.6g", followed_[column + 2].last) +
+  return member_names_[member] + formatted(" at s = %.6g", followed_[column + 2].last) +
          (side == 0  ? ""
           : side < 0 ? ", before a vertex"
                      : ", after a vertex");
@@ -260,9 +261,9 @@ void RunReport::print_quantities(std::ostream& out) const {
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     const QuantitySet::Column& column = quantities_->columns()[i];
     if (!column.is_value || ++lines > kMostQuantities) continue;
-    if (lines == 1) out << text_of("  %-30s %18s %18s\n", "quantity", "at the end", "largest size");
-    out << text_of("  %-30.60s %18.10g %18.10g at load factor %.6g", column.name.c_str(), followed_[i].last,
-                   followed_[i].at_size, followed_[i].load_factor_of_size);
+    if (lines == 1) out << formatted("  %-30s %18s %18s\n", "quantity", "at the end", "largest size");
+    out << formatted("  %-30.60s %18.10g %18.10g at load factor %.6g", column.name.c_str(), followed_[i].last,
+                     followed_[i].at_size, followed_[i].load_factor_of_size);
     const std::string place = place_of(i);
     out << (place.empty() ? "" : "; at the end: " + place) << "\n";
   }
@@ -299,13 +300,13 @@ void RunReport::print_reactions(std::ostream& out) const {
     shown.resize(kMostLines - 1);
     shown.push_back(sum);
   }
-  out << text_of("  %-24s %18s %18s %18s   moment x, y, z\n", "reaction at", "force x", "y", "z");
+  out << formatted("  %-24s %18s %18s %18s   moment x, y, z\n", "reaction at", "force x", "y", "z");
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const RecordedReaction& reaction = shown[i];
-    out << text_of("  %-24.60s %18.10g %18.10g %18.10g", reaction.point.c_str(), reaction.force[0], reaction.force[1],
-                   reaction.force[2]);
+    out << formatted("  %-24.60s %18.10g %18.10g %18.10g", reaction.point.c_str(), reaction.force[0], reaction.force[1],
+                     reaction.force[2]);
     const bool is_sum = shown.size() < last_.reactions.size() && i + 1 == shown.size();
-    if (!is_sum) out << text_of("   %.10g, %.10g, %.10g", reaction.moment[0], reaction.moment[1], reaction.moment[2]);
+    if (!is_sum) out << formatted("   %.10g, %.10g, %.10g", reaction.moment[0], reaction.moment[1], reaction.moment[2]);
     out << "\n";
   }
   if (last_.reactions.size() > kMostLines)
@@ -320,21 +321,21 @@ void RunReport::print(std::ostream& out) const {
   std::size_t points = 0;
   for (const MonitoredQuantity& quantity : last_.monitored) {
     if (!ends_with(quantity.name, displacement) || stays(quantity) || ++points > kMostLines) continue;
-    if (points == 1) out << text_of("  %-24s %18s %18s %18s\n", "displacement of", "x", "y", "z");
+    if (points == 1) out << formatted("  %-24s %18s %18s %18s\n", "displacement of", "x", "y", "z");
     const std::string point = quantity.name.substr(0, quantity.name.size() - displacement.size());
     const std::vector<double>& u = quantity.components;
-    out << text_of("  %-24.60s %18.10g %18.10g %18.10g\n", point.c_str(), u[0], u[1], u[2]);
+    out << formatted("  %-24.60s %18.10g %18.10g %18.10g\n", point.c_str(), u[0], u[1], u[2]);
   }
   print_left_out(out, points);
   print_reactions(out);
-  out << text_of("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
-                 last_.moment_energy);
+  out << formatted("  strain energy %.10g (forces %.10g, moments %.10g)\n", last_.strain_energy, last_.force_energy,
+                   last_.moment_energy);
   print_quantities(out);
   if (last_.stresses) print_stresses(out, *last_.stresses);
   print_errors(out);
   const bool balanced = force_error_ <= balance_tolerance_ && moment_error_ <= balance_tolerance_;
-  out << text_of("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",
-                 balanced ? "balance" : "DO NOT BALANCE", force_error_, moment_error_, balance_tolerance_);
+  out << formatted("  loads and reactions %s: forces %.1e, moments %.1e of the largest at work, allowed %.0e\n",
+                   balanced ? "balance" : "DO NOT BALANCE", force_error_, moment_error_, balance_tolerance_);
 }
 
 }  // namespace mixbeam

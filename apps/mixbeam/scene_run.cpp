@@ -4,14 +4,15 @@
 #include "apps/common/session/guarded_run.hpp"
 #include "apps/common/session/interrupt.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "apps/mixbeam/mesh_report.hpp"
 #include "apps/mixbeam/run_report.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 
-#include <chrono>
-#include <cstdio>
+#include <algorithm>
 #include <iostream>
 
 namespace mixbeam {
@@ -31,14 +32,14 @@ void warn_of_uncertain_forces(Application& app, const std::string& run, Simulati
 }
 
 void say_how_to_resume(Application& app, const Simulation& simulation, const std::filesystem::path& file) {
-  char progress[64];
-  std::snprintf(progress, sizeof progress, "%.6g of %d", simulation.result().load_factor, simulation.scene().stages);
-  app.out() << "Stopped after step " << simulation.result().steps << ", load factor " << progress << ". ";
+  const LoadPathResult& path = simulation.result();
+  app.out() << "Stopped after step " << path.steps << ", load factor "
+            << formatted("%.6g of %d. ", path.load_factor, simulation.scene().stages);
   const std::string obstacle = obstacle_to_resuming(app);
   if (obstacle.empty() && file.empty())
     app.out() << "This run cannot be resumed: it has no file.\n";
   else if (obstacle.empty())
-    app.out() << "To go on:\n  mixbeam resume " << file.string() << "\n";
+    app.out() << "To continue:\n  mixbeam resume " << file.string() << "\n";
   else
     app.out() << "This run cannot be resumed: " << obstacle << ".\n";
 }
@@ -52,6 +53,20 @@ std::string obstacle_to_resuming(const Application& app) {
 
 std::map<std::string, std::string> properties_of_case(const std::string& load_case) {
   return {{"load_case", load_case}};
+}
+
+std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<std::string>& wanted) {
+  const std::vector<std::string> known = alternatives(scene);
+  if (!wanted) return known.empty() ? std::vector<std::string>{""} : known;
+  if (std::find(known.begin(), known.end(), *wanted) != known.end()) return {*wanted};
+  throw InputError("option --case: \"" + excerpt(*wanted) +
+                   "\" is not a load case or combination of the scene; allowed: " +
+                   (known.empty() ? "nothing, the scene has none" : quoted_list(known)) + did_you_mean(*wanted, known));
+}
+
+std::string property(const StoredRun& run, const std::string& name) {
+  const auto found = run.header().properties.find(name);
+  return found == run.header().properties.end() ? "" : found->second;
 }
 
 std::filesystem::path result_file_of(const std::filesystem::path& folder, const std::string& name,
@@ -127,25 +142,14 @@ RunEnd run_case(Application& app, const std::string& load_case, const std::files
 }
 
 int finish_runs(Application& app, const CommandLine& line, const std::function<RunEnd()>& cases) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto finish = [&] {
-    app.summary.seconds["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
-  };
   RunEnd end = RunEnd::arrived;
-  try {
-    end = cases();
-  } catch (const MemberError& error) {
-    throw placed(app, error);
-  } catch (const ConvergenceError& error) {
-    app.summary.failure = error.what();
-    finish();
-    throw;
-  }
-  finish();
-  app.summary.print_checks(app.out(), false);
-  char seconds[32];
-  std::snprintf(seconds, sizeof seconds, "%.3f s", app.summary.seconds["total"]);
+  const std::string seconds = compute_with_summary(app, line, [&] {
+    try {
+      end = cases();
+    } catch (const MemberError& error) {
+      throw placed(app, error);
+    }
+  });
   app.out() << "mixbeam: " << counted(app.summary.load_steps, "load step") << ", "
             << counted(app.summary.newton_iterations, "Newton iteration") << ", " << seconds
             << (app.output.empty() ? "" : ", results in " + app.output.string()) << "\n";

@@ -19,8 +19,14 @@ void warn_without_lock(Application& app, const SharedResultLock& lock);
 /// holds it. Collective.
 SharedResultLock lock_or_warn(Application& app, const std::filesystem::path& file);
 
+/// Load cases and combinations of a scene, [""] where it has none, or the one of the option --case. Throws InputError.
+std::vector<std::string> chosen_cases(const Scene& scene, const std::optional<std::string>& wanted);
+
 /// What a result file records of the case of its scene.
 std::map<std::string, std::string> properties_of_case(const std::string& load_case);
+
+/// Of a stored run; empty where it has none of this name.
+std::string property(const StoredRun& run, const std::string& name);
 
 /// Solves the scene of one case (an empty name: what acts in all cases) into `file` (none where that is empty), or goes
 /// on with `resume`, and prints what came out.

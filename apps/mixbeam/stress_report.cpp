@@ -1,7 +1,6 @@
 // What a run says of stresses and strains when it has ended.
+#include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/run_report.hpp"
-
-#include "apps/mixbeam/text_of.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,14 +18,14 @@ constexpr double kNoStrain = 1e-12;
 
 /// Place over the length of the member.
 std::string share_text(const StressedMember& m) {
-  return text_of("%.4g", m.length > 0.0 ? m.arc_length / m.length : 0.0);
+  return formatted("%.4g", m.length > 0.0 ? m.arc_length / m.length : 0.0);
 }
 
 /// "0.05, -0.1"; a coordinate that is rounding beside the other is zero.
 std::string point_text(const SectionPoint& p) {
   constexpr double kRounding = 1e-9;
   const double size = kRounding * std::max(std::abs(p[0]), std::abs(p[1]));
-  return text_of("%.4g, %.4g", std::abs(p[0]) < size ? 0.0 : p[0], std::abs(p[1]) < size ? 0.0 : p[1]);
+  return formatted("%.4g, %.4g", std::abs(p[0]) < size ? 0.0 : p[0], std::abs(p[1]) < size ? 0.0 : p[1]);
 }
 
 bool any_utilisation(const StressSummary& stresses) {
@@ -34,19 +33,19 @@ bool any_utilisation(const StressSummary& stresses) {
                      [](const StressedMember& m) { return m.utilisation.has_value(); });
 }
 
-std::string percent(double value) { return text_of("%.3g %%", 100.0 * value); }
+std::string percent(double value) { return formatted("%.3g %%", 100.0 * value); }
 
 }  // namespace
 
 void print_stresses(std::ostream& out, const StressSummary& stresses) {
   if (stresses.members.empty() || (stresses.strain.value > 0.0 && stresses.strain.value < kNoStrain)) return;
-  out << text_of("  %-24s %14s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "at s", "s / L",
-                 "point of section x2, x3", any_utilisation(stresses) ? " utilisation" : "");
+  out << formatted("  %-24s %14s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "at s", "s / L",
+                   "point of section x2, x3", any_utilisation(stresses) ? " utilisation" : "");
   for (const StressedMember& m : stresses.members) {
     const LargestStress& s = m.stresses.von_mises;
-    out << text_of("  %-24.60s %14.6g %14.6g %9s   %-24s", m.member.c_str(), s.value, m.arc_length,
-                   share_text(m).c_str(), point_text(s.point).c_str());
-    out << (m.utilisation ? text_of(" %11.3g", *m.utilisation) : "") << "\n";
+    out << formatted("  %-24.60s %14.6g %14.6g %9s   %-24s", m.member.c_str(), s.value, m.arc_length,
+                     share_text(m).c_str(), point_text(s.point).c_str());
+    out << (m.utilisation ? formatted(" %11.3g", *m.utilisation) : "") << "\n";
   }
   for (const StressedMember& m : stresses.members)
     if (m.torsion_share > kTorsionNote) {
@@ -62,11 +61,11 @@ std::vector<std::string> stress_warnings(const StressSummary& stresses) {
   if (used.value > used.limit)
     warnings.push_back("member \"" + used.member +
                        "\" is stressed beyond the \"Strength\" of its material: utilisation " +
-                       text_of("%.3g at s = %.6g", used.value, used.arc_length));
+                       formatted("%.3g at s = %.6g", used.value, used.arc_length));
   if (!strain.member.empty() && strain.value > strain.limit)
     warnings.push_back(
         "member \"" + strain.member + "\" is strained by " + percent(strain.value) +
-        " at s = " + text_of("%.6g", strain.arc_length) + ", more than " + percent(strain.limit) +
+        " at s = " + formatted("%.6g", strain.arc_length) + ", more than " + percent(strain.limit) +
         ": hardly any material is linear up to there (\"Largest Strain\" of its section changes the limit)");
   if (!curved.member.empty() && curved.value > curved.limit)
     warnings.push_back("member \"" + curved.member +

@@ -15,11 +15,6 @@ namespace mixbeam {
 
 namespace {
 
-std::string property(const StoredRun& run, const std::string& name) {
-  const auto found = run.header().properties.find(name);
-  return found == run.header().properties.end() ? "" : found->second;
-}
-
 void prepare(Application& app, std::ostream& report, bool force) {
   app.communicator = start_as_guest();
   app.terminal = &report;

@@ -2,6 +2,7 @@
 
 #include "apps/common/run/scene_file.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/text/errors.hpp"
@@ -159,12 +160,13 @@ BenchmarkProblem read_benchmark(const Application& app, const Benchmark& benchma
 
 namespace {
 
+using vector_algebra::distance;
+using vector_algebra::norm;
+
 /// More than the k + 1 that are exact for what an element can represent: the reference is no such polynomial.
 constexpr int kMoreGaussPoints = 4;
 /// Steps end at load factors that are asked for, but for rounding.
 constexpr double kSameLoad = 1e-12;
-
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 double energy_of(const Simulation& simulation) {
   const StrainEnergy energy = simulation.strain_energy();
@@ -190,15 +192,6 @@ std::vector<std::string> judged_points(const BenchmarkProblem& problem, const Si
   return points;
 }
 
-double largest_displacement(const Simulation& simulation) {
-  double largest = 0.0;
-  for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex) {
-    const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
-    largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
-  }
-  return largest;
-}
-
 }  // namespace
 
 double largest_error(const Errors& errors) {
@@ -215,7 +208,7 @@ Errors estimated_errors(const Simulation& simulation, const std::string& point) 
   const ErrorEstimate estimate = simulation.estimate_error();
   if (!estimate.exists()) return kNoErrors;
   const Vector3 error = estimate.vertex_displacement.at(vertex_of(simulation.model().mesh(), point));
-  return {distance(error, {}) / distance(simulation.displacement(point), {}), estimate.displacement.relative(),
+  return {norm(error) / norm(simulation.displacement(point)), estimate.displacement.relative(),
           estimate.moment.relative(), std::abs(estimate.energy.relative())};
 }
 
@@ -250,8 +243,8 @@ Reference::Reference(const BenchmarkProblem& problem, const Communicator& commun
       simulation(solved(problem, communicator, reference, trace)),
       points(judged_points(problem, simulation)) {
   const int gauss = gauss_points(simulation);
-  scale = {problem.about.in_gallery ? largest_displacement(simulation)
-                                    : distance(simulation.displacement(problem.about.point), {}),
+  scale = {problem.about.in_gallery ? largest_displacement(simulation.model(), simulation.state())
+                                    : norm(simulation.displacement(problem.about.point)),
            simulation.l2_norm(gauss, [](const PointSample& sample, int) { return sample.displacement; }),
            simulation.l2_norm(gauss, [](const PointSample& sample, int) { return sample.moment; }),
            energy_of(simulation)};

@@ -21,6 +21,9 @@ inline Vector3 cross(const Vector3& a, const Vector3& b) {
 }
 /// Without overflow or underflow of the squares.
 inline double norm(const Vector3& a) { return std::hypot(a[0], a[1], a[2]); }
+inline double distance(const Vector3& a, const Vector3& b) { return norm(difference(a, b)); }
+/// In absolute value.
+inline double largest_component(const Vector3& a) { return std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}); }
 /// In the direction of `a`, which is at least kShortestLength long.
 inline Vector3 unit(const Vector3& a) { return scaled(1.0 / norm(a), a); }
 /// Shorter vectors have no direction: the squares of their components underflow.

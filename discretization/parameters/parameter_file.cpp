@@ -3,6 +3,7 @@
 #include "discretization/parameters/value.hpp"
 #include "discretization/parameters/yaml_reader.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/tags.hpp"
 #include "discretization/text/text_file.hpp"
 
 #include <algorithm>
@@ -25,17 +26,6 @@ inline constexpr bool is_array_of_values =
 
 // XML
 
-std::string escaped(const std::string& text) {
-  static const std::map<char, std::string> kEscapes = {{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"}, {'"', "&quot;"},
-                                                       {'\n', "&#10;"}, {'\r', "&#13;"}, {'\t', "&#9;"}};
-  std::string result;
-  for (const char c : text) {
-    const auto escape = kEscapes.find(c);
-    result += escape == kEscapes.end() ? std::string(1, c) : escape->second;
-  }
-  return result;
-}
-
 std::string xml_value(const ParameterValue& value) {
   const auto text = [](const auto& held) {
     using Held = std::decay_t<decltype(held)>;
@@ -54,10 +44,10 @@ std::string xml_value(const ParameterValue& value) {
 void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std::string& name, int depth) {
   const std::string indent(static_cast<std::size_t>(2 * depth), ' ');
   if (list.numParams() == 0) {
-    out << indent << "<ParameterList name=\"" << escaped(name) << "\"/>\n";
+    out << indent << "<ParameterList name=\"" << xml_escaped(name) << "\"/>\n";
     return;
   }
-  out << indent << "<ParameterList name=\"" << escaped(name) << "\">\n";
+  out << indent << "<ParameterList name=\"" << xml_escaped(name) << "\">\n";
   for (auto entry = list.begin(); entry != list.end(); ++entry) {
     const std::string& inner = list.name(entry);
     if (list.isSublist(inner)) {
@@ -65,8 +55,8 @@ void write_xml(std::ostream& out, const Teuchos::ParameterList& list, const std:
       continue;
     }
     const ParameterValue value = value_of(list.entry(entry));
-    out << indent << "  <Parameter name=\"" << escaped(inner) << "\" type=\""
-        << xml_name(static_cast<ParameterType>(value.index() - 1)) << "\" value=\"" << escaped(xml_value(value))
+    out << indent << "  <Parameter name=\"" << xml_escaped(inner) << "\" type=\""
+        << xml_name(static_cast<ParameterType>(value.index() - 1)) << "\" value=\"" << xml_escaped(xml_value(value))
         << "\"/>\n";
   }
   out << indent << "</ParameterList>\n";

@@ -25,18 +25,6 @@ void print_wrapped(std::ostream& out, const std::string& text, int indent) {
   if (line.size() > start) out << line << '\n';
 }
 
-std::string presence_text(Presence presence) {
-  switch (presence) {
-    case Presence::required:
-      return "required";
-    case Presence::optional:
-      return "optional";
-    case Presence::defaulted:
-      break;
-  }
-  return "";
-}
-
 /// Bounds that no scene reaches would only hide those that matter; messages of errors name them.
 constexpr double kBeyondAnyScene = 1e99;
 
@@ -47,10 +35,8 @@ std::string described_values(ParameterSpec spec) {
   return allowed_values(spec);
 }
 
-/// Of a list: whether its parameters have defaults makes no difference to who leaves it out.
-std::string presence_text_of_list(Presence presence) {
-  return presence == Presence::required ? "required" : "optional";
-}
+/// Of a parameter without a default, or of a list, which may be left out whether its parameters have defaults or not.
+std::string presence_text(Presence presence) { return presence == Presence::required ? "required" : "optional"; }
 
 void print_parameter(std::ostream& out, const ParameterSpec& spec, const std::string& name, int indent) {
   std::string head = name + ": " + described_values(spec);
@@ -66,7 +52,7 @@ void print_list(std::ostream& out, const ListSpec& spec, const std::string& head
   const int inside = head.empty() ? indent : indent + kIndent;
   for (const ParameterSpec& parameter : spec.parameters) print_parameter(out, parameter, parameter.name, inside);
   for (const SublistSpec& sublist : spec.sublists) {
-    print_list(out, *sublist.list, "[" + sublist.name + "] " + presence_text_of_list(sublist.presence), inside);
+    print_list(out, *sublist.list, "[" + sublist.name + "] " + presence_text(sublist.presence), inside);
   }
   const std::string placeholder = "<" + spec.placeholder + ">";
   const std::string many = spec.minimum_named > 0 ? " one or more" : " any number";
@@ -123,7 +109,7 @@ void print_markdown_list(std::ostream& out, const ListSpec& spec, const std::str
 void print_markdown_sublists(std::ostream& out, const ListSpec& spec, const std::string& path) {
   const std::string before = path.empty() ? "" : path + " / ";
   for (const SublistSpec& sublist : spec.sublists)
-    print_markdown_list(out, *sublist.list, before + sublist.name, presence_text_of_list(sublist.presence));
+    print_markdown_list(out, *sublist.list, before + sublist.name, presence_text(sublist.presence));
   if (spec.named_list)
     print_markdown_list(out, *spec.named_list, before + "<" + spec.placeholder + ">",
                         spec.minimum_named > 0 ? "one or more" : "any number");

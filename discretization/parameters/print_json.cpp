@@ -45,15 +45,8 @@ Json json_range(const Range& range) {
 }
 
 std::string json_presence(Presence presence) {
-  switch (presence) {
-    case Presence::required:
-      return "required";
-    case Presence::defaulted:
-      return "default";
-    case Presence::optional:
-      break;
-  }
-  return "optional";
+  if (presence == Presence::required) return "required";
+  return presence == Presence::defaulted ? "default" : "optional";
 }
 
 /// `force / length` of a meaning that ends with [force / length]; empty where it names none.

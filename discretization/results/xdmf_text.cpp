@@ -1,7 +1,8 @@
 #include "discretization/results/result_tables.hpp"
+#include "discretization/text/number_text.hpp"
+#include "discretization/text/tags.hpp"
 
 #include <array>
-#include <charconv>
 
 namespace mixbeam {
 namespace {
@@ -9,36 +10,6 @@ namespace {
 constexpr std::array<const char*, 10> kVectorFields = {
     "displacement", "spatial_force",  "spatial_moment",  "triad_1",      "triad_2",
     "triad_3",      "material_force", "material_moment", "force_strain", "moment_strain"};
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
-// Shortest decimal text that reads back as the same double, whatever the locale.
-std::string number(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return {text.data(), end};
-}
 
 std::string data_item(const std::string& dimensions, const std::string& type, const std::string& place) {
   return "<DataItem Format=\"HDF\" " + type + " Dimensions=\"" + dimensions + "\">" + place + "</DataItem>";
@@ -65,7 +36,7 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
             data_item(std::to_string(samples), real, place + field) + "</Attribute>\n";
   }
   text += "        <Attribute Name=\"load_factor\" AttributeType=\"Scalar\" Center=\"Grid\"><DataItem Format=\"XML\" " +
-          real + " Dimensions=\"1\">" + number(step.load_factor) + "</DataItem></Attribute>\n";
+          real + " Dimensions=\"1\">" + shortest(step.load_factor) + "</DataItem></Attribute>\n";
   return text + "      </Grid>\n";
 }
 
@@ -73,7 +44,7 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
 
 std::string xdmf_text(const std::string& data_file, const std::vector<XdmfStep>& steps, std::size_t members,
                       std::size_t samples, std::size_t connectivity) {
-  const std::string file = escaped(data_file);
+  const std::string file = xml_escaped(data_file);
   std::string text =
       "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"steps\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";

@@ -323,4 +323,13 @@ std::array<double, 6> vertex_motion(const Model& model, const State& state, int 
   return all;
 }
 
+double largest_displacement(const Model& model, const State& state) {
+  double largest = 0.0;
+  for (int vertex = 0; vertex < model.mesh().vertices(); ++vertex) {
+    const std::array<double, 6> motion = vertex_motion(model, state, vertex);
+    largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
+  }
+  return largest;
+}
+
 }  // namespace mixbeam

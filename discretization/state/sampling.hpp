@@ -67,5 +67,7 @@ StrainEnergy strain_energy(const Model& model, const State& state);
 
 /// Displacement (3) and rotation vector of Lambda_V (3, norm at most pi) of a global vertex, on every rank. Collective.
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex);
+/// Of any vertex. Collective.
+double largest_displacement(const Model& model, const State& state);
 
 }  // namespace mixbeam

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <utility>
 
 namespace mixbeam {
@@ -53,6 +54,17 @@ class TagScanner {
 };
 
 }  // namespace
+
+std::string xml_escaped(const std::string& text) {
+  static const std::map<char, std::string> kEscapes = {{'&', "&amp;"},  {'<', "&lt;"},   {'>', "&gt;"}, {'"', "&quot;"},
+                                                       {'\n', "&#10;"}, {'\r', "&#13;"}, {'\t', "&#9;"}};
+  std::string result;
+  for (const char c : text) {
+    const auto escape = kEscapes.find(c);
+    result += escape == kEscapes.end() ? std::string(1, c) : escape->second;
+  }
+  return result;
+}
 
 int line_of_tag_with_more(int attributes, const std::string& text) {
   return TagScanner(text).line_of_tag_with_more(attributes);

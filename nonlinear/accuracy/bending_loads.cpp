@@ -1,5 +1,6 @@
 #include "nonlinear/accuracy/bending_loads.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/expression.hpp"
 
 #include <algorithm>
@@ -10,6 +11,9 @@
 namespace mixbeam {
 
 namespace {
+
+using vector_algebra::distance;
+using vector_algebra::norm;
 
 /// A member of length L under a force F at a distance d has errors as if it turned evenly by f sqrt(F d L / EI): where
 /// the force bends it most, its curvature is sqrt(2 F / EI) at most, and higher there than anywhere else. Measured with
@@ -27,21 +31,17 @@ constexpr double kLeverOfALattice = 3.0;
 /// Points of a member at which the formula of a load is looked at.
 constexpr int kPointsOfAFormula = 16;
 
-double length_of(const Vector3& v) { return std::hypot(v[0], v[1], v[2]); }
-
-double distance(const Vector3& a, const Vector3& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
-
 /// Mean size of a vector that may depend on the place along a member of this length.
 double mean_size(const Vector3& constant, const std::array<std::string, 3>& formula, double length) {
   if (std::all_of(formula.begin(), formula.end(), [](const std::string& text) { return text.empty(); }))
-    return length_of(constant);
+    return norm(constant);
   double sum = 0.0;
   for (int point = 0; point < kPointsOfAFormula; ++point) {
     const double x = (point + 0.5) / kPointsOfAFormula;
     Vector3 value = constant;
     for (int i = 0; i < 3; ++i)
       if (!formula[i].empty()) value[i] = Expression(formula[i], {"s", "x"})({x * length, x});
-    if (std::isfinite(length_of(value))) sum += length_of(value);
+    if (std::isfinite(norm(value))) sum += norm(value);
   }
   return sum / kPointsOfAFormula;
 }
@@ -158,7 +158,7 @@ struct BendingLoads {
   BendingLoads(const Scene& scene, const Mesh& mesh) : at_vertex(mesh.vertices()) {
     for (const PointLoad& load : scene.point_loads) {
       const int vertex = vertex_of(mesh, load.point);
-      single.push_back(load_at(mesh.vertex_position[vertex], length_of(load.force), length_of(load.moment)));
+      single.push_back(load_at(mesh.vertex_position[vertex], norm(load.force), norm(load.moment)));
       at_vertex[vertex].add(single.back());
     }
     for (const DistributedLoad& load : scene.distributed_loads)
@@ -265,7 +265,7 @@ std::vector<double> turning_by_loads(const Scene& scene, const Mesh& mesh) {
   }
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const int m = member_index(scene, strain.member);
-    turning[m] += std::min(kMostTurningByMoment, length_of(strain.curvature) * mesh.members[m].curve.length);
+    turning[m] += std::min(kMostTurningByMoment, norm(strain.curvature) * mesh.members[m].curve.length);
   }
   return turning;
 }

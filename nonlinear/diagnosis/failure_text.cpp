@@ -1,4 +1,5 @@
 // The failure report as a page in plain words.
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
@@ -92,8 +93,6 @@ void write_tangent(std::ostream& out, const FailureReport& report) {
     if (tangent.nearly_singular || tangent.mechanism || mode.eigenvalue < 0.0) write_mode(out, mode);
 }
 
-double largest_component(const Vector3& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
-
 /// The sentences, each with the numbers of this run.
 class Adviser {
  public:
@@ -110,7 +109,8 @@ class Adviser {
   void check_units() {
     const Scene& scene = problem_.model.scene();
     double force = 0.0;
-    for (const PointLoad& load : scene.point_loads) force = std::max(force, largest_component(load.force));
+    for (const PointLoad& load : scene.point_loads)
+      force = std::max(force, vector_algebra::largest_component(load.force));
     const Structure& structure = problem_.model.structure();
     const double bending = structure.bending_reference / (structure.length * structure.length);
     std::string text = "Check units and sizes of loads and prescribed motions";

@@ -21,7 +21,6 @@ TEST(TablePrinter, PutsPaperOwnValueAndDifferenceSideBySide) {
   table.add_group("slenderness 10");
   table.add_row({"1", "4"}, {compare_printed("-23.7513", -23.75125), compare_printed("54.0950", 54.09503)});
   table.add_row({"2", "32"}, {{"", 1.5, Agreement::informative}, {"1.0", 1.2, Agreement::informative}});
-  EXPECT_EQ(table.rows_out_of_tolerance(), 0);
   EXPECT_EQ(printed(table),
             "Arc\n"
             "                                 u1                                u2\n"
@@ -36,7 +35,6 @@ TEST(TablePrinter, MarksRowsOutOfTolerance) {
   table.add_row({"1"}, {compare_printed("-23.7513", -23.7515), compare_printed("1.0", 1.0)});
   table.add_row({"2"}, {compare_printed("-23.7513", std::nan("")), compare_printed("1.0", 1.0)});
   table.add_row({"3"}, {compare_printed("-23.7513", -23.7512), compare_printed("1.0", 1.0)});
-  EXPECT_EQ(table.rows_out_of_tolerance(), 2);
   std::stringstream lines(printed(table));
   std::string line;
   for (int i = 0; i < 4; ++i) std::getline(lines, line);

@@ -7,9 +7,6 @@
 #include "discretization/parameters/print.hpp"
 #include "discretization/text/message_text.hpp"
 
-#include <array>
-#include <chrono>
-#include <cstdio>
 #include <iostream>
 
 namespace mixbeam {
@@ -21,11 +18,7 @@ std::string default_scene_file(const std::string& name) {
 }
 
 void set_up(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
-  app.quiet = line.quiet;
-  app.force = line.force;
-  if (line.summary) prepare_summary(app, *line.summary);
-  read_scene_file(app, line.scene_file ? *line.scene_file : default_scene_file(definition.name), definition);
-  describe_run(app, definition.name, line.threads);
+  set_up_run(app, line, line.scene_file ? *line.scene_file : default_scene_file(definition.name), definition);
   app.output = line.output ? *line.output : "results/" + definition.name;
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
 }
@@ -60,32 +53,15 @@ void compute(Application& app, const CommandLine& line, const ApplicationDefinit
 }
 
 int run(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto finish = [&] {
-    app.summary.seconds["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
-  };
-  set_up(app, line, definition);
-  require_reachable(app, app.scene.load_cases.empty() ? std::vector<std::string>{""} : app.scene.load_cases);
-  try {
+  const std::string seconds = compute_with_summary(app, line, [&] {
+    set_up(app, line, definition);
+    require_reachable(app, app.scene.load_cases.empty() ? std::vector<std::string>{""} : app.scene.load_cases);
     compute(app, line, definition);
-  } catch (const ConvergenceError& error) {
-    app.summary.failure = error.what();
-    finish();
-    throw;
-  }
-  finish();
-  app.summary.print_checks(app.out(), false);
-  std::array<char, 32> seconds{};
-  std::snprintf(seconds.data(), seconds.size(), "%.3f s", app.summary.seconds["total"]);
+  });
   app.out() << app.name << ": " << app.summary.load_steps << " load steps, " << app.summary.newton_iterations
-            << " Newton iterations, " << seconds.data() << ", results in " << app.output.string() << "\n";
+            << " Newton iterations, " << seconds << ", results in " << app.output.string() << "\n";
   return app.summary.all_passed() ? 0 : 1;
 }
-
-}  // namespace
-
-namespace {
 
 int run_with(int argc, char** argv, const ApplicationDefinition& definition) {
   CommandLine line;

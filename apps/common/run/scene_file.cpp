@@ -2,6 +2,7 @@
 
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/session/guarded_run.hpp"
+#include "apps/common/tables/formatted.hpp"
 #include "discretization/checks/scene_warnings.hpp"
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/parameters/validate.hpp"
@@ -17,6 +18,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <set>
 #include <thread>
@@ -223,6 +225,33 @@ void prepare_summary(Application& app, const std::filesystem::path& file) {
     std::filesystem::remove(file, error);
     if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
   });
+}
+
+void set_up_run(Application& app, const CommandLine& line, const std::string& file,
+                const ApplicationDefinition& definition) {
+  app.quiet = line.quiet;
+  app.force = line.force;
+  if (line.summary) prepare_summary(app, *line.summary);
+  read_scene_file(app, file, definition);
+  describe_run(app, definition.name, line.threads);
+}
+
+std::string compute_with_summary(Application& app, const CommandLine& line, const std::function<void()>& compute) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto finish = [&] {
+    app.summary.seconds["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (line.summary && app.writes_files()) app.summary.write_json(*line.summary);
+  };
+  try {
+    compute();
+  } catch (const ConvergenceError& error) {
+    app.summary.failure = error.what();
+    finish();
+    throw;
+  }
+  finish();
+  app.summary.print_checks(app.out(), false);
+  return formatted("%.3f s", app.summary.seconds["total"]);
 }
 
 namespace {

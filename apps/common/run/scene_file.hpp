@@ -2,6 +2,7 @@
 #pragma once
 
 #include "apps/common/run/application.hpp"
+#include "apps/common/session/command_line.hpp"
 #include "discretization/text/member_error.hpp"
 
 namespace mixbeam {
@@ -34,6 +35,14 @@ void prepare_output_folder(const std::filesystem::path& folder);
 /// a script might otherwise take for that of a run that failed. Keeps its lock as long as the application lives. Throws
 /// InputError, also when another run writes there. Collective.
 void prepare_summary(Application& app, const std::filesystem::path& file);
+
+/// What a program does first with its command line: prepare_summary(), the scene, describe_run().
+void set_up_run(Application& app, const CommandLine& line, const std::string& file,
+                const ApplicationDefinition& definition);
+
+/// After it: `compute`, then the summary with the total time and its file, also where no equilibrium was found
+/// (ConvergenceError, which is passed on); prints the checks. Returns "0.123 s".
+std::string compute_with_summary(Application& app, const CommandLine& line, const std::function<void()>& compute);
 
 /// Before a run: throws InputError for an expected value of these load cases ("": of a scene without any) at whose load
 /// factor no step will end.

@@ -2,12 +2,12 @@
 
 #include "apps/common/tables/printed_digits.hpp"
 #include "discretization/results/disk_file.hpp"
+#include "discretization/text/number_text.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <ostream>
 #include <stdexcept>
@@ -23,13 +23,8 @@ constexpr std::array<std::pair<Comparison, const char*>, 5> kComparisonNames = {
      {Comparison::printed_digits, "printed digits"},
      {Comparison::word, "word"}}};
 
-// Shortest text that reads back as the same double.
-std::string exact_text(double value) {
-  if (std::isnan(value)) return "nan";
-  std::array<char, 32> text{};
-  const auto result = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), result.ptr};
-}
+// A NaN without its sign.
+std::string exact_text(double value) { return std::isnan(value) ? "nan" : shortest(value); }
 
 nlohmann::ordered_json json_number(double value) {
   if (std::isfinite(value)) return value;
@@ -148,15 +143,6 @@ std::string name_of(Comparison comparison) {
     if (kind == comparison) return name;
   }
   throw std::invalid_argument("unknown comparison");
-}
-
-Comparison comparison_from_name(const std::string& name) {
-  std::string known;
-  for (const auto& [kind, kind_name] : kComparisonNames) {
-    if (name == kind_name) return kind;
-    known += (known.empty() ? "'" : ", '") + std::string(kind_name) + "'";
-  }
-  throw std::invalid_argument("'" + name + "' is not a comparison; known are " + known);
 }
 
 bool agrees(const CheckedQuantity& quantity) {

@@ -25,9 +25,6 @@ enum class Comparison {
 /// "absolute", "relative", "upper bound", "printed digits", "word": the names used in scenes, prints and JSON.
 std::string name_of(Comparison comparison);
 
-/// The comparison of that name; std::invalid_argument, listing the names, for any other text.
-Comparison comparison_from_name(const std::string& name);
-
 /// A value beside its reference. `pass` is set by `Summary::check`.
 struct CheckedQuantity {
   std::string name;  ///< "arc rho=10 k=3 n=32: u3"

@@ -1,11 +1,12 @@
 #include "apps/common/session/machine_room.hpp"
 
+#include "apps/common/tables/formatted.hpp"
+
 #include <sys/resource.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 #include <fstream>
 #include <limits>
 #include <optional>
@@ -108,9 +109,7 @@ std::string bytes_text(double bytes) {
   constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
   std::size_t unit = 0;
   for (; unit + 1 < kUnits.size() && bytes >= 999.5; bytes /= 1000.0) ++unit;
-  std::array<char, 48> text{};
-  std::snprintf(text.data(), text.size(), "%.3g %s", bytes, kUnits[unit]);
-  return text.data();
+  return formatted("%.3g %s", bytes, kUnits[unit]);
 }
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "apps/common/studies/judged_path.hpp"
 
 #include "apps/common/studies/study.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 
 #include <algorithm>
 
@@ -25,14 +26,9 @@ std::vector<Vector3> displacements(const Simulation& simulation) {
 }
 
 double length_of(const Scene& scene) {
-  double length = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const auto [low, high] =
-        std::minmax_element(scene.points.begin(), scene.points.end(),
-                            [i](const Point& a, const Point& b) { return a.position[i] < b.position[i]; });
-    length = std::max(length, high->position[i] - low->position[i]);
-  }
-  return length;
+  vector_algebra::Box box;
+  for (const Point& point : scene.points) box.enclose(point.position);
+  return vector_algebra::largest_component(vector_algebra::difference(box.high, box.low));
 }
 
 /// Largest distance of a point in two ends of the same structure.

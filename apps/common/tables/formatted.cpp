@@ -5,7 +5,7 @@
 
 namespace mixbeam {
 
-std::string formatted(const char* format, ...) {
+std::string printed(const char* format, ...) {
   std::va_list values, again;
   va_start(values, format);
   va_copy(again, values);

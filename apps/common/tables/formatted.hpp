@@ -2,10 +2,21 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 
 namespace mixbeam {
 
 /// As printf writes it, whatever the length.
-[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+std::string printed(const char* format, ...);
+
+/// The same, but zero has no sign.
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  const auto without_sign_of_zero = [](auto value) {
+    if constexpr (std::is_floating_point_v<decltype(value)>) return value + decltype(value){0};
+    return value;
+  };
+  return printed(format, without_sign_of_zero(values)...);
+}
 
 }  // namespace mixbeam

@@ -69,10 +69,6 @@ void TablePrinter::add_row(const std::vector<std::string>& labels, const std::ve
   rows_.push_back(row);
 }
 
-int TablePrinter::rows_out_of_tolerance() const {
-  return static_cast<int>(std::count_if(rows_.begin(), rows_.end(), [](const Row& row) { return row.differs; }));
-}
-
 std::vector<std::size_t> TablePrinter::column_widths() const {
   std::vector<std::string> heads = labels_;
   for (std::size_t i = 0; i < quantities_.size(); ++i)

@@ -44,9 +44,6 @@ class TablePrinter {
   /// One cell for each label and each quantity, else std::invalid_argument.
   void add_row(const std::vector<std::string>& labels, const std::vector<ComparedValue>& values);
 
-  /// Rows with at least one value that differs.
-  int rows_out_of_tolerance() const;
-
   /// Prints the table; rows out of tolerance have `*` after the differing values and `<- differs` at the end.
   void print(std::ostream& stream) const;
 
