@@ -384,9 +384,8 @@ class Compressed {
 /// Load at which the columns of a lattice of 16^3 junctions sway first, by counts of the direct solver in lattices of
 /// 10^3 to 14^3: 4.879, 4.862, 4.856.
 constexpr double kFirstCritical16 = 4.85;
-/// What prestress may add to the iterations: a third in blocks of 2e4 junctions; in smaller ones, which need fewer
-/// without, a half. (Spaces with the limits of the unstressed lattice: 17 and 29.)
-constexpr double kMoreUnderLoad = 1.5;
+/// What prestress may add to the iterations: a third.
+constexpr double kMoreUnderLoad = 4.0 / 3.0;
 
 TEST(NetworkSolver, PrestressAddsFewIterations) {
   Compressed lattice(16);
