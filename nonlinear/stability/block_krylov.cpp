@@ -266,6 +266,7 @@ std::vector<RitzPair> finished(std::vector<RitzPair> pairs, int count, bool symm
 }  // namespace
 
 std::vector<RitzPair> largest_eigenpairs(const KrylovProblem& problem, int count) {
+  if (problem.unknowns == 0) return {};  // all vertices are fixed
   const int wanted = std::min(count, problem.unknowns);
   const int width = std::min(problem.unknowns, wanted + kGuardVectors);
   std::vector<Vector> start = start_block(problem.unknowns, width);

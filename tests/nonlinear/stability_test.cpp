@@ -31,6 +31,17 @@ TEST(Stability, CriticalLoadsOfEulersColumns) {
   }
 }
 
+/// Nothing but the interior of elements is left to move.
+TEST(Stability, VerticesThatAreAllFixed) {
+  Scene scene = cantilever(section(400.0, 140.0, 0.8, 1.0), 1.0, 2, 1);
+  scene.supports.push_back(clamp("tip"));
+  StabilityFixture fixture(scene);
+  const Spectrum spectrum = fixture.spectrum(1.0, 1);
+  EXPECT_EQ(spectrum.stability.negative, 0);
+  EXPECT_EQ(spectrum.stability.null, 0);
+  EXPECT_TRUE(spectrum.modes.empty());
+}
+
 /// With compression and shear: EI theta'' + P (1 - P/EA + P/GA) theta = 0, from M' = -P w' with w' = (1 - P/EA) theta +
 /// P theta/GA (dead load, no transverse force).
 TEST(Stability, AnySlenderness) {
