@@ -20,8 +20,8 @@ constexpr double kLeastCoarsening = 0.5;
 /// Pairs of pairs of pairs: eight nodes for each aggregate, of which networks need the least time: eigenproblems grow
 /// with the cube of this number, levels with its logarithm.
 constexpr int kRounds = 3;
-/// An aggregate that stayed smaller joins a neighbour, as long as both together are not larger than that: what is left
-/// over of rows with an odd number of nodes beside whole cubes.
+/// An aggregate that stayed smaller joins a neighbour, as long as both together are not larger than that: the ends of
+/// odd rows beside whole cubes.
 constexpr int kLeastSize = 5, kMostSize = 12;
 /// A direction that lattices do not have, nor sums of theirs with small numbers.
 constexpr Vector3 kDirection = {0.7799, 0.5515, 0.2948};
@@ -78,11 +78,10 @@ struct Groups {
   std::vector<int> size;       ///< (group): its nodes
 };
 
-/// Joins groups to pairs, in the order in which they lie along a direction: each with the neighbour that it hangs
-/// together with most closely; of several with that which closes a square with another pair, or lies along the
-/// direction. In a lattice pairs are therefore parallel and side by side, pairs of pairs squares, and pairs of those
-/// cubes. One whose neighbours in question are all taken stays single: what is left over of a row.
-/// (group): its pair, and how many there are.
+/// Joins groups to pairs, in the order in which they lie along a direction: each with the neighbour with the most
+/// links; of several with that which closes a square beside another pair, or lies along the direction. In a lattice
+/// pairs are therefore parallel and side by side, pairs of pairs squares, and pairs of those cubes. One whose best
+/// neighbours are all taken stays single: the last one of an odd row. (group): its pair, and how many there are.
 std::vector<int> pairs_of(const Graph& graph, const std::vector<Vector3>& place, int& count) {
   const int n = graph.nodes();
   std::vector<double> along(n);
@@ -123,8 +122,7 @@ std::vector<int> pairs_of(const Graph& graph, const std::vector<Vector3>& place,
   return pair;
 }
 
-/// Joins groups of few nodes to the neighbour that they hang together with most closely. (group): its new number, and
-/// how many there are.
+/// Joins groups of few nodes to the neighbour with the most links. (group): its new number, and how many there are.
 std::vector<int> without_small_ones(const Graph& graph, std::vector<int> size, int& count) {
   const int n = graph.nodes();
   std::vector<int> joined(n), number(n, -1);
