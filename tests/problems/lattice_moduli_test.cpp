@@ -12,6 +12,7 @@ namespace lattice_moduli_test {
 constexpr double kAxial = 400.0, kShear = 140.0, kTorsion = 0.8, kBending = 1.0;  ///< of a strut of length 1
 /// Strain of the cells, of both signs: what remains of a central difference is its square times numbers of order 100.
 constexpr double kStrain = 1e-6;
+/// Rounding of forces of 1e-4, 1e-14 of the stiffness times lengths of 1, over them: 1e-10; closed forms are exact.
 constexpr double kAgreement = 1e-8;
 
 /// Forces at the ends of a strut for unit elongation, and for unit offset without rotation.
