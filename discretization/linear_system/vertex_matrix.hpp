@@ -25,6 +25,8 @@ class VertexMatrix {
   const Teuchos::RCP<DofMatrix>& matrix() const { return matrix_; }
   /// Local vertices that have rows, in their order.
   const KernelView<int*>& vertices() const { return vertices_; }
+  /// Where a local vertex stands among rows and columns, -1 where it has none.
+  int place(int local_vertex) const { return place_(local_vertex); }
   MatrixRows rows() const { return {matrix_->getLocalMatrixHost(), place_}; }
 
   /// Sums of the matrices of all links; nothing else remains.

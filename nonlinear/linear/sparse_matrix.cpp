@@ -75,4 +75,13 @@ SparseMatrix gathered_structure(const SparseMatrix& here, const SharedRows& shar
   return all;
 }
 
+SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share) {
+  SparseMatrix all = gathered_structure(here, share);
+  const GatherPlan entries(share.communicator, here.row_start.back());
+  all.value.resize(all.column.size());
+  MPI_Gatherv(here.value.data(), here.row_start.back(), MPI_DOUBLE, all.value.data(), entries.counts.data(),
+              entries.offsets.data(), MPI_DOUBLE, 0, share.communicator);
+  return all;
+}
+
 }  // namespace mixbeam

@@ -168,7 +168,8 @@ Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*
   for_each(count, [&](int a) { modes[a] = modes_of(a, limit, self, links, eigenvalues[a]); });
   size_t all = 0;
   for (const std::vector<double>& of_aggregate : eigenvalues) all += of_aggregate.size();
-  if (all > kManyUnknowns) for_each(count, [&](int a) { keep_softest(modes[a], eigenvalues[a]); });
+  if (halo_.sum(static_cast<double>(all)) > kManyUnknowns)
+    for_each(count, [&](int a) { keep_softest(modes[a], eigenvalues[a]); });
   Coarse coarse;
   coarse.unknown.assign(count + 1, 0);
   mode_block_.assign(count + 1, 0);
@@ -179,6 +180,12 @@ Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*
     mode_block_[a + 1] = mode_block_[a] + modes[a].size();
     square[a + 1] = square[a] + m * m;
   }
+  const int others = coarse_halo_.ghosts();
+  std::vector<int> modes_of_each(count + others), one_each(count + others + 1);
+  std::iota(one_each.begin(), one_each.end(), 0);
+  std::adjacent_difference(coarse.unknown.begin() + 1, coarse.unknown.end(), modes_of_each.begin());
+  coarse_halo_.exchange(modes_of_each.data(), one_each);
+  for (int a = count; a < count + others; ++a) coarse.unknown.push_back(coarse.unknown.back() + modes_of_each[a]);
   mode_ = coarse.unknown;
   modes_ = {};
   modes_ = multilevel::numbers_for_lanes(mode_block_.back());
@@ -196,18 +203,21 @@ Level::Coarse Level::find_modes(const ModeLimit& limit, const KernelView<double*
 
 void Level::project_links(const LinkSource& links, Coarse& coarse) const {
   // modes in unscaled unknowns of this level: V^T L^-1
-  const KernelView<double*> unscaled = numbers(mode_block_.back());
+  std::vector<size_t> part(aggregate_.size() + 1, 0);  // (node, ghosts too, and one more): first number of its part
+  for (size_t v = 0; v < aggregate_.size(); ++v)
+    part[v + 1] = part[v] + static_cast<size_t>(mode_[aggregate_[v] + 1] - mode_[aggregate_[v]]) * unknowns_of(v);
+  const KernelView<double*> unscaled = numbers(part.back());
   for_each(aggregates(), [&](int a) {
     const int m = mode_[a + 1] - mode_[a];
     const double* modes = modes_.data() + mode_block_[a];
-    double* to = unscaled.data() + mode_block_[a];
-    std::fill(to, unscaled.data() + mode_block_[a + 1], 0.0);
+    std::fill(unscaled.data() + part[first_[a]], unscaled.data() + part[first_[a + 1]], 0.0);
     for (int v = first_[a]; v < first_[a + 1]; ++v) {
       const int n = unknowns_of(v);
       const size_t at = static_cast<size_t>(m) * (unknown_[v] - unknown_[first_[a]]);
-      dense::add_product(m, n, n, modes + at, m, inverse_.data() + square_[v], 1, n, to + at, m);
+      dense::add_product(m, n, n, modes + at, m, inverse_.data() + square_[v], 1, n, unscaled.data() + part[v], m);
     }
   });
+  halo_.exchange(unscaled.data(), part);
   coarse.ends = coarse_ends_;
   coarse.block.assign(coarse_ends_.size() + 1, 0);
   for (size_t l = 0; l < coarse_ends_.size(); ++l) {
@@ -229,10 +239,7 @@ void Level::project_links(const LinkSource& links, Coarse& coarse) const {
       const int na = unknowns_of(va), nb = unknowns_of(vb);
       room.resize(multilevel::room_of_link(na, nb));
       const LinkBlocks link = links(fine, room.data()).seen_from(end);
-      const double* wa =
-          unscaled.data() + mode_block_[a] + static_cast<size_t>(m) * (unknown_[va] - unknown_[first_[a]]);
-      const double* wb =
-          unscaled.data() + mode_block_[b] + static_cast<size_t>(n) * (unknown_[vb] - unknown_[first_[b]]);
+      const double *wa = unscaled.data() + part[va], *wb = unscaled.data() + part[vb];
       product.assign(static_cast<size_t>(m) * na, 0.0);
       dense::add_product(m, na, na, wa, m, link.first, 1, link.first_stride, product.data(), m);
       dense::add_lower_product(m, na, product.data(), m, wa, m, 1, first.data());

@@ -1,8 +1,12 @@
 #include "nonlinear/multilevel/hierarchy.hpp"
 
+#include "nonlinear/linear/linear_solver.hpp"
+
 #include <malloc.h>
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 
 namespace mixbeam {
 
@@ -31,25 +35,36 @@ int widest(const Level::Coarse& coarse) {
 
 }  // namespace
 
-Hierarchy::Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends) {
+Hierarchy::Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends, Halo halo) {
   const int nodes = static_cast<int>(places.size());
-  Nesting nesting = nest(places, ends);
+  LinkEnds links;
+  std::copy_if(ends.begin(), ends.end(), std::back_inserter(links),
+               [nodes](const auto& link) { return link[0] < nodes && link[1] < nodes; });
+  Nesting nesting = nest(places, links);
   order_ = nesting.order;
-  std::vector<int> place(nodes);
+  std::vector<int> place(nodes + halo.ghosts());
+  std::iota(place.begin(), place.end(), 0);
   for (int k = 0; k < nodes; ++k) place[order_[k]] = k;
-  LinkEnds links = ends;
+  halo.renumber(place);
+  links = ends;
   for (auto& [a, b] : links) a = place[a], b = place[b];
   int count = nodes;
-  for (std::vector<int>& first : nesting.first) {
-    levels_.push_back(std::make_unique<Level>(count, std::move(links), std::move(first)));
+  const auto most = static_cast<size_t>(halo.largest(static_cast<double>(nesting.first.size())));
+  for (size_t l = 0; l < most; ++l) {
+    if (l >= nesting.first.size()) {  // where other ranks have more levels, nodes stay single
+      nesting.first.emplace_back(count + 1);
+      std::iota(nesting.first[l].begin(), nesting.first[l].end(), 0);
+    }
+    levels_.push_back(std::make_unique<Level>(count, std::move(links), std::move(nesting.first[l]), std::move(halo)));
     links = levels_.back()->coarse_ends();
     count = levels_.back()->aggregates();
+    halo = levels_.back()->coarse_halo();
   }
-  levels_.push_back(std::make_unique<Level>(count, std::move(links), std::vector<int>()));
+  levels_.push_back(std::make_unique<Level>(count, std::move(links), std::vector<int>(), std::move(halo)));
 }
 
 void Hierarchy::set_finest(const NetworkMatrix& matrix) {
-  std::vector<int> unknown(levels_[0]->nodes() + 1);
+  std::vector<int> unknown(levels_[0]->nodes() + levels_[0]->halo().ghosts() + 1);
   for (size_t v = 0; v < unknown.size(); ++v) unknown[v] = 6 * static_cast<int>(v);
   levels_[0]->set(std::move(unknown), matrix.self, matrix.links);
 }
@@ -60,10 +75,15 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
   LinkSource links = matrix.links;
   std::unique_ptr<Level::Coarse> present;
   used_ = 1;
-  while (used_ < levels_.size() && levels_[used_ - 1]->unknowns() > kDirectUnknowns) {
+  while (used_ < levels_.size()) {
     Level& fine = *levels_[used_ - 1];
+    const Halo& halo = fine.halo();
+    const double unknowns = halo.sum(fine.unknowns());
+    if (unknowns <= kDirectUnknowns) break;
     auto next = std::make_unique<Level::Coarse>(fine.find_modes(used_ == 1 ? kSoftMode : kSoftModeLater, self, links));
-    if (next->unknown.back() > kLeastReduction * fine.unknowns() || widest(*next) > Level::kMostModes) break;
+    if (halo.sum(next->unknown[fine.aggregates()]) > kLeastReduction * unknowns ||
+        halo.largest(widest(*next)) > Level::kMostModes)
+      break;
     if (used_ > 1) fine.round();  // before the links of two levels lie in memory
     fine.project_links(links, *next);
     self = next->self;
@@ -79,7 +99,7 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
   present.reset();
   vectors_.resize(used_);
   for (size_t l = 0; l < used_; ++l)
-    if (const int n = levels_[l]->unknowns(); n != static_cast<int>(vectors_[l].x.extent(0)))
+    if (const int n = levels_[l]->room(); n != static_cast<int>(vectors_[l].x.extent(0)))
       vectors_[l] = {zeros(n), zeros(n), zeros(n), zeros(n)};
   factorize_coarsest();
 #ifdef __GLIBC__
@@ -87,15 +107,48 @@ void Hierarchy::set(const NetworkMatrix& matrix) {
 #endif
 }
 
+/// By one rank alone, so that results of the same ranks have the same bits.
 void Hierarchy::factorize_coarsest() {
   Level& level = *levels_[used_ - 1];
+  const bool is_shared = level.halo().has_several_ranks();
   direct_.reset();  // one at a time
-  const SparseMatrix coarsest = level.matrix();
+  SparseMatrix coarsest = level.matrix();
   if (used_ > 1) level.drop_values();
-  direct_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, coarsest);
-  const InertiaSolver::Signs signs = direct_->factorize(coarsest);
-  direct_->drop_matrix();
-  if (signs.negative > 0) throw NegativeCurvature("the coarsest matrix has negative eigenvalues");
+  if (is_shared) {
+    const SharedRows share = level.shares();
+    coarsest = gathered(coarsest, share);
+    coarsest_rows_ = share.rows;
+  }
+  std::string problem;
+  int negative = 0;
+  if (!is_shared || coarsest.rows() > 0) try {
+      direct_ = std::make_unique<InertiaSolver>(InertiaSolver::Kind::symmetric, coarsest);
+      negative = direct_->factorize(coarsest).negative;
+      direct_->drop_matrix();
+    } catch (const LinearSolverError& error) {
+      problem = error.what();
+    }
+  if (level.halo().largest(problem.empty() ? 0.0 : 1.0) > 0.0)
+    throw LinearSolverError("the coarsest matrix has no factors: " + problem);
+  if (level.halo().largest(negative) > 0.0) throw NegativeCurvature("the coarsest matrix has negative eigenvalues");
+}
+
+/// x = A^-1 residual
+void Hierarchy::solve_coarsest() {
+  const Vectors& v = vectors_[used_ - 1];
+  const Level& level = *levels_[used_ - 1];
+  if (!level.halo().has_several_ranks()) {
+    std::copy_n(v.residual.data(), v.residual.extent(0), v.x.data());
+    direct_->solve(v.x.data(), 1);
+    return;
+  }
+  const MPI_Comm comm = level.halo().communicator();
+  std::vector<double> all(direct_ == nullptr ? 0 : coarsest_rows_.total());
+  MPI_Gatherv(v.residual.data(), level.unknowns(), MPI_DOUBLE, all.data(), coarsest_rows_.counts.data(),
+              coarsest_rows_.offsets.data(), MPI_DOUBLE, 0, comm);
+  if (direct_ != nullptr) direct_->solve(all.data(), 1);
+  MPI_Scatterv(all.data(), coarsest_rows_.counts.data(), coarsest_rows_.offsets.data(), MPI_DOUBLE, v.x.data(),
+               level.unknowns(), MPI_DOUBLE, 0, comm);
 }
 
 void Hierarchy::precondition(const LevelVector& r, const LevelVector& z) {
@@ -106,11 +159,7 @@ void Hierarchy::precondition(const LevelVector& r, const LevelVector& z) {
 
 void Hierarchy::cycle(size_t l) {
   const Vectors& v = vectors_[l];
-  if (l + 1 == used_) {
-    std::copy_n(v.residual.data(), v.residual.extent(0), v.x.data());
-    direct_->solve(v.x.data(), 1);
-    return;
-  }
+  if (l + 1 == used_) return solve_coarsest();
   const Level& level = *levels_[l];
   level.smooth(v.residual, v.x, v.step, v.other, true);
   level.subtract_product(v.step, v.residual);

@@ -17,8 +17,10 @@ struct NetworkMatrix {
 
 class Hierarchy {
  public:
-  /// Aggregates of the network, kept for all values.
-  Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends);
+  /// Aggregates of the network, kept for all values. On several ranks each has aggregates of its own nodes, `places`
+  /// are theirs, and links that touch them are given, with ghosts of `halo` at their other ends; all functions are then
+  /// collective.
+  Hierarchy(const std::vector<Vector3>& places, const LinkEnds& ends, Halo halo = {});
 
   /// (place): number of the node; vectors of a Hierarchy are in this order.
   const std::vector<int>& order() const { return order_; }
@@ -32,6 +34,7 @@ class Hierarchy {
 
  private:
   void factorize_coarsest();
+  void solve_coarsest();
   void cycle(size_t level);
 
   std::vector<int> order_;
@@ -41,7 +44,8 @@ class Hierarchy {
     LevelVector residual, x, step, other;
   };
   std::vector<Vectors> vectors_;
-  std::unique_ptr<InertiaSolver> direct_;
+  std::unique_ptr<InertiaSolver> direct_;  ///< on the first rank alone
+  GatherPlan coarsest_rows_;               ///< several ranks only
 };
 
 }  // namespace mixbeam

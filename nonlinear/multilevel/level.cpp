@@ -20,30 +20,51 @@ constexpr int kDegree = 3;        ///< of the smoother
 
 }  // namespace
 
-Level::Level(int nodes, LinkEnds ends, std::vector<int> first)
-    : nodes_(nodes), ends_(std::move(ends)), first_(std::move(first)) {
-  if (first_.empty()) first_.push_back(0);
+Level::Level(int nodes, LinkEnds ends, std::vector<int> first, Halo halo)
+    : nodes_(nodes), halo_(std::move(halo)), ends_(std::move(ends)), first_(std::move(first)) {
   build_rows();
+  if (first_.empty()) {
+    first_.push_back(0);
+    return;
+  }
+  find_aggregates();
   build_coarse_links();
 }
 
 void Level::build_rows() {
   row_.assign(nodes_ + 1, 0);
-  for (const auto& [a, b] : ends_) {
-    ++row_[a + 1];
-    ++row_[b + 1];
-  }
+  const auto for_each_end = [this](const auto& action) {
+    for (size_t l = 0; l < ends_.size(); ++l)
+      for (int end = 0; end < 2; ++end)
+        if (ends_[l][end] < nodes_) action(static_cast<int>(l), end);
+  };
+  for_each_end([this](int l, int end) { ++row_[ends_[l][end] + 1]; });
   std::partial_sum(row_.begin(), row_.end(), row_.begin());
   slot_.resize(row_.back());
   std::vector<int> next(row_.begin(), row_.end() - 1);
-  for (size_t l = 0; l < ends_.size(); ++l)
-    for (int end = 0; end < 2; ++end) slot_[next[ends_[l][end]]++] = {static_cast<int>(l), end, ends_[l][1 - end]};
+  for_each_end([&](int l, int end) { slot_[next[ends_[l][end]]++] = {l, end, ends_[l][1 - end]}; });
+}
+
+/// Aggregates of all nodes: own ones, and behind them those that ghosts belong to.
+void Level::find_aggregates() {
+  aggregate_.resize(nodes_ + halo_.ghosts());
+  for (int i = 0; i < aggregates(); ++i) std::fill(&aggregate_[first_[i]], &aggregate_[0] + first_[i + 1], i);
+  if (!halo_.has_several_ranks()) return;
+  const int first = halo_.first_of(aggregates());
+  std::vector<int> number(aggregate_.size()), one_each(aggregate_.size() + 1);
+  for (int v = 0; v < nodes_; ++v) number[v] = first + aggregate_[v];
+  std::iota(one_each.begin(), one_each.end(), 0);
+  halo_.exchange(number.data(), one_each);
+  std::vector<int> others(number.begin() + nodes_, number.end());
+  std::sort(others.begin(), others.end());
+  others.erase(std::unique(others.begin(), others.end()), others.end());
+  for (size_t g = nodes_; g < number.size(); ++g)
+    aggregate_[g] =
+        aggregates() + static_cast<int>(std::lower_bound(others.begin(), others.end(), number[g]) - others.begin());
+  coarse_halo_ = Halo(halo_.communicator(), aggregates(), others);
 }
 
 void Level::build_coarse_links() {
-  if (aggregates() == 0) return;
-  aggregate_.resize(nodes_);
-  for (int i = 0; i < aggregates(); ++i) std::fill(&aggregate_[first_[i]], &aggregate_[0] + first_[i + 1], i);
   crossing_start_ = {0};
   std::vector<std::array<int, 2>> of_aggregate;  // aggregate at the other end, link and its direction
   for (int i = 0; i < aggregates(); ++i) {
@@ -65,8 +86,8 @@ void Level::build_coarse_links() {
 
 void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links) {
   unknown_ = std::move(unknown);
-  square_.assign(nodes_ + 1, 0);
-  for (int v = 0; v < nodes_; ++v) {
+  square_.assign(unknown_.size(), 0);
+  for (int v = 0; v < nodes_ + halo_.ghosts(); ++v) {
     const size_t m = unknowns_of(v);
     square_[v + 1] = square_[v] + m * m;
   }
@@ -78,8 +99,8 @@ void Level::set(std::vector<int> unknown, const KernelView<double*>& self, const
   scale(self, links);
 }
 
-/// Blocks lie in the order in which rows meet them first, summands of a row behind each other. How many numbers blocks
-/// have.
+/// Blocks lie in the order in which rows meet them first, summands of a row behind each other, and behind all of them
+/// what is computed for rows of other ranks and not used. How many numbers blocks have.
 size_t Level::number_blocks() {
   std::vector<int> slot_of_link(ends_.size());  // that of its earlier node
   block_.resize(slot_.size());
@@ -104,6 +125,11 @@ size_t Level::number_blocks() {
     }
   }
   first_summand_[nodes_] = summands;
+  for (size_t s = 0; s < slot_.size(); ++s)
+    if (slot_[s][2] >= nodes_) {
+      summand_[s] = summands;
+      summands += unknowns_of(slot_[s][2]);
+    }
   if (summands_.extent(0) != summands) summands_ = {}, summands_ = numbers(summands);
   return count;
 }
@@ -128,7 +154,9 @@ void Level::scale(const KernelView<double*>& self, const LinkSource& links) {
     for (int s = row_[v]; s < row_[v + 1]; ++s) add_own(v, link_of(v, s, links, room), block);
     if (!dense::inverse_cholesky(unknowns_of(v), block.data(), inverse_.data() + square_[v])) definite = false;
   });
-  if (!definite) throw NegativeCurvature("a block on the diagonal is not positive definite");
+  if (halo_.largest(definite ? 0.0 : 1.0) > 0.0)
+    throw NegativeCurvature("a block on the diagonal is not positive definite");
+  halo_.exchange(inverse_.data(), square_);
   for_each(nodes_, [&](int v) {
     const int m = unknowns_of(v);
     std::vector<double> room, product;
@@ -196,6 +224,7 @@ void Level::for_each_row(const Value* value, const LevelVector& x, const Finish&
 
 template <class Finish>
 void Level::multiply(const LevelVector& x, const Finish& finish) const {
+  halo_.exchange(x.data(), unknown_);
   if (rounded_.extent(0) > 0)
     for_each_row<0>(rounded_.data(), x, finish);
   else if (unknowns() == kFine * nodes_)
@@ -306,6 +335,17 @@ SparseMatrix Level::matrix() const {
     }
   }
   return matrix;
+}
+
+SharedRows Level::shares() const {
+  SharedRows share;
+  share.communicator = halo_.communicator();
+  share.rows = GatherPlan(share.communicator, unknowns());
+  share.first = halo_.first_of(unknowns());
+  share.column_number.resize(room());
+  std::iota(share.column_number.begin(), share.column_number.begin() + unknowns(), share.first);
+  halo_.exchange(share.column_number.data(), unknown_);
+  return share;
 }
 
 }  // namespace mixbeam

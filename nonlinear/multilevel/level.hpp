@@ -4,13 +4,15 @@
 ///
 /// kept in scaled unknowns x^ = L^T x, in which the blocks on the diagonal are one and all eigenvalues lie between 0
 /// and 2. S are blocks of nodes alone, a link is a matrix over two nodes. Each row is summed in one order by one
-/// thread, and sums over all rows in fixed pieces: results do not depend on the number of threads.
+/// thread, and sums over all rows in fixed pieces: results do not depend on the number of threads. On several ranks
+/// each has the rows of its own nodes, aggregates of those, and all links that touch one of them.
 #pragma once
 
 #include "kernels/execution/pack.hpp"
 #include "kernels/loops/block.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
 #include "nonlinear/multilevel/aggregates.hpp"
+#include "nonlinear/multilevel/halo.hpp"
 
 #include <algorithm>
 #include <functional>
@@ -67,10 +69,10 @@ void for_each(size_t count, const Action& action) {
       "mixbeam::multilevel", Kokkos::RangePolicy<ExecutionSpace>(0, count), KOKKOS_LAMBDA(int i) { action(i); });
 }
 
-/// Sum of a_i b_i in pieces of fixed length: the same bits for any number of threads.
-inline double dot(const LevelVector& a, const LevelVector& b) {
+/// Sum of the first n products a_i b_i in pieces of fixed length: the same bits for any number of threads.
+inline double dot(size_t n, const LevelVector& a, const LevelVector& b) {
   constexpr size_t kPiece = 4096;
-  const size_t n = a.extent(0), pieces = (n + kPiece - 1) / kPiece;
+  const size_t pieces = (n + kPiece - 1) / kPiece;
   std::vector<double> sums(pieces);
   double* to = sums.data();
   const double *x = a.data(), *y = b.data();
@@ -98,19 +100,25 @@ class Level {
  public:
   static constexpr int kMostModes = 4096;  ///< of a node: what set() takes; rows are summed up on the stack
 
-  /// `first`: as Nesting::first of this level; empty: no aggregates.
-  Level(int nodes, LinkEnds ends, std::vector<int> first);
+  /// `first`: as Nesting::first of this level; empty: no aggregates. `halo`: of the nodes. Collective.
+  Level(int nodes, LinkEnds ends, std::vector<int> first, Halo halo);
 
   int nodes() const { return nodes_; }
-  int unknowns() const { return unknown_.back(); }
+  int unknowns() const { return unknown_[nodes_]; }
+  /// With those of ghosts, for which vectors have room.
+  int room() const { return unknown_.back(); }
+  const Halo& halo() const { return halo_; }
   int unknowns_of(int node) const { return unknown_[node + 1] - unknown_[node]; }
   int aggregates() const { return static_cast<int>(first_.size()) - 1; }
   const LinkEnds& ends() const { return ends_; }
-  /// Links between aggregates.
+  /// Links between aggregates, and of those the halo.
   const LinkEnds& coarse_ends() const { return coarse_ends_; }
+  const Halo& coarse_halo() const { return coarse_halo_; }
 
-  /// New values. `unknown`: (node, and one more) first unknown; `self`: S, column-major, one block after the other.
-  /// Throws NegativeCurvature.
+  // What follows is collective, but for scale_rows(), unscale() and what works on one rank's numbers alone.
+
+  /// New values. `unknown`: (node, ghosts too, and one more) first unknown; `self`: S, column-major, one block after
+  /// the other. Throws NegativeCurvature.
   void set(std::vector<int> unknown, const KernelView<double*>& self, const LinkSource& links);
   /// Blocks off the diagonal from now on as single precision: of coarse levels they are the most that an iteration
   /// reads, and the preconditioner alone uses them.
@@ -155,11 +163,16 @@ class Level {
   void scale_rows(const KernelView<const double*>& b, const LevelVector& scaled) const;
   void unscale(const LevelVector& scaled, const KernelView<double*>& x) const;
 
-  /// A^, for the direct solver of the coarsest level.
+  /// a . b
+  double dot(const LevelVector& a, const LevelVector& b) const { return halo_.sum(multilevel::dot(unknowns(), a, b)); }
+
+  /// Rows of A^ here, for the direct solver of the coarsest level; and how ranks share them.
   SparseMatrix matrix() const;
+  SharedRows shares() const;
 
  private:
   void build_rows();
+  void find_aggregates();
   size_t number_blocks();
   void build_coarse_links();
   void scale(const KernelView<double*>& self, const LinkSource& links);
@@ -175,11 +188,12 @@ class Level {
                                const LinkSource& links, std::vector<double>& eigenvalues) const;
 
   int nodes_;
+  Halo halo_;
   LinkEnds ends_;
   std::vector<int> first_;      ///< (aggregate, and one more)
-  std::vector<int> aggregate_;  ///< (node)
-  std::vector<int> unknown_;    ///< (node, and one more)
-  std::vector<size_t> square_;  ///< (node, and one more): first number of its block
+  std::vector<int> aggregate_;  ///< (node, ghosts too); those of other ranks are numbered behind the own ones
+  std::vector<int> unknown_;    ///< (node, ghosts too, and one more)
+  std::vector<size_t> square_;  ///< (node, ghosts too, and one more): first number of its block
   // rows
   std::vector<int> row_;                  ///< (node, and one more): first slot
   std::vector<std::array<int, 3>> slot_;  ///< link, its end here, node at the other end
@@ -192,9 +206,10 @@ class Level {
   KernelView<double*> inverse_;  ///< L^-1 of the nodes
   // coarse links
   LinkEnds coarse_ends_;
+  Halo coarse_halo_;
   std::vector<int> crossing_start_, crossing_;  ///< (coarse link, and one more); 2 * link + 1 where it is turned round
   // modes of aggregates, transposed: (mode, unknown of the aggregate), column-major
-  std::vector<int> mode_;           ///< (aggregate, and one more): first coarse unknown
+  std::vector<int> mode_;           ///< (aggregate, ghosts too, and one more): first coarse unknown
   std::vector<size_t> mode_block_;  ///< (aggregate, and one more)
   KernelView<double*> modes_;
 };

@@ -39,56 +39,28 @@ NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tole
 
 /// Nodes are vertices with at least one free row; links join two of them.
 void NetworkSolver::number_nodes() {
-  const BlockRows rows(*system_.matrix());
-  const int n = rows.vertices();
-  std::vector<unsigned char> free(static_cast<size_t>(kVertexDofs) * n, 0);
-  unsigned char* is_free = free.data();
-  Kokkos::parallel_for(
-      "mixbeam::multilevel::free_rows", NetworkRange(0, n), KOKKOS_LAMBDA(int v) {
-        for (int r = 0; r < kVertexDofs; ++r) {
-          const double* row = rows.row(v, r);
-          for (int b = 0; b < rows.blocks(v); ++b)
-            for (int c = 0; c < kVertexDofs; ++c)
-              if (row[kVertexDofs * b + c] != 0.0 && (rows.neighbour(v, b) != v || c != r))
-                is_free[kVertexDofs * v + r] = 1;
-        }
-      });
-  if (free == free_) return;
+  const DofMatrix& matrix = *system_.matrix();
+  const std::vector<unsigned char> free = free_rows();
+  if (maximum_over_ranks(*matrix.getRowMap()->getComm(), free == free_ ? 0.0 : 1.0) == 0.0) return;
   PhaseTimer timer(times_, "multilevel: aggregates");
-  free_ = std::move(free);
-  node_.assign(n, -1);
+  free_ = free;
+  const int n = BlockRows(matrix).vertices(), columns = static_cast<int>(free_.size()) / kVertexDofs;
+  node_.assign(columns, -1);
   int nodes = 0;
   for (int v = 0; v < n; ++v)
-    if (std::any_of(&free_[kVertexDofs * v], &free_[kVertexDofs * v] + kVertexDofs, [](auto f) { return f != 0; }))
-      node_[v] = nodes++;
-  std::vector<int> place;  // (local vertex): among those that remain
-  const auto vertices = system_.remaining().vertices();
-  for (int v = 0; v < n; ++v) {
-    if (vertices(v) >= static_cast<int>(place.size())) place.resize(vertices(v) + 1, -1);
-    place[vertices(v)] = v;
-  }
-  LinkEnds ends;
-  link_.clear();
-  masked_.clear();
-  link_vertices_.clear();
-  for (const RemainingLink& link : system_.links()) {
-    const int a = place[link.vertex[0]], b = place[link.vertex[1]];
-    if (node_[a] < 0 || node_[b] < 0 || a == b) continue;
-    ends.push_back({node_[a], node_[b]});
-    link_.push_back(link.link);
-    link_vertices_.push_back({a, b});
-    masked_.push_back(0);
-    for (int r = 0; r < kVertexDofs; ++r)
-      if (free_[kVertexDofs * a + r] == 0 || free_[kVertexDofs * b + r] == 0) masked_.back() = 1;
-  }
-  if (hierarchy_ == nullptr || hierarchy_->finest().nodes() != nodes || ends != ends_) {
+    if (has_free_row(v)) node_[v] = nodes++;
+  Halo halo = number_ghosts(nodes);
+  LinkEnds ends = find_links();
+  const bool is_other = hierarchy_ == nullptr || hierarchy_->finest().nodes() != nodes || ends != ends_;
+  if (halo.largest(is_other ? 1.0 : 0.0) > 0.0) {
     has_spaces_ = false;
     std::vector<Vector3> places(nodes);
     const Model& model = system_.model();
+    const auto vertices = system_.remaining().vertices();
     for (int v = 0; v < n; ++v)
       if (node_[v] >= 0)
         places[node_[v]] = model.mesh().vertex_position[model.structure().local_vertex_to_global[vertices(v)]];
-    hierarchy_ = std::make_unique<Hierarchy>(places, ends);
+    hierarchy_ = std::make_unique<Hierarchy>(places, ends, std::move(halo));
     ends_ = std::move(ends);
   }
   const std::vector<int>& order = hierarchy_->order();
@@ -102,7 +74,77 @@ void NetworkSolver::number_nodes() {
     }
   self_ = KernelView<double*>("mixbeam::multilevel::self", static_cast<size_t>(kVertexDofs * kVertexDofs) * nodes);
   for (LevelVector* vector : {&r_, &x_, &z_, &p_, &q_})
-    *vector = LevelVector("mixbeam::multilevel::vector", kVertexDofs * nodes);
+    *vector = LevelVector("mixbeam::multilevel::vector",
+                          kVertexDofs * (nodes + static_cast<size_t>(hierarchy_->finest().halo().ghosts())));
+}
+
+/// (row, then column of other ranks): 1 where an equation couples the unknown with others.
+std::vector<unsigned char> NetworkSolver::free_rows() const {
+  const DofMatrix& matrix = *system_.matrix();
+  const BlockRows rows(matrix);
+  DofVector mine(matrix.getRowMap());
+  const KernelView<double*> is_free = MixedVector::view_of(mine);
+  Kokkos::parallel_for(
+      "mixbeam::multilevel::free_rows", NetworkRange(0, rows.vertices()), KOKKOS_LAMBDA(int v) {
+        for (int r = 0; r < kVertexDofs; ++r) {
+          const double* row = rows.row(v, r);
+          is_free(vertex_row(v, r)) = 0.0;
+          for (int b = 0; b < rows.blocks(v); ++b)
+            for (int c = 0; c < kVertexDofs; ++c)
+              if (row[kVertexDofs * b + c] != 0.0 && (rows.neighbour(v, b) != v || c != r))
+                is_free(vertex_row(v, r)) = 1.0;
+        }
+      });
+  const DofVector columns = in_columns(matrix, mine);
+  const KernelView<const double*> all = MixedVector::view_of(columns);
+  return {all.data(), all.data() + all.extent(0)};
+}
+
+bool NetworkSolver::has_free_row(int vertex) const {
+  const unsigned char* first = &free_[kVertexDofs * vertex];
+  return std::any_of(first, first + kVertexDofs, [](auto f) { return f != 0; });
+}
+
+/// Places of other ranks' vertices in node_, in the order of their ranks and numbers there.
+Halo NetworkSolver::number_ghosts(int nodes) {
+  const DofMatrix& matrix = *system_.matrix();
+  if (matrix.getRowMap()->getComm()->getSize() == 1) return {};
+  const MPI_Comm comm = communicator_of(matrix);
+  const int first = Halo(comm, nodes, {}).first_of(nodes);
+  DofVector mine(matrix.getRowMap());
+  const KernelView<double*> number = MixedVector::view_of(mine);
+  const int n = BlockRows(matrix).vertices();
+  for (int v = 0; v < n; ++v) number(vertex_row(v, 0)) = first + node_[v];
+  const DofVector columns = in_columns(matrix, mine);
+  const KernelView<const double*> all = MixedVector::view_of(columns);
+  std::vector<std::pair<int, int>> ghosts;  // number among those of all ranks, vertex
+  for (int v = n; v < static_cast<int>(node_.size()); ++v)
+    if (has_free_row(v)) ghosts.push_back({static_cast<int>(all(vertex_row(v, 0))), v});
+  std::sort(ghosts.begin(), ghosts.end());
+  std::vector<int> numbers;
+  for (const auto& [ghost, v] : ghosts) {
+    node_[v] = nodes + static_cast<int>(numbers.size());
+    numbers.push_back(ghost);
+  }
+  return {comm, nodes, numbers};
+}
+
+LinkEnds NetworkSolver::find_links() {
+  LinkEnds ends;
+  link_.clear();
+  masked_.clear();
+  link_vertices_.clear();
+  for (const RemainingLink& link : system_.links()) {
+    const int a = system_.remaining().place(link.vertex[0]), b = system_.remaining().place(link.vertex[1]);
+    if (node_[a] < 0 || node_[b] < 0 || a == b) continue;
+    ends.push_back({node_[a], node_[b]});
+    link_.push_back(link.link);
+    link_vertices_.push_back({a, b});
+    masked_.push_back(0);
+    for (int r = 0; r < kVertexDofs; ++r)
+      if (free_[kVertexDofs * a + r] == 0 || free_[kVertexDofs * b + r] == 0) masked_.back() = 1;
+  }
+  return ends;
 }
 
 LinkBlocks NetworkSolver::link_blocks(int link, double* room) const {
@@ -128,7 +170,8 @@ void NetworkSolver::read_values() {
   const int n = rows.vertices();
   std::vector<std::vector<std::pair<int, int>>> touching(n);  // link, its end here
   for (size_t l = 0; l < link_.size(); ++l)
-    for (int end = 0; end < 2; ++end) touching[link_vertices_[l][end]].push_back({static_cast<int>(l), end});
+    for (int end = 0; end < 2; ++end)
+      if (const int v = link_vertices_[l][end]; v < n) touching[v].push_back({static_cast<int>(l), end});
   std::vector<unsigned char> unfit(n, 0);
   Kokkos::parallel_for("mixbeam::multilevel::self", NetworkRange(0, n), [&](int v) {
     if (node_[v] < 0) return;
@@ -170,7 +213,8 @@ void NetworkSolver::read_values() {
         a = b = 0.5 * (a + b);
       }
   });
-  if (std::find(unfit.begin(), unfit.end(), 1) != unfit.end())
+  const bool is_unfit = std::find(unfit.begin(), unfit.end(), 1) != unfit.end();
+  if (hierarchy_->finest().halo().largest(is_unfit ? 1.0 : 0.0) > 0.0)
     throw LinearSolverError(
         "joints, supports at an angle, moments or loads that follow make the tangent unsymmetric, and the iterative "
         "solver needs symmetry");
@@ -255,6 +299,8 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, 
       for (int block = 0; block < rows.blocks(v); ++block)
         if (rows.neighbour(v, block) == v) value = given(vertex_row(v, r)) / rows.row(v, r)[kVertexDofs * block + r];
     }
+  const DofVector columns = in_columns(*system_.matrix(), x);
+  const KernelView<const double*> known = MixedVector::view_of(columns);
   Kokkos::parallel_for("mixbeam::multilevel::rows", NetworkRange(0, nodes), [&](int k) {
     const int v = vertex_[k];
     for (int r = 0; r < kVertexDofs; ++r) {
@@ -262,7 +308,7 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, 
       const double* row = rows.row(v, r);
       for (int block = 0; block < rows.blocks(v); ++block)
         for (int c = 0; c < kVertexDofs; ++c)
-          sum += row[kVertexDofs * block + c] * found(vertex_row(rows.neighbour(v, block), c));
+          sum += row[kVertexDofs * block + c] * known(vertex_row(rows.neighbour(v, block), c));
       z_(kVertexDofs * k + r) = free_[vertex_row(v, r)] != 0 ? given(vertex_row(v, r)) - sum : 0.0;
     }
   });
@@ -274,7 +320,7 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, 
   for (int k = 0; k <= most_iterations; ++k) {
     hierarchy_->precondition(r_, z_);
     const double last = energy;
-    energy = multilevel::dot(r_, z_);
+    energy = finest.dot(r_, z_);
     if (k == 0) first = energy;
     if (energy <= reduction * reduction * first) {
       converged = energy >= 0.0;
@@ -289,7 +335,7 @@ bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, 
       multilevel::for_each(p_.extent(0), [=](int i) { p[i] = z[i] + beta * p[i]; });
     }
     finest.apply(p_, q_);
-    const double curvature = multilevel::dot(p_, q_);
+    const double curvature = finest.dot(p_, q_);
     if (!(curvature > 0.0))
       throw NegativeCurvature("the tangent has an eigenvalue below zero, the structure is unstable");
     ++iterations_;

@@ -7,7 +7,7 @@
 
 namespace mixbeam {
 
-/// Solves what chains leave by conjugate gradients, on one rank. Aggregates are kept, and so are coarse spaces and
+/// Solves what chains leave by conjugate gradients. Aggregates are kept, and so are coarse spaces and
 /// their matrices until iterations have grown by half or forget() is called. Where the matrix is not symmetric and
 /// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large;
 /// else a LinearSolverError says why.
@@ -40,6 +40,10 @@ class NetworkSolver : public LinearSolver {
 
  private:
   void number_nodes();
+  std::vector<unsigned char> free_rows() const;
+  bool has_free_row(int vertex) const;
+  Halo number_ghosts(int nodes);
+  LinkEnds find_links();
   void read_values();
   NetworkMatrix matrix() const;
   void make_spaces();
@@ -52,8 +56,8 @@ class NetworkSolver : public LinearSolver {
   const CondensedSystem& system_;
   double tolerance_, reduction_, most_fallback_entries_;
   PhaseTimes& times_;
-  std::vector<unsigned char> free_;    ///< (row): 1 where it has an equation with other unknowns
-  std::vector<int> node_;              ///< (vertex that remains): its place in the hierarchy, -1: has no free row
+  std::vector<unsigned char> free_;    ///< (row, then column of other ranks): 1 where it is coupled with others
+  std::vector<int> node_;              ///< (vertex of those): its place in the hierarchy, -1: has no free row
   std::vector<int> vertex_;            ///< (place)
   std::vector<int> link_;              ///< (link of the network): its number among those of the system
   std::vector<unsigned char> masked_;  ///< (link of the network): 1 where an end has a row that is not free

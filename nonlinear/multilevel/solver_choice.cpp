@@ -41,21 +41,32 @@ double factor_entries(const std::vector<int>& start, const std::vector<int>& nex
 }
 
 double factor_entries(const CondensedSystem& system) {
-  const BlockRows rows(*system.matrix());
-  std::vector<int> start{0}, next;
+  const DofMatrix& matrix = *system.matrix();
+  const BlockRows rows(matrix);
+  SparseMatrix graph{{0}, {}, {}};  // of vertices
   for (int v = 0; v < rows.vertices(); ++v) {
-    for (int b = 0; b < rows.blocks(v); ++b) next.push_back(rows.neighbour(v, b));
-    start.push_back(static_cast<int>(next.size()));
+    for (int b = 0; b < rows.blocks(v); ++b) graph.column.push_back(rows.neighbour(v, b));
+    graph.row_start.push_back(static_cast<int>(graph.column.size()));
   }
-  return factor_entries(start, next);
+  if (matrix.getRowMap()->getComm()->getSize() == 1) return factor_entries(graph.row_start, graph.column);
+  SharedRows share;
+  share.communicator = communicator_of(matrix);
+  share.rows = GatherPlan(share.communicator, rows.vertices());
+  const auto columns = matrix.getColMap();
+  for (size_t c = 0; c < columns->getNodeNumElements(); c += kVertexDofs)
+    share.column_number.push_back(static_cast<int>(columns->getGlobalElement(static_cast<int>(c)) / kVertexDofs));
+  const SparseMatrix all = gathered_structure(graph, share);
+  double entries = factor_entries(all.row_start, all.column);  // the first rank has them
+  MPI_Bcast(&entries, 1, MPI_DOUBLE, 0, share.communicator);
+  return entries;
 }
 
 bool is_large_network(const CondensedSystem& system) { return factor_entries(system) > kMostFactorEntries; }
 
 std::unique_ptr<TangentSolver> make_tangent_solver(const Model& model, const std::string& method,
                                                    double residual_tolerance) {
-  const bool may_iterate = model.map()->getComm()->getSize() == 1 && (method == kAutomatic || method == kIterative);
-  if (!may_iterate) return make_direct_tangent_solver(model, method, residual_tolerance);
+  if (method != kAutomatic && method != kIterative)
+    return make_direct_tangent_solver(model, method, residual_tolerance);
   return std::make_unique<ChainSolver>(
       model, kSparseSolver, residual_tolerance, [&](const CondensedSystem& system) -> std::unique_ptr<LinearSolver> {
         if (method == kIterative || is_large_network(system))

@@ -93,7 +93,7 @@ Scene scene_of(const Block& block) {
 
 /// A scene and its tangent where nothing has moved yet.
 struct Tangents {
-  explicit Tangents(const Scene& scene) : model(scene, this_rank(), options()) {
+  explicit Tangents(const Scene& scene, const Communicator& ranks = this_rank()) : model(scene, ranks, options()) {
     MixedVector residual = model.create_vector();
     point.emplace(mixed_residual(model, model.reference_state(), 1.0, residual));
     tangent.emplace(model, *point, cap_for(model, point->scales), TangentKind{true});
@@ -175,6 +175,53 @@ TEST(NetworkSolver, SolutionOfTheDirectSolver) {
     x.scale(1.0 + 2.0 * kAgreement);
     EXPECT_GT(relative_difference(x, y), kAgreement) << "the comparison sees an error";
   }
+}
+
+/// Largest difference between the displacements of vertices here and those of the same ones of one rank, relative to
+/// the largest of those.
+double largest_difference(const Tangents& together, const DofVector& x, const DofVector& alone) {
+  const auto a = MixedVector::view_of(x), e = MixedVector::view_of(alone);
+  const std::vector<int>& vertex = together.model.structure().local_vertex_to_global;
+  double most = 0.0;
+  for (int v = 0; v < static_cast<int>(a.extent(0)) / kVertexDofs; ++v)
+    for (int c = 0; c < kVertexDofs; ++c)
+      most = std::max(most, std::abs(a(vertex_row(v, c)) - e(vertex_row(vertex[v], c))));
+  return maximum_over_ranks(*together.model.map()->getComm(), most) / alone.normInf();
+}
+
+/// Aggregates end where shares of ranks do: a few more of them are odd.
+constexpr double kMoreOnRanks = 1.25;
+
+TEST(MpiNetworkSolver, SolutionOfOneRank) {
+  Block displaced = cubic(11, 100.0);
+  displaced.displaced = 0.2;
+  for (const Block& block : {cubic(12, 20.0), displaced, sheet(40, 20.0), cubic(4, 20.0)}) {
+    const Tangents together(scene_of(block), all_ranks()), alone(scene_of(block));
+    Iterative solver(together.model, 1e-12), of_one_rank(alone.model, 1e-12);
+    const DofVector x = together.solution(solver.chains);
+    DofVector y = alone.solution(of_one_rank.chains);
+    EXPECT_EQ(solver.network->objection(), "");
+    EXPECT_EQ(solver.network->negative_eigenvalues(), std::optional<long>(0));
+    EXPECT_LE(solver.network->iterations(), kMoreOnRanks * of_one_rank.network->iterations());
+    EXPECT_LE(largest_difference(together, x, y), kAgreement);
+    y.scale(1.0 + 2.0 * kAgreement);
+    EXPECT_GT(largest_difference(together, x, y), kAgreement) << "the comparison sees an error";
+    const DofVector again = together.solution(solver.chains);
+    EXPECT_TRUE(same_bits(MixedVector::view_of(x), MixedVector::view_of(again)));
+  }
+}
+
+/// All ranks learn what one of them finds.
+TEST(MpiNetworkSolver, LoadsThatTurnOnOneRankAreLeftToFactors) {
+  Scene scene = scene_of(cubic(6, 20.0));
+  scene.point_loads.push_back(
+      follower_load(scene.members.back().end_point, scene.members.back().name, {0.5, 0.0, 0.0}, {0.0, 1.0, 0.5}));
+  const Tangents together(scene, all_ranks()), alone(scene);
+  Iterative solver(together.model);
+  const auto direct = make_direct_tangent_solver(alone.model, kChains, 1e-8);
+  const DofVector x = together.solution(solver.chains);
+  EXPECT_NE(solver.network->objection().find("unsymmetric"), std::string::npos) << solver.network->objection();
+  EXPECT_LE(largest_difference(together, x, alone.solution(*direct)), kAgreement);
 }
 
 /// Nodes of a lattice in no order, displaced at random, and its links.
@@ -442,6 +489,12 @@ TEST(NetworkSolver, LargeNetworksAreKnownBySeparators) {
   EXPECT_TRUE(make_tangent_solver(small.model, kIterative, 1e-8)->iterates());
   const Tangents thin(scene_of(sheet(50, 20.0)));
   EXPECT_FALSE(is_large_network(CondensedSystem(thin.model)));
+}
+
+TEST(MpiNetworkSolver, FactorsAreForecastOfAllRanks) {
+  const Scene scene = scene_of(cubic(6, 20.0));
+  const Tangents together(scene, all_ranks()), alone(scene);
+  EXPECT_EQ(factor_entries(CondensedSystem(together.model)), factor_entries(CondensedSystem(alone.model)));
 }
 
 }  // namespace network_solver_test
