@@ -75,7 +75,7 @@ BoundList<LinearSolverParameters> linear_parameters() {
       "automatic: chains, and iterative where factors of a network would take too much memory; chains: elements in a "
       "row are condensed to the ends of their chain in parallel; the remaining system is solved by KLU2 where it has "
       "few loops, as L D L^T by MUMPS where it is a network; iterative: the remaining system is solved by conjugate "
-      "gradients with coarse spaces, on one rank, and of stability only its sign at the end of each stage is "
+      "gradients with coarse spaces, and of stability only its sign at the end of each stage is "
       "determined; KLU2: sparse direct solver of Amesos2 for the whole matrix. "
       "Of several ranks all make the factors of large networks, rank 0 makes those of everything else.");
   linear.bind(&LinearSolverParameters::residual_tolerance,

@@ -175,6 +175,12 @@ TEST(Partition, NetworksAreCutThroughFewElements) {
       EXPECT_LE(cut.imbalance, kImbalance) << ranks;
     }
   }
+  const Mesh mesh = build_mesh(shuffled(lattice(kSide, 1, 2)));
+  const auto half = [&mesh](int vertex) { return 2 * vertex / mesh.vertices(); };
+  const auto cut = std::count_if(mesh.elements.begin(), mesh.elements.end(), [&half](const MeshElement& element) {
+    return half(element.vertex[0]) != half(element.vertex[1]);
+  });
+  EXPECT_GT(cut, kAbovePlanes * kSide * kSide) << "halves in the order of the members are seen to cut more";
 }
 
 // Without loops: every member ends at a point of its own.
