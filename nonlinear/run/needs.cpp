@@ -16,6 +16,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <unordered_map>
 
 namespace mixbeam {
 
@@ -52,6 +53,9 @@ constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
 /// Of an iteration where there are no factors, coarse spaces and conjugate gradients, for each
 /// junction: 1.2e-4, 1.0e-4, 1.4e-4 and 1.3e-4 in cubes of 20, 30, 40 and 70 junctions a side, slenderness 20. [s]
 constexpr double kSecondsOfIteratedJunction = 1.2e-4;
+/// Slender struts leave more soft modes: at slenderness 50, 100 and 300 a cube of 20 junctions a side takes 1.3, 1.45
+/// and 1.7 times as long, at 100 one of 70 junctions 2.4 times.
+constexpr double kSlender = 40.0, kTimesSlender = 1.7;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
@@ -164,6 +168,23 @@ int least_steps(const Scene& scene, const SolverParameters& parameters) {
   return 1 + static_cast<int>(std::min(1e9, of_stage * scene.stages));
 }
 
+/// Whether most members are longer than kSlender times the radius of gyration of their section.
+bool is_slender(const Scene& scene) {
+  std::unordered_map<std::string, const Vector3*> place;
+  for (const Point& point : scene.points) place[point.name] = &point.position;
+  std::unordered_map<std::string, double> radius;
+  for (const Section& section : scene.sections)
+    radius[section.name] =
+        std::sqrt(std::min(section.bending_stiffness[0], section.bending_stiffness[1]) / section.axial_stiffness);
+  std::size_t slender = 0;
+  for (const Member& member : scene.members) {
+    const Vector3 &a = *place.at(member.start_point), &b = *place.at(member.end_point);
+    const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    if (length > kSlender * radius.at(member.section)) ++slender;
+  }
+  return 2 * slender > scene.members.size();
+}
+
 /// See junction_factor().
 double most_factor_entries(const std::string& method) {
   if (method == kIterative) return 0.0;
@@ -261,9 +282,9 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
   needs.file_per_step = (kFileBytesOfSample + of_stresses) * sums.samples +
                         sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
-  needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation +
-                  junctions.entries * kSecondsOfFactorEntry +
-                  (iterates ? junctions.junctions * kSecondsOfIteratedJunction : 0.0);
+  needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation + junctions.entries * kSecondsOfFactorEntry;
+  if (iterates)
+    needs.seconds += junctions.junctions * kSecondsOfIteratedJunction * (is_slender(scene) ? kTimesSlender : 1.0);
   return needs;
 }
 

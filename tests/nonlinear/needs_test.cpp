@@ -79,6 +79,19 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
 }
 
 /// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
+TEST(Needs, SlenderMembersThatAreIteratedWithTakeLonger) {
+  Scene scene = test::lattice(4);
+  SolverParameters iterative;
+  iterative.linear.method = kIterative;
+  const auto seconds = [&](double slenderness, const SolverParameters& parameters) {
+    scene.sections[0].axial_stiffness = slenderness * slenderness * scene.sections[0].bending_stiffness[0];
+    return needs_of(scene, parameters).seconds;
+  };
+  EXPECT_GT(seconds(100.0, iterative), seconds(20.0, iterative));
+  EXPECT_EQ(seconds(20.0, iterative), seconds(5.0, iterative));
+  EXPECT_EQ(seconds(100.0, {}), seconds(20.0, {})) << "factors do not care";
+}
+
 TEST(JunctionFactor, OfJunctionsThatAreAllConnected) {
   Scene scene;
   scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
