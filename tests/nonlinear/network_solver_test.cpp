@@ -396,8 +396,9 @@ TEST(NetworkSolver, AStructureBeyondBucklingIsToldUnstable) {
 /// A lattice compressed by equal loads at its top, by default a cubic one of slenderness 20, where nothing bends.
 class Compressed {
  public:
-  explicit Compressed(int size) : Compressed(cubic(size, 20.0)) {}
-  explicit Compressed(const Block& block) : fixture_(scene_of(loaded(block))) {
+  explicit Compressed(int size, const Communicator& ranks = this_rank()) : Compressed(cubic(size, 20.0), ranks) {}
+  explicit Compressed(const Block& block, const Communicator& ranks = this_rank())
+      : fixture_(scene_of(loaded(block)), ranks) {
     MixedVector residual = model().create_vector();
     answer_.emplace(residual.clone(false));
     const EvaluationPoint point = mixed_residual(model(), model().reference_state(), 1.0, residual);
@@ -488,8 +489,8 @@ TEST(NetworkSolver, PrestressOfOtherLatticesAddsFewIterations) {
 }
 
 /// Signs from iteration alone: no factors are allowed.
-TEST(NetworkSolver, SignsBesideACriticalLoadWithoutFactors) {
-  Compressed lattice(6);
+TEST(MpiNetworkSolver, SignsBesideACriticalLoadWithoutFactors) {
+  Compressed lattice(6, all_ranks());
   const auto direct = make_direct_tangent_solver(lattice.model(), kChains, 1e-8);
   NetworkSolver* network = nullptr;
   ChainSolver chains(lattice.model(), kSparseSolver, 1e-8, [&](const CondensedSystem& system) {
