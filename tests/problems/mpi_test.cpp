@@ -144,6 +144,13 @@ TEST(MpiProblems, Networks) {
   expect_same_answer(scene);
 }
 
+// By conjugate gradients with two levels.
+TEST(MpiProblems, NetworksThatAreIteratedWith) {
+  SolverParameters iterative;
+  iterative.linear.method = kIterative;
+  expect_same_answer(shuffled(lattice(10)), iterative);
+}
+
 // Cut by the graph, and through hinges beside others.
 TEST(MpiProblems, NetworksInNoOrder) {
   Scene scene = shuffled(lattice(6, 2, 2));
