@@ -1,6 +1,7 @@
 #include "discretization/assembly/cap.hpp"
 
 #include "discretization/assembly/workspace.hpp"
+#include "discretization/mesh/vertex_partition.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 
@@ -31,12 +32,6 @@ constexpr double kLeastCap = 1e3;
 /// with each tangent, up to twenty times: there the cap is higher, as far as rounding errors permit, which is above the
 /// stiffness of most members.
 constexpr double kRaiseOfNetworks = 1e3;
-/// Independent loops of members from which on a structure is a network.
-constexpr int kLoopsOfNetwork = 100;
-
-bool is_network(const Mesh& mesh) {
-  return static_cast<int>(mesh.elements.size()) - mesh.vertices() + 1 >= kLoopsOfNetwork;
-}
 
 /// Each iteration leaves a strain of (change of N)/cap: the cap must be large against the forces at work, but no
 /// larger, because the condition of the condensed tangent grows with it (and with it the error of every increment).
@@ -47,7 +42,7 @@ double cap_stiffness(const Model& model, const ResidualScales& scales, double ra
   const double elements = structure.length / structure.shortest_element;
   const double usual = model.options().force_stiffness_cap;
   double factor = raise * std::min(usual, std::max(kLeastCap, kCapTimesElements / elements));
-  if (is_network(model.mesh())) {
+  if (independent_loops(model.mesh()) >= kLeastLoopsOfNetwork) {
     const double most = std::max(kLeastCap, kCapTimesElementsOfNetworks / elements);
     factor = std::max(factor, std::min(raise, 1.0) * std::min(kRaiseOfNetworks * usual, most));
   }

@@ -74,11 +74,6 @@ int first_of_share(int rank, int ranks, const Mesh& mesh) {
   return first;
 }
 
-/// Of a structure in one part; several have more.
-double independent_loops(const Mesh& mesh) {
-  return static_cast<double>(mesh.elements.size() + mesh.joints.size()) - mesh.vertices() + 1.0;
-}
-
 /// (vertex): its rank; empty where METIS does not find parts.
 std::vector<idx_t> parts_of_graph(int ranks, const Mesh& mesh) {
   VertexGraph graph(mesh);
@@ -95,6 +90,10 @@ std::vector<idx_t> parts_of_graph(int ranks, const Mesh& mesh) {
 }
 
 }  // namespace
+
+double independent_loops(const Mesh& mesh) {
+  return static_cast<double>(mesh.elements.size() + mesh.joints.size()) - mesh.vertices() + 1.0;
+}
 
 VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
   first_ = first_of_share(rank, ranks, mesh);

@@ -7,10 +7,14 @@
 
 namespace mixbeam {
 
-/// A structure with fewer independent loops is solved as chains: its vertices are shared out along the members, and
-/// KLU2 factorises what they leave. Measured for the solvers on cubic lattices (5^3 vertices, 96 loops: 23 ms by KLU2,
-/// 7 to 21 ms by MUMPS with OpenBLAS and the reference BLAS) and square ones (16^2, 195: 40, 41 to 54 ms).
+/// A structure with fewer independent loops is solved as chains: its vertices are shared out along the members, KLU2
+/// factorises what they leave, and tangents have the cap of chains (assembly/cap.cpp). Measured for the solvers on
+/// cubic lattices (5^3 vertices, 96 loops: 23 ms by KLU2, 7 to 21 ms by MUMPS with OpenBLAS and the reference BLAS) and
+/// square ones (16^2, 195: 40, 41 to 54 ms).
 inline constexpr double kLeastLoopsOfNetwork = 100;
+
+/// Closed by elements and joints, of a structure in one part; several have more.
+double independent_loops(const Mesh& mesh);
 
 /// The vertices of one rank; a master and its slaves stay together. Chains are cut into contiguous shares along the
 /// members, as equal in number as joints permit. Networks are cut by METIS through as few elements as it finds, in

@@ -184,6 +184,17 @@ TEST(Partition, NetworksAreCutThroughFewElements) {
 }
 
 // Without loops: every member ends at a point of its own.
+// A loop through a hinge is one all the same: whether a structure is a network does not hang on how members are joined.
+TEST(Partition, LoopsAreClosedByElementsAndJoints) {
+  Scene scene = branched();
+  EXPECT_EQ(independent_loops(build_mesh(scene)), 1.0);
+  scene.joints = {{"pin", "tine 1", {"tie"}, JointKind::hinge, {0, 0, 1}}};
+  EXPECT_EQ(independent_loops(build_mesh(scene)), 1.0);
+  scene.joints.clear();
+  scene.members.pop_back();
+  EXPECT_EQ(independent_loops(build_mesh(scene)), 0.0);
+}
+
 TEST(Partition, ChainsAreCutIntoContiguousShares) {
   Scene scene = shuffled(lattice(8, 1, 2));
   for (Member& member : scene.members) {
