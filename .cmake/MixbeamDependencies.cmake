@@ -1,7 +1,7 @@
 # Finds the libraries mixbeam stands on and wraps them in interface targets:
 #
 #   mixbeam_kokkos     Kokkos core and OpenMP: all that kernels/ may use
-#   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, NOX, LOCA and MPI
+#   mixbeam_trilinos   mixbeam_kokkos + Teuchos, Tpetra, Amesos2, Belos, NOX, LOCA and MPI
 #   mixbeam_metis      METIS: parts of networks for ranks, and the order of MUMPS' eliminations: Debian's is built without
 #   mixbeam_mumps      MUMPS: the symmetric factorisation that counts negative pivots, which no solver behind Amesos2 does
 #   mixbeam_sacado     automatic differentiation, for tests
@@ -79,7 +79,7 @@ set(trilinos_headers
     LOCA.H                       libtrilinos-nox-dev
     Amesos2.hpp                  libtrilinos-amesos2-dev
     Thyra_VectorBase.hpp         libtrilinos-thyra-dev
-    BelosTypes.hpp               libtrilinos-belos-dev
+    BelosMinresIter.hpp          libtrilinos-belos-dev
     Sacado.hpp                   libtrilinos-sacado-dev
     Epetra_Map.h                 libtrilinos-epetra-dev
     RTOpPack_Types.hpp           libtrilinos-rtop-dev
@@ -119,6 +119,7 @@ find_trilinos_libraries(kokkos_libraries
 find_trilinos_libraries(trilinos_libraries
     loca                 libtrilinos-nox-dev
     nox                  libtrilinos-nox-dev
+    belos                libtrilinos-belos-dev
     amesos2              libtrilinos-amesos2-dev
     tpetra               libtrilinos-tpetra-dev
     tpetraclassic        libtrilinos-tpetra-dev

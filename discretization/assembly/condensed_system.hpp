@@ -27,6 +27,8 @@ class CondensedSystem {
   /// pivot is so small that nothing can be relied on.
   bool condense(const Tangent& tangent);
   long negative_pivots() const { return negative_pivots_; }
+  /// As Tangent::project_on_free_motions.
+  void project_on_free_motions(const KernelView<double*>& rows) const { tangent_->project_on_free_motions(rows); }
 
   /// First half of a solve: the right-hand side of the remaining system; x is half done.
   void condense_rows(const DofVector& b, DofVector& remaining_b, DofVector& x);

@@ -224,7 +224,7 @@ void Level::for_each_row(const Value* value, const LevelVector& x, const Finish&
 
 template <class Finish>
 void Level::multiply(const LevelVector& x, const Finish& finish) const {
-  halo_.exchange(x.data(), unknown_);
+  complete(x);
   if (rounded_.extent(0) > 0)
     for_each_row<0>(rounded_.data(), x, finish);
   else if (unknowns() == kFine * nodes_)

@@ -146,6 +146,8 @@ class Level {
   /// The modes span what the next level's scaled unknowns stand for; its factors.
   void set_coarse_scale(const Level& coarse);
 
+  /// Unknowns of ghosts from their owners.
+  void complete(const LevelVector& x) const { halo_.exchange(x.data(), unknown_); }
   /// y = A^ x
   void apply(const LevelVector& x, const LevelVector& y) const;
   /// x += p(A^) r with Chebyshev's polynomial of degree 3 for eigenvalues from 0.1 to 2. `residual` belongs to x

@@ -9,8 +9,9 @@ namespace mixbeam {
 
 /// Solves what chains leave by conjugate gradients. Aggregates are kept, and so are coarse spaces and
 /// their matrices until iterations have grown by half or forget() is called. Where the matrix is not symmetric and
-/// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large;
-/// else a LinearSolverError says why.
+/// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large.
+/// Else MINRES goes on where there is negative curvature and GMRES where the matrix is unsymmetric, and a
+/// LinearSolverError says why where they do not converge either.
 class NetworkSolver : public LinearSolver {
  public:
   /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
@@ -46,12 +47,32 @@ class NetworkSolver : public LinearSolver {
   LinkEnds find_links();
   void read_values();
   NetworkMatrix matrix() const;
-  void make_spaces();
-  bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction);
+  void set_matrix(const NetworkMatrix& matrix);
+  void make_spaces(const NetworkMatrix& matrix);
+  bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction, std::string& why);
   LinkBlocks link_blocks(int link, double* room) const;
+  void begin_solve(const DofVector& b, DofVector& x);
+  void end_solve(DofVector& x);
   bool iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations);
+  void give_up_conjugate_gradients();
   void factorize_directly();
   void refuse(const std::runtime_error& why);
+
+  // network_krylov.cpp, where factors are too large and conjugate gradients break down:
+  /// What a support at an angle makes of the spatial forces and moments of a vertex; and from its rows back to them,
+  /// with stiff springs in place of prescribed motions.
+  struct TurnedRows {
+    int vertex = 0;  ///< among those that remain
+    double projection[kVertexDofs][kVertexDofs] = {}, back[kVertexDofs][kVertexDofs] = {};
+    bool keeps(const unsigned char* free) const;
+  };
+  void find_turned_rows();
+  static void set_springs(TurnedRows& turned, const unsigned char* free, const double* stiffness, size_t width, int own,
+                          double* left);
+  void turn_rows(const LevelVector& rows) const;
+  void begin_krylov();
+  void multiply(const LevelVector& x, const LevelVector& y) const;
+  bool iterate_krylov(const DofVector& b, DofVector& x, double reduction, int most_iterations);
 
   const CondensedSystem& system_;
   double tolerance_, reduction_, most_fallback_entries_;
@@ -67,13 +88,18 @@ class NetworkSolver : public LinearSolver {
   LinkEnds ends_;  ///< of the network that hierarchy_ was made for
   std::unique_ptr<Hierarchy> hierarchy_;
   LevelVector r_, x_, z_, p_, q_;
+  std::vector<TurnedRows> turned_;
+  std::vector<int> turned_of_;  ///< (vertex that remains): -1 where none
   std::unique_ptr<LinearSolver> direct_;
   std::string objection_;
-  bool is_direct_ = false, is_unstable_ = false, has_solved_ = false;  ///< of the last matrix
+  // of the last matrix
+  bool is_direct_ = false, is_unstable_ = false, has_solved_ = false;
+  bool by_krylov_ = false;  ///< MINRES where it is unstable, else GMRES
   int iterations_ = 0;
   bool has_spaces_ = false;  ///< that serve the next tangent
   bool are_fresh_ = false;   ///< made for the present one
-  double usual_rate_ = 0.0;  ///< iterations for a digit, of the first solve with them
+  /// Iterations for a digit, of the first solve with them: by conjugate gradients, by others.
+  std::array<double, 2> usual_rate_{};
   int spaces_made_ = 0;
 };
 
