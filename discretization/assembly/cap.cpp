@@ -64,15 +64,15 @@ Cap cap_for(const Model& model, const ResidualScales& scales, double raise) {
   const double stiffness = cap_stiffness(model, scales, raise);
   if (stiffness == workspace.cap.stiffness) return workspace.cap;
   const double moment_limit = stiffness * model.structure().length * model.structure().length;  // above all that bends
-  const KernelView<const SectionConstants*> uncapped = model.structure().views.member_section;
+  const KernelView<const SectionConstants*> uncapped = model.structure().views.sections;
   Cap cap{stiffness};
   const auto note_ratio = [&cap](double ratio) {
     if (ratio > 0.0 && (cap.least_ratio == 0.0 || ratio < cap.least_ratio)) cap.least_ratio = ratio;
   };
-  cap.structure.member_section = workspace.sections.take("mixbeam::capped_section", uncapped.extent(0));
-  for (size_t m = 0; m < uncapped.extent(0); ++m) {
-    SectionConstants& section = cap.structure.member_section(m) = uncapped(m);
-    const bool locks = model.scene().members[m].force_integration != ForceIntegration::both_reduced;
+  cap.structure.sections = workspace.sections.take("mixbeam::capped_sections", uncapped.extent(0));
+  for (size_t s = 0; s < uncapped.extent(0); ++s) {
+    SectionConstants& section = cap.structure.sections(s) = uncapped(s);
+    const bool locks = model.structure().section_locks[s] != 0;
     section.force_stiffness_limit = locks ? kCapForLockingElements * stiffness : stiffness;
     section.moment_stiffness_limit = moment_limit;
     for (int i = 0; i < 3; ++i) {
@@ -174,7 +174,7 @@ double block_sum(const Structure& structure, const Cap& cap, const ElementBlock&
   for (int e = 0; e < block.count; ++e) {
     if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
     const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-    const SectionConstants& section = cap.structure.member_section(block.member(e));
+    const SectionConstants& section = cap.structure.sections(block.section(e));
     const double length = block.reference(e, block.reference_layout.length());
     sum += block.general_section ? general_element(block.interior, weights, length, section, &block.compliance(e, 0),
                                                    a + first, b + first)

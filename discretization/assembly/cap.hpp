@@ -14,8 +14,8 @@ struct Cap {
   bool cuts_off = false;       ///< whether it cuts off any stiffness: else the tangent is the true one
   StructureViews structure{};  ///< sections with the stiffness and the added compliance of tangents
 
-  bool cuts_off_force(int member, int component) const {
-    return structure.member_section(member).force_cap_compliance[component] > 0.0;
+  bool cuts_off_force(int section, int component) const {
+    return structure.sections(section).force_cap_compliance[component] > 0.0;
   }
 };
 

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <utility>
 
 namespace mixbeam {
 
@@ -186,7 +187,7 @@ void fill_block(ElementBlock& block, const Structure& structure, const Scene& sc
           error.what());
     }
     for (int end = 0; end < 2; ++end) block.vertices(e, end) = local_vertex(structure, element.vertex[end]);
-    block.member(e) = element.member;
+    block.section(e) = structure.member_section[element.member];
   }
 }
 
@@ -211,7 +212,7 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   structure.response_size += n * block.response_size();
   block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
   block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
-  block.member = KernelView<int*>("mixbeam::element_member", n);
+  block.section = KernelView<int*>("mixbeam::element_section", n);
   for (int e : elements) {
     structure.mesh_element_to_local[e] = structure.local_elements();
     structure.local_element_to_mesh.push_back(e);
@@ -219,17 +220,25 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   structure.blocks.push_back(block);
 }
 
-void fill_structure_views(Structure& structure, const Scene& scene) {
-  structure.views.member_section = KernelView<SectionConstants*>("mixbeam::member_section", scene.members.size());
+/// Members of one section share its constants, but for those that lock, whose cap is another (cap.cpp).
+void number_sections(Structure& structure, const Scene& scene) {
   std::map<std::string, SectionConstants> constants;
   for (const Section& section : scene.sections) constants[section.name] = section_constants(section);
-  for (size_t m = 0; m < scene.members.size(); ++m) {
-    const auto section = constants.find(scene.members[m].section);
+  std::vector<SectionConstants> in_use;
+  std::map<std::pair<std::string, bool>, int> number;
+  for (const Member& member : scene.members) {
+    const bool locks = member.force_integration != ForceIntegration::both_reduced;
+    const auto [entry, is_new] = number.try_emplace({member.section, locks}, static_cast<int>(in_use.size()));
+    structure.member_section.push_back(entry->second);
+    if (!is_new) continue;
+    const auto section = constants.find(member.section);
     if (section == constants.end())
-      throw InputError("member \"" + scene.members[m].name + "\": there is no section named \"" +
-                       scene.members[m].section + "\"");
-    structure.views.member_section(m) = section->second;
+      throw InputError("member \"" + member.name + "\": there is no section named \"" + member.section + "\"");
+    in_use.push_back(section->second);
+    structure.section_locks.push_back(locks);
   }
+  structure.views.sections = KernelView<SectionConstants*>("mixbeam::sections", in_use.size());
+  std::copy(in_use.begin(), in_use.end(), structure.views.sections.data());
 }
 
 }  // namespace
@@ -255,13 +264,13 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
       kinds[block_key(scene, structure.member_laws, mesh.elements[e].member)].push_back(static_cast<int>(e));
   structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
   for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
+  number_sections(structure, scene);
   number_local_vertices(structure, mesh.elements);
   for (ElementBlock& block : structure.blocks) {
     fill_block(block, structure, scene, mesh);
     if (block.general_section)
       fill_compliance(scene, mesh, structure.member_laws, &structure.local_element_to_mesh[block.first_element], block);
   }
-  fill_structure_views(structure, scene);
   return structure;
 }
 

@@ -40,9 +40,11 @@ struct Structure {
   std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
   std::vector<int> mesh_element_to_local;  ///< -1 where the element is not on this rank
   StructureViews views;
-  MemberLaws member_laws;         ///< (member of the scene): null where the section is plain
-  double shortest_element = 0.0;  ///< of the whole mesh
-  double length = 0.0;            ///< characteristic length of the whole mesh
+  std::vector<int> member_section;           ///< (member of the scene): among views.sections
+  std::vector<unsigned char> section_locks;  ///< (section): of members that are not integrated "both reduced"
+  MemberLaws member_laws;                    ///< (member of the scene): null where the section is plain
+  double shortest_element = 0.0;             ///< of the whole mesh
+  double length = 0.0;                       ///< characteristic length of the whole mesh
   double bending_reference =
       0.0;  ///< largest bending or torsional stiffness of the scene that is not rigid beside the others
   size_t interior_size = 0, increment_size = 0, response_size = 0;
@@ -50,6 +52,10 @@ struct Structure {
 
   int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
   int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }
+  /// In the scene, of a local element.
+  int member_of(const Mesh& mesh, int local_element) const {
+    return mesh.elements[local_element_to_mesh[local_element]].member;
+  }
   /// Block of a local element.
   const ElementBlock& block_of(int local_element) const;
 };

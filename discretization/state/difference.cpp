@@ -207,20 +207,20 @@ KOKKOS_INLINE_FUNCTION Vec jump_at_end(int end, int order, const double* psi_mod
   return log_quaternion(conjugate(exp_quaternion(psi)) * conjugate(triad) * vertex);
 }
 
+/// `raised`: (local element).
 void recover(const ElementBlock& block, const KernelView<const unsigned char*>& raised, const StateViews& state) {
   const InteriorLayout layout = block.interior;
   const int order = block.order,
             end_triad[2] = {block.reference_layout.end_triad(0), block.reference_layout.end_triad(1)};
   const int first_element = block.first_element;
   const size_t offset = block.interior_offset;
-  const KernelView<int*> member = block.member;
   const KernelView<int* [2]> vertices = block.vertices;
   const KernelView<double**> reference = block.reference;
   const KernelView<double*[4]> vertex_rotation = state.vertex_rotation, element_triad = state.element_triad;
   const KernelView<double*> interior = state.interior;
   Kokkos::parallel_for(
       "mixbeam::recovered_rotation", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
-        if (!raised(member(e))) return;
+        if (!raised(first_element + e)) return;
         double* x = interior.data() + offset + static_cast<size_t>(e) * layout.unknowns();
         const Quat triad = load_quaternion(&element_triad(first_element + e, 0));
         Vec top{{0.0, 0.0, 0.0}};
@@ -249,9 +249,10 @@ State with_recovered_rotations(const Model& model, const State& state, const std
   Kokkos::deep_copy(recovered.views.element_triad, state.views.element_triad);
   Kokkos::deep_copy(recovered.views.interior, state.views.interior);
   recovered.in_plane = state.in_plane;
-  const KernelView<unsigned char*> marks("mixbeam::raised", raised.size());
-  for (size_t m = 0; m < raised.size(); ++m) marks(m) = raised[m];
-  for (const ElementBlock& block : model.structure().blocks) recover(block, marks, recovered.views);
+  const Structure& structure = model.structure();
+  const KernelView<unsigned char*> marks("mixbeam::raised", structure.local_elements());
+  for (int e = 0; e < structure.local_elements(); ++e) marks(e) = raised[structure.member_of(model.mesh(), e)];
+  for (const ElementBlock& block : structure.blocks) recover(block, marks, recovered.views);
   return recovered;
 }
 

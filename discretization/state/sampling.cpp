@@ -113,7 +113,7 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
     set_strains(structure.member_laws[element.member]->compliance(x), sample);
     return sample;
   }
-  const SectionConstants& section = structure.views.member_section(element.member);
+  const SectionConstants& section = structure.views.sections(block.section(e));
   for (int i = 0; i < 3; ++i) {
     sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
     sample.moment_strain[i] = section.moment_compliance[i] * sample.moment[i];
@@ -299,10 +299,10 @@ double l2_norm(const Model& model, const State& state, int points,
     for (int e = 0; e < block.count; ++e) {
       if (!answers_for(structure, block, e)) continue;
       const double h = block.reference(e, 0);
+      const int member = structure.member_of(model.mesh(), block.first_element + e);
       sum[1] += h;
       for (int q = 0; q < points; ++q) {
-        const Vec value =
-            field(sample_element(structure, model.mesh(), state, block.first_element + e, xi[q]), block.member(e));
+        const Vec value = field(sample_element(structure, model.mesh(), state, block.first_element + e, xi[q]), member);
         sum[0] += 0.5 * h * weight[q] * dot(value, value);
       }
     }

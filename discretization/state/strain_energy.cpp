@@ -67,7 +67,7 @@ StrainEnergy element_energy(const Structure& structure, const ElementBlock& bloc
   const double* interior =
       state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
   if (block.general_section) return general_element_energy(block, e, interior);
-  return element_energy(block, interior, block.reference(e, 0), structure.views.member_section(block.member(e)));
+  return element_energy(block, interior, block.reference(e, 0), structure.views.sections(block.section(e)));
 }
 
 }  // namespace

@@ -110,8 +110,8 @@ KOKKOS_INLINE_FUNCTION void add_cap_compliance(const GeneralSection<>& section, 
 template <int K, bool General>
 struct CapComplianceLoop {
   KernelView<const double**> reference, compliance;
-  KernelView<const int*> member;
-  KernelView<const SectionConstants*> section;
+  KernelView<const int*> section;
+  KernelView<const SectionConstants*> sections;
   KernelView<const double*> increment;
   KernelView<double*> rows;
   InteriorLayout layout;
@@ -122,8 +122,8 @@ struct CapComplianceLoop {
                     const KernelView<double*>& out)
       : reference(block.reference),
         compliance(block.compliance),
-        member(block.member),
-        section(structure.member_section),
+        section(block.section),
+        sections(structure.sections),
         increment(d),
         rows(out),
         layout(block.interior),
@@ -137,7 +137,7 @@ struct CapComplianceLoop {
   KOKKOS_INLINE_FUNCTION void compute(int e, double* out) const {
     const double* d = increment.data() + first_row(e);
     for (int i = 0; i < layout.increments(); ++i) out[i] = 0.0;
-    const SectionConstants& constants = section(member(e));
+    const SectionConstants& constants = sections(section(e));
     if constexpr (General) {
       const GeneralSection<> general{&compliance(e, 0),
                                      {layout.order, layout.force_points},

@@ -43,7 +43,7 @@ struct ElementEquations {
 
 /// Constant data of the structure that elements of all blocks share.
 struct StructureViews {
-  KernelView<SectionConstants*> member_section;  ///< (member)
+  KernelView<SectionConstants*> sections;  ///< (section in use)
 };
 
 struct ElementBlock {
@@ -58,7 +58,7 @@ struct ElementBlock {
   ReferenceLayout reference_layout;
   KernelView<double**> reference;   ///< (element of the block, ReferenceLayout)
   KernelView<int* [2]> vertices;    ///< (element of the block, end): local vertex
-  KernelView<int*> member;          ///< (element of the block)
+  KernelView<int*> section;         ///< (element of the block): among StructureViews::sections
   bool general_section = false;     ///< sections of this block are coupled or vary along the element
   KernelView<double**> compliance;  ///< (element of the block, GeneralSectionLayout); empty for plain sections
   /// (element of the block, LineField): first row of that field in field_value, -1 where there is none; empty when no

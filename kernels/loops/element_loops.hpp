@@ -17,11 +17,11 @@ template <int K, bool General, int W>
 struct ElementGather {
   KernelView<const double**> reference;
   KernelView<const int* [2]> vertices;
-  KernelView<const int*> member;
+  KernelView<const int*> section;
   KernelView<const double* [3]> vertex_displacement;
   KernelView<const double*[4]> vertex_rotation, element_triad;
   KernelView<const double*> interior;
-  KernelView<const SectionConstants*> section;
+  KernelView<const SectionConstants*> sections;
   KernelView<const double**> compliance;
   KernelView<const int* [kLineFields]> field_row;
   KernelView<const double* [3]> field_value;
@@ -37,12 +37,12 @@ struct ElementGather {
                                             const StateViews& state)
       : reference(block.reference),
         vertices(block.vertices),
-        member(block.member),
+        section(block.section),
         vertex_displacement(state.vertex_displacement),
         vertex_rotation(state.vertex_rotation),
         element_triad(state.element_triad),
         interior(state.interior),
-        section(structure.member_section),
+        sections(structure.sections),
         compliance(block.compliance),
         field_row(block.field_row),
         field_value(block.field_value),
@@ -103,7 +103,7 @@ struct ElementPack {
     lanes.load([&](int e) { return &gather.reference(e, 0); }, gather.reference_layout.size(), reference_);
     in.interior = interior_;
     in.reference = reference_;
-    if (gather.section.extent(0) > 0) load_section(gather);
+    if (gather.sections.extent(0) > 0) load_section(gather);
     if (gather.has_fields()) {
       const RowsInLanes<W> rows = lanes;
       load_fields(gather, rows, field_, fields);
@@ -116,7 +116,7 @@ struct ElementPack {
   Real field_[kLineFields][3 * kForcePoints];
 
   KOKKOS_FORCEINLINE_FUNCTION void load_section(const Gather& gather) {
-    const auto constants = [&](int e) -> const SectionConstants& { return gather.section(gather.member(e)); };
+    const auto constants = [&](int e) -> const SectionConstants& { return gather.sections(gather.section(e)); };
     if constexpr (General) {
       section.layout = {gather.layout.order, gather.layout.force_points};
       lanes.load([&](int e) { return &gather.compliance(e, 0); }, section.layout.size(), compliance_);

@@ -154,7 +154,7 @@ struct PlanarGather {
   }
   KOKKOS_FORCEINLINE_FUNCTION void load_section(const Rows& lanes, const InPlane& plane, PlanarSection<Real>& s) const {
     SectionNumbers<Real> section;
-    lanes.load([&](int e) { return structure.member_section(block.member(e)).numbers(); }, section.kCount,
+    lanes.load([&](int e) { return structure.sections(block.section(e)).numbers(); }, section.kCount,
                section.numbers());
     const auto across = [&](const Real* numbers) { return select(plane.third_is_normal, numbers[1], numbers[2]); };
     const auto normal = [&](const Real* numbers) { return select(plane.third_is_normal, numbers[2], numbers[1]); };

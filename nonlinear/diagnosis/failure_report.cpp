@@ -159,9 +159,9 @@ std::optional<double> condition_of_tangent(BeamProblem& problem, const SolverPar
 bool is_incompatible(const FailureReport& report, const Model& model, const PathEnd& end) {
   const FailedAttempt& last = report.attempts.back();
   if (!report.step_at_minimum || !last.peak || last.peak->place.kind != RowKind::element_force) return false;
-  const int member = member_index(model.scene(), last.peak->place.member);
+  const int section = model.structure().member_section[member_index(model.scene(), last.peak->place.member)];
   const Cap cap = cap_for(model, scales_of(model, end.state, end.load_factor));
-  return cap.cuts_off_force(member, last.peak->place.component) && imposes_deformation(model.scene());
+  return cap.cuts_off_force(section, last.peak->place.component) && imposes_deformation(model.scene());
 }
 
 FailureCause cause_of(const FailureReport& report, const Model& model, const PathEnd& end) {

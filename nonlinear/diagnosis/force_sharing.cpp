@@ -146,10 +146,10 @@ class Perturbation {
     const KernelView<const double*> interior = increment.interior();
     std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
     for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
-      const int member = block.member(e);
+      const int member = structure.member_of(model_.mesh(), block.first_element + e);
       if (is_rigid(member, i % 3) != rigid) return;
       const double change = std::abs(interior(index)),
-                   limit = cap.structure.member_section(member).force_stiffness_limit;
+                   limit = cap.structure.sections(block.section(e)).force_stiffness_limit;
       const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
       if (share > best[0])
         best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),

@@ -123,7 +123,7 @@ TEST(Partition, BlocksHoldElementsOfOneKindWithTheirVertices) {
       elements += block.count;
       for (int e = 0; e < block.count; ++e) {
         const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
-        EXPECT_EQ(block.member(e), element.member);
+        EXPECT_EQ(block.section(e), structure.member_section[element.member]);
         EXPECT_EQ(block.order, scene.members[element.member].order);
         EXPECT_EQ(&structure.block_of(block.first_element + e), &block);
         for (int end = 0; end < 2; ++end)

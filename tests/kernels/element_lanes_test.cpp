@@ -59,7 +59,7 @@ SampleBlock random_block(const Variant& variant, int order, ForceIntegration rul
   }
   const SampleBlock block = general_block(samples, 0.0, 0.0, variant.fields);
   for (int e = 0; e < count; ++e) {  // as stiff as the sections, so that some entries are capped and some are not
-    SectionConstants& constants = block.structure.member_section(block.block.member(e));
+    SectionConstants& constants = block.structure.sections(block.block.section(e));
     constants.force_stiffness_limit = 300.0 + 50.0 * e;
     constants.moment_stiffness_limit = 3.0 + 0.5 * e;
   }
@@ -172,7 +172,7 @@ TEST_P(ElementLanes, AChangedNumberIsNotTheSame) {
     EXPECT_GT(differences(both).condensed, kCondensedTolerance) << variant;
   };
   const auto section_of = [](const SampleBlock& s, int e) -> SectionConstants& {
-    return s.structure.member_section(s.block.member(e));
+    return s.structure.sections(s.block.section(e));
   };
   for (const Variant& variant : kVariants) {
     expect_seen(variant, true, [](SampleBlock& s) { s.interior(kLanes - 1)[0] *= 1.0 + 1e-8; });
@@ -192,7 +192,7 @@ TEST_P(ElementLanes, AChangedNumberIsNotTheSame) {
 TEST(ElementPacks, HoldEveryNumberOfTheirSections) {
   constexpr int kOrder = 2, kElements = 3;
   const SampleBlock samples = random_block(kVariants[0], kOrder, ForceIntegration::both_reduced, kElements);
-  const auto section_of = [&](int e) { return samples.structure.member_section(samples.block.member(e)).numbers(); };
+  const auto section_of = [&](int e) { return samples.structure.sections(samples.block.section(e)).numbers(); };
   for (int e = 0; e < kElements; ++e)
     for (int i = 0; i < SectionConstants::kCount; ++i) section_of(e)[i] = 1.0 + e * SectionConstants::kCount + i;
   const ElementGather<kOrder, false, 1> gather(samples.block, samples.structure, samples.state);

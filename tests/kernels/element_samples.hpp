@@ -259,8 +259,8 @@ class SampleBlock {
     const size_t rows = block.increment_offset + static_cast<size_t>(count) * increments();
     block.reference = KernelView<double**>("reference", count, block.reference_layout.size());
     block.vertices = KernelView<int* [2]>("vertices", count);
-    block.member = KernelView<int*>("member", count);
-    structure.member_section = KernelView<SectionConstants*>("section", count);
+    block.section = KernelView<int*>("section", count);
+    structure.sections = KernelView<SectionConstants*>("sections", count);
     if (with_loads) {
       block.field_row = KernelView<int* [kLineFields]>("field_row", count);
       block.field_value = KernelView<double* [3]>("field_value", count * kLineFields * kMostPoints);
@@ -292,7 +292,7 @@ class SampleBlock {
     gauss_rule(element.order + 1, xi.data(), weight.data());
     for (int q = 0; q <= element.order; ++q)
       set(element.curve.curvature(xi[q]), row + block.reference_layout.curvature(q));
-    block.member(e) = block.count - 1 - e;
+    block.section(e) = block.count - 1 - e;
   }
   void fill_tangents(const EnergyElement& element, int points, int offset, double* row) {
     std::vector<double> xi(points), weight(points);
@@ -314,7 +314,7 @@ class SampleBlock {
     for (int j = 1; j < layout.order; ++j) set(s.slope[j - 1], x + layout.bubble(j));
   }
   void fill_section(int e, const ElementSample& sample) {
-    SectionConstants& section = structure.member_section(block.member(e));
+    SectionConstants& section = structure.sections(block.section(e));
     for (int i = 0; i < 3; ++i) {
       section.force_compliance[i] = sample.element.force_compliance[i];
       section.tangent_force_stiffness[i] = sample.tangent_force_stiffness[i];

@@ -155,7 +155,7 @@ inline SampleBlock general_block(const std::vector<GeneralSample>& general, doub
   samples.block.compliance = KernelView<double**>("compliance", count, GeneralSectionLayout{k, k}.size());
   for (int e = 0; e < count; ++e) {
     fill_compliance(general[e].sample.element, general[e].law, &samples.block.compliance(e, 0));
-    SectionConstants& constants = samples.structure.member_section(samples.block.member(e));
+    SectionConstants& constants = samples.structure.sections(samples.block.section(e));
     constants = {};
     constants.force_stiffness_limit = force_limit;
     constants.moment_stiffness_limit = moment_limit;

@@ -40,11 +40,11 @@ struct CountedElement {
     block.reference = KernelView<double**>("reference", 1, block.reference_layout.size());
     block.vertices = KernelView<int* [2]>("vertices", 1);
     block.vertices(0, 1) = 1;
-    block.member = KernelView<int*>("member", 1);
+    block.section = KernelView<int*>("section", 1);
     block.reference(0, block.reference_layout.length()) = 1.0;
     for (int end = 0; end < 2; ++end) block.reference(0, block.reference_layout.end_triad(end)) = 1.0;
     for (int q = 0; q < order; ++q) block.reference(0, block.reference_layout.tangent(q)) = 1.0;
-    Kokkos::deep_copy(structure.member_section, ones());
+    Kokkos::deep_copy(structure.sections, ones());
     state = {KernelView<double* [3]>("displacement", 2), KernelView<double* [4]>("rotation", 2),
              KernelView<double* [4]>("triad", 1), KernelView<double*>("interior", block.interior.unknowns())};
     state.vertex_rotation(0, 0) = state.vertex_rotation(1, 0) = state.element_triad(0, 0) = 1.0;
