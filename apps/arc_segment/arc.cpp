@@ -91,7 +91,8 @@ double l2_difference(const DisplacementField& coarse, const DisplacementField& f
 
 Vec3<double> offset_of_paper(const Simulation& simulation) {
   const Member& member = simulation.scene().members.front();
-  const MeshMember& mesh_member = simulation.model().mesh().members.front();
+  const auto whole = simulation.model().whole_mesh();
+  const MeshMember& mesh_member = whole->members[0];
   const ReferenceCurve& curve = mesh_member.curve;
   const double h = mesh_member.element_length(0);
   std::vector<double> points(member.order), weights(member.order);

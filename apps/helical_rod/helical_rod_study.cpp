@@ -167,7 +167,7 @@ void report_path_independence(Application& app) {
                                   adaptive.result().newton_iterations, kMostIterations,
                                   "goal of mixbeam: at most 150, with load steps chosen by the program");
   const auto reference = vertex_places(adaptive);
-  const double length = adaptive.model().mesh().members.front().curve.length;
+  const double length = adaptive.model().mesh().member_length.front();
   app.out() << "\nThe same final state by other load steps (k=" << order << "): largest difference to adaptive steps\n";
   StudyTable table(app, "", {"path", "steps", "iterations", "position / L", "rotation [rad]"}, 5);
   table.add_row({"adaptive", adaptive.result().steps, adaptive.result().newton_iterations, 0.0, 0.0});

@@ -55,7 +55,8 @@ constexpr int kGaussPoints = 16;
 
 /// Of a scene with one member, which runs from s = 0 to s = L. Collective.
 HelixErrors compare(const Simulation& simulation, const ExactHelix& exact) {
-  const Mesh& mesh = simulation.model().mesh();
+  const auto whole = simulation.model().whole_mesh();
+  const Mesh& mesh = *whole;
   const double length = exact.length();
   HelixErrors errors;
   for (const MeshElement& element : mesh.elements) {

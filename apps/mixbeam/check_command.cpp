@@ -56,8 +56,7 @@ Vector3 without_rounding(Vector3 v, double size) {
 
 /// Box around the samples of all undeformed members; returns its diagonal.
 double print_extent(std::ostream& out, const Simulation& simulation) {
-  double length = 0.0;
-  for (const MeshMember& member : simulation.model().mesh().members) length += member.curve.length;
+  const double length = simulation.model().mesh().total_length();
   vector_algebra::Box box;
   for (const MemberSamples& member : simulation.samples(kPointsByOrder))
     for (const Vector3& position : member.reference_position) box.enclose(position);

@@ -79,8 +79,8 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
   report.outcome = text_of(accurate.end);
   MeshChoice choice;
   for (std::size_t m = 0; m < accurate.simulation.scene().members.size(); ++m)
-    choice.push_back(
-        {accurate.simulation.scene().members[m].order, accurate.simulation.model().mesh().members[m].elements});
+    choice.push_back({accurate.simulation.scene().members[m].order,
+                      accurate.simulation.model().mesh().elements_of(static_cast<int>(m))});
   report.members = members_by_mesh(accurate.simulation.scene(), choice);
   for (const MeshRound& round : accurate.rounds)
     report.rounds.push_back(

@@ -18,12 +18,6 @@ namespace {
 constexpr double kBalanceTolerance = 1e-10;
 constexpr double kResidualOfRow = 1e-11;
 
-double elements_of(const StepRecord& record) {
-  double elements = 0.0;
-  for (const MemberSamples& member : record.members) elements += member.elements;
-  return elements;
-}
-
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
 /// Those that were asked for.
@@ -123,7 +117,7 @@ void RunReport::add(const StepRecord& record) {
     if (!followed_.empty() && quantity.name == kQuantitySeries)
       follow(record.step, record.load_factor, quantity.components.data());
   const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
-  balance_tolerance_ = balance_tolerance(elements_of(record));
+  balance_tolerance_ = balance_tolerance(static_cast<double>(record.members.elements()));
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   last_ = without_rows(record);

@@ -68,8 +68,9 @@ double PureBending::centerline_error(const Simulation& simulation) const {
 }
 
 VertexErrors PureBending::vertex_errors(const Simulation& simulation) const {
-  const Mesh& mesh = simulation.model().mesh();
-  const auto quadrature = quadrature_positions(simulation.scene().members.front().order, mesh.members.front().elements);
+  const auto whole = simulation.model().whole_mesh();
+  const Mesh& mesh = *whole;
+  const auto quadrature = quadrature_positions(simulation.scene().members.front().order, mesh.elements_of(0));
   VertexErrors errors;
   for (const MeshElement& element : mesh.elements) {
     const int vertex = element.vertex[1];

@@ -45,7 +45,7 @@ class TurnedRod {
     if (amplitude < -kSameLoadFactor * support_.stage) return;
     const Configuration now = configuration_of(simulation);
     if (deviations_.empty()) start_ = now;
-    const double length = simulation.model().mesh().members.front().curve.length;
+    const double length = simulation.model().mesh().member_length.front();
     deviations_.push_back(compare(now, std::min(amplitude, 1.0) * whole_rotation_, length));
     if (deviations_.size() > 1) deviations_.back().iterations = report.newton_iterations;
   }

@@ -255,7 +255,7 @@ Reference::Reference(const BenchmarkProblem& problem, const Communicator& commun
 Errors Reference::errors_of(const Simulation& other) const {
   const int gauss = gauss_points(other);
   const auto exact = [&](const PointSample& sample, int member) {
-    const double length = simulation.model().mesh().members[member].curve.length;
+    const double length = simulation.model().mesh().member_length[member];
     return sample_member(simulation.model(), simulation.state(), member, sample.arc_length / length);
   };
   Errors errors{};

@@ -47,6 +47,13 @@ double scale_of(RowKind kind, const ResidualScales& scales, double h) {
 
 namespace {
 
+/// Where a vertex or element of this rank is.
+struct Site {
+  int member = -1;  ///< -1: no element meets the vertex
+  double along = 0.0, element_length = 0.0;
+  Vector3 position{};
+};
+
 /// A row; travels between ranks as bytes.
 struct RowKey {
   bool found = false;
@@ -55,6 +62,7 @@ struct RowKey {
   int vertex = -1, element = -1;  ///< of the mesh
   double size = 0.0;              ///< by which the larger of two wins
   double value = 0.0;             ///< the entry
+  Site site{};                    ///< of the best
 };
 
 const char* kAxes[] = {"x", "y", "z"};
@@ -79,8 +87,38 @@ void for_each_row(const Model& model, const MixedVector& vector, const Visit& vi
       }
 }
 
+Site site_of_element(const Mesh& mesh, int number) {
+  const MeshElement& element = mesh.elements[number];
+  Site site{element.member, 0.0, mesh.element_length(element)};
+  site.along = mesh.arc_length(element, 0.0) / mesh.member_of(element).curve.length;
+  const Vector3 &a = mesh.vertex_position[element.vertex[0]], &b = mesh.vertex_position[element.vertex[1]];
+  for (int i = 0; i < 3; ++i) site.position[i] = 0.5 * (a[i] + b[i]);
+  return site;
+}
+
+/// Of a vertex that this rank owns, whose elements it has.
+Site site_of_vertex(const Model& model, int vertex) {
+  const Mesh& mesh = model.mesh();
+  const Structure& structure = model.structure();
+  Site site;
+  site.position = mesh.vertex_position[vertex];
+  for (int local : structure.elements_in_order) {
+    const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
+    for (int end = 0; end < 2; ++end) {
+      if (element.vertex[end] != vertex) continue;
+      site.member = element.member;
+      site.along = mesh.arc_length(element, end == 0 ? -1.0 : 1.0) / mesh.member_of(element).curve.length;
+      return site;
+    }
+  }
+  return site;
+}
+
 /// The key of largest `size` on any rank; the highest of several ranks, which all name the same row.
-RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
+RowKey best_of_ranks(const Model& model, RowKey mine) {
+  if (mine.found)
+    mine.site = mine.element >= 0 ? site_of_element(model.mesh(), mine.element) : site_of_vertex(model, mine.vertex);
+  const Teuchos::Comm<int>& comm = *model.map()->getComm();
   if (comm.getSize() == 1) return mine;
   const double size = mine.found ? mine.size : -std::numeric_limits<double>::infinity();
   double best = size;
@@ -93,27 +131,23 @@ RowKey best_of_ranks(const Teuchos::Comm<int>& comm, const RowKey& mine) {
   return key;
 }
 
-EquationPlace place_of_element(const Model& model, int global_element) {
-  const Mesh& mesh = model.mesh();
-  const MeshElement& element = mesh.elements[global_element];
-  EquationPlace place;
-  place.member = model.scene().members[element.member].name;
-  place.element = element.index;
-  place.global_element = global_element;
-  place.along = mesh.arc_length(element, 0.0) / mesh.member_of(element).curve.length;
-  const Vector3 &a = mesh.vertex_position[element.vertex[0]], &b = mesh.vertex_position[element.vertex[1]];
-  for (int i = 0; i < 3; ++i) place.position[i] = 0.5 * (a[i] + b[i]);
-  return place;
-}
-
 EquationPlace place_of(const Model& model, const RowKey& key) {
-  EquationPlace place = key.element >= 0 ? place_of_element(model, key.element) : place_of_vertex(model, key.vertex);
+  EquationPlace place;
   place.kind = key.kind;
   place.component = key.component;
+  place.global_vertex = key.vertex;
+  place.global_element = key.element;
+  place.along = key.site.along;
+  place.position = key.site.position;
+  if (key.site.member >= 0) place.member = model.scene().members[key.site.member].name;
+  if (key.element >= 0) {
+    place.element = model.mesh().index_of_element(key.element);
+    return place;
+  }
+  for (const auto& [point, vertex] : model.mesh().vertex_of_point)
+    if (vertex == key.vertex && place.point.empty()) place.point = point;
   return place;
 }
-
-const Teuchos::Comm<int>& ranks_of(const Model& model) { return *model.map()->getComm(); }
 
 }  // namespace
 
@@ -124,12 +158,10 @@ std::optional<ResidualPeak> largest_row(const Model& model, const MixedVector& s
     key.size = std::abs(key.value);
     if (std::isfinite(key.size) && key.size > largest.size) largest = key;
   });
-  largest = best_of_ranks(ranks_of(model), largest);
+  largest = best_of_ranks(model, largest);
   if (!largest.found) return {};
   ResidualPeak peak{place_of(model, largest), largest.size, 0.0};
-  const Mesh& mesh = model.mesh();
-  const double h = largest.element < 0 ? 0.0 : mesh.element_length(mesh.elements[largest.element]);
-  peak.value = largest.value * scale_of(peak.place.kind, scales, h);
+  peak.value = largest.value * scale_of(peak.place.kind, scales, largest.site.element_length);
   return peak;
 }
 
@@ -143,7 +175,7 @@ std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVec
     key.size = -(key.element >= 0 ? key.element : key.vertex) - (is_late ? behind : 0.0);
     if (!first.found || key.size > first.size) first = key;
   });
-  first = best_of_ranks(ranks_of(model), first);
+  first = best_of_ranks(model, first);
   return first.found ? std::optional(place_of(model, first)) : std::nullopt;
 }
 
@@ -161,25 +193,15 @@ std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent) {
       first.element = model.structure().local_element_to_mesh[e];
       first.size = -first.element;
     }
-  first = best_of_ranks(ranks_of(model), first);
+  first = best_of_ranks(model, first);
   return first.found ? std::optional(place_of(model, first)) : std::nullopt;
 }
 
 EquationPlace place_of_vertex(const Model& model, int global_vertex) {
-  const Mesh& mesh = model.mesh();
-  EquationPlace place;
-  place.global_vertex = global_vertex;
-  place.position = mesh.vertex_position[global_vertex];
-  for (const auto& [point, vertex] : mesh.vertex_of_point)
-    if (vertex == global_vertex && place.point.empty()) place.point = point;
-  for (const MeshElement& element : mesh.elements)
-    for (int end = 0; end < 2; ++end) {
-      if (element.vertex[end] != global_vertex) continue;
-      place.member = model.scene().members[element.member].name;
-      place.along = mesh.arc_length(element, end == 0 ? -1.0 : 1.0) / mesh.member_of(element).curve.length;
-      return place;
-    }
-  return place;
+  RowKey key;
+  key.found = model.structure().partition.owns(global_vertex);
+  key.vertex = global_vertex;
+  return place_of(model, best_of_ranks(model, key));
 }
 
 EndAngle largest_end_angle(const Model& model, const EvaluationPoint& point) {
@@ -194,8 +216,8 @@ EndAngle largest_end_angle(const Model& model, const EvaluationPoint& point) {
   const double everywhere = maximum_over_ranks(comm, mine);
   int candidate = mine == everywhere ? where : -1, element = candidate;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(element));
-  const MeshElement& found = model.mesh().elements[element];
-  return {everywhere, model.scene().members[found.member].name, found.index};
+  const Mesh& mesh = model.mesh();
+  return {everywhere, model.scene().members[mesh.member_of_element(element)].name, mesh.index_of_element(element)};
 }
 
 std::vector<EndAngle> end_angles_of_members(const Model& model, const EvaluationPoint& point) {

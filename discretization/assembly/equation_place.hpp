@@ -57,7 +57,7 @@ std::optional<EquationPlace> first_not_finite(const Model& model, const MixedVec
 /// First element whose condensed tangent holds something that is not a finite number. Collective.
 std::optional<EquationPlace> first_tangent_not_finite(const Tangent& tangent);
 
-/// A vertex of the mesh, without kind and component.
+/// A vertex of the mesh, without kind and component. Collective.
 EquationPlace place_of_vertex(const Model& model, int global_vertex);
 
 /// A relative rotation between an element and its vertices, and where.

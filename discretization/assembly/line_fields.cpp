@@ -37,9 +37,8 @@ int block_holding(const Structure& structure, int local_element) {
 
 LocalElements local_elements(const Mesh& mesh, const Structure& structure, int member) {
   LocalElements result;
-  const MeshMember& m = mesh.members[member];
-  for (int i = 0; i < m.elements; ++i) {
-    const int local = structure.mesh_element_to_local[m.first_element + i];
+  for (int i = 0; i < mesh.elements_of(member); ++i) {
+    const int local = structure.local_element(mesh.first_element[member] + i);
     if (local < 0) continue;
     if (result.block < 0) result.block = block_holding(structure, local);
     result.elements.push_back(local - structure.blocks[result.block].first_element);

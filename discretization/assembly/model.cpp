@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace mixbeam {
@@ -31,6 +30,7 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
   mark_owned_interior();
   build_adjacency();
   build_plane();
+  keep_own_mesh();
 }
 
 Model::~Model() = default;
@@ -53,6 +53,19 @@ void Model::build_maps(const Communicator& comm) {
   }
 }
 
+std::shared_ptr<const Mesh> Model::whole_mesh() const {
+  if (mesh_.elements.is_whole()) return {std::shared_ptr<const Mesh>(), &mesh_};
+  return std::make_shared<const Mesh>(build_mesh(*scene_));
+}
+
+void Model::keep_own_mesh() {
+  if (maps_.import.is_null()) return;
+  std::vector<int> vertices = structure_.local_vertex_to_global, elements = structure_.local_element_to_mesh;
+  std::sort(vertices.begin(), vertices.end());
+  std::sort(elements.begin(), elements.end());
+  mesh_.keep(std::move(vertices), std::move(elements));
+}
+
 void Model::mark_owned_interior() {
   if (maps_.import.is_null()) return;  // one rank owns everything
   owned_interior_ = KernelView<unsigned char*>("mixbeam::owned_interior", structure_.increment_size);
@@ -66,13 +79,9 @@ void Model::mark_owned_interior() {
 
 void Model::build_adjacency() {
   const int owned = structure_.owned_vertices;
-  std::vector<int> elements(structure_.local_elements());
-  std::iota(elements.begin(), elements.end(), 0);
-  std::sort(elements.begin(), elements.end(),
-            [this](int a, int b) { return structure_.local_element_to_mesh[a] < structure_.local_element_to_mesh[b]; });
   const auto for_each_end = [&](const auto& action) {
     const ElementBlock* block = structure_.blocks.data();  // a rank may have none
-    for (int element : elements) {
+    for (int element : structure_.elements_in_order) {
       if (element < block->first_element || element >= block->first_element + block->count)
         block = &structure_.block_of(element);
       for (int end = 0; end < 2; ++end) {
@@ -252,7 +261,7 @@ bool keeps_to(const Vec& normal, const Mesh& mesh, const Structure& structure, c
 std::optional<PlaneAxes> plane_of(const Teuchos::Comm<int>& comm, const Mesh& mesh, const Structure& structure,
                                   const LineFields& line_fields, const Conditions& conditions) {
   if (!line_fields.empty()) return std::nullopt;
-  const MeshElement& first = mesh.elements.front();
+  const MeshElement& first = mesh.elements[0];
   const Mat triad = rotation_matrix(
       make_reference_element(mesh.member_of(first), first.index, 1, ForceIntegration::both_reduced).end_triad[0]);
   for (int axis : {2, 1}) {

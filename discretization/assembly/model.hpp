@@ -43,7 +43,10 @@ class Model {
   Model& operator=(const Model&) = delete;
 
   const Scene& scene() const { return *scene_; }
+  /// The share of this rank.
   const Mesh& mesh() const { return mesh_; }
+  /// All of it, made anew on several ranks: for what is seldom asked.
+  std::shared_ptr<const Mesh> whole_mesh() const;
   const Structure& structure() const { return structure_; }
   const ModelOptions& options() const { return options_; }
   const Teuchos::RCP<const DofMap>& map() const { return maps_.rows; }
@@ -89,6 +92,7 @@ class Model {
   void mark_owned_interior();
   void build_adjacency();
   void build_plane();
+  void keep_own_mesh();
 
   std::shared_ptr<const Scene> scene_;
   Mesh mesh_;

@@ -108,11 +108,11 @@ class Placement {
   std::vector<std::optional<ReferenceCurve>> curves_;
 };
 
-/// Arc lengths of the vertices; equal elements come from one division each.
-std::vector<double> vertex_arc_lengths(const ElementDivision& division, double length) {
+/// Arc lengths of the vertices of unequal elements.
+std::vector<double> stations_of(const ElementDivision& division, double length) {
   std::vector<double> s;
-  for (int i = 0; i <= division.elements(); ++i)
-    s.push_back(division.is_equal ? length * i / division.elements() : length * division.station[i]);
+  if (division.is_equal) return s;
+  for (const double station : division.station) s.push_back(length * station);
   s.back() = length;
   return s;
 }
@@ -134,14 +134,14 @@ void add_member(Mesh& mesh, const Member& member, int index, const Placement& pl
   added.curve = placement.curve(index);
   added.first_element = static_cast<int>(mesh.elements.size());
   added.elements = division.elements();
-  added.vertex_arc_length = vertex_arc_lengths(division, added.curve.length);
+  added.stations = stations_of(division, added.curve.length);
   added.has_equal_elements = division.is_equal;
   int here = vertex_of_end(mesh, joints, member.start_point, placement.position(member.start_point), index);
   for (int i = 0; i < added.elements; ++i) {
     const std::string& point = points[i + 1];
     int next = mesh.vertices();
     if (point.empty())
-      mesh.vertex_position.push_back(to_array(added.curve.position(added.vertex_arc_length[i + 1])));
+      mesh.vertex_position.push_back(to_array(added.curve.position(added.vertex_arc_length(i + 1))));
     else if (i + 1 == added.elements)
       next = vertex_of_end(mesh, joints, point, placement.position(point), index);
     else
@@ -149,6 +149,8 @@ void add_member(Mesh& mesh, const Member& member, int index, const Placement& pl
     mesh.elements.push_back({index, i, {here, next}});
     here = next;
   }
+  mesh.first_element.push_back(static_cast<int>(mesh.elements.size()));
+  mesh.member_length.push_back(added.curve.length);
   mesh.members.push_back(std::move(added));
 }
 
@@ -161,7 +163,37 @@ Mesh build_mesh(const Scene& scene) {
   mesh.members.reserve(scene.members.size());
   for (size_t m = 0; m < scene.members.size(); ++m)
     add_member(mesh, scene.members[m], static_cast<int>(m), placement, joints);
+  for (const Vector3& position : mesh.vertex_position) mesh.box.enclose(position);
   return mesh;
+}
+
+void Mesh::keep(std::vector<int> own_vertices, std::vector<int> own_elements) {
+  std::vector<int> own_members;
+  for (const int element : own_elements) {
+    const int member = elements[element].member;
+    if (own_members.empty() || own_members.back() != member) own_members.push_back(member);
+  }
+  vertex_position.keep(std::move(own_vertices));
+  elements.keep(std::move(own_elements));
+  members.keep(std::move(own_members));
+}
+
+double Mesh::total_length() const {
+  double length = 0.0;
+  for (const double of_member : member_length) length += of_member;
+  return length;
+}
+
+// As std::upper_bound of s among the inner vertices.
+int MeshMember::element_behind(double s) const {
+  int first = 1;
+  for (int count = elements - 1; count > 0;) {
+    const int half = count / 2;
+    const bool is_before = !(s < vertex_arc_length(first + half));
+    if (is_before) first += half + 1;
+    count = is_before ? count - half - 1 : half;
+  }
+  return first - 1;
 }
 
 double arc_length_of_vertex(const Mesh& mesh, int member, int vertex) {
@@ -170,7 +202,7 @@ double arc_length_of_vertex(const Mesh& mesh, int member, int vertex) {
   if (first->vertex[0] == vertex) return 0.0;
   if ((first + m.elements - 1)->vertex[1] == vertex) return m.curve.length;
   for (int i = 0; i < m.elements; ++i)
-    if ((first + i)->vertex[1] == vertex) return m.vertex_arc_length[i + 1];
+    if ((first + i)->vertex[1] == vertex) return m.vertex_arc_length(i + 1);
   throw InputError("member " + std::to_string(member + 1) + " does not pass through vertex " + std::to_string(vertex));
 }
 
@@ -193,10 +225,8 @@ int member_index(const Scene& scene, const std::string& name) {
 }
 
 double characteristic_length(const Mesh& mesh) {
-  Box box;
-  for (const Vector3& position : mesh.vertex_position) box.enclose(position);
-  double length = box.diagonal();
-  for (const MeshMember& member : mesh.members) length = std::max(length, member.curve.length);
+  double length = mesh.box.diagonal();
+  for (const double of_member : mesh.member_length) length = std::max(length, of_member);
   return length;
 }
 

@@ -1,14 +1,67 @@
-/// Elements and vertices of a scene: pure topology and reference geometry, the same on every rank.
+/// Elements and vertices of a scene: pure topology and reference geometry. On several ranks each keeps those that it
+/// works on, with the numbers that they have in the whole.
 #pragma once
 
 #include "discretization/geometry/reference_curve.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/scene.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <map>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
+
+/// A list, or those of its entries that a rank keeps: they have the numbers of the whole list.
+template <class Entry>
+class Share {
+ public:
+  std::size_t size() const { return is_whole() ? entries_.size() : whole_size_; }  ///< of the whole list
+  bool is_whole() const { return whole_size_ == 0; }
+  std::size_t kept() const { return entries_.size(); }
+
+  /// Place of an entry among those that are kept, in the order of their numbers; -1 where it is not.
+  int place(std::size_t number) const {
+    if (is_whole()) return static_cast<int>(number);
+    const auto found = std::lower_bound(numbers_.begin(), numbers_.end(), static_cast<int>(number));
+    const bool is_kept = found != numbers_.end() && *found == static_cast<int>(number);
+    return is_kept ? static_cast<int>(found - numbers_.begin()) : -1;
+  }
+  bool keeps(std::size_t number) const { return place(number) >= 0; }
+  /// Throws std::out_of_range where an entry is not kept.
+  const Entry& operator[](std::size_t number) const {
+    return is_whole() ? entries_[number] : entries_.at(static_cast<std::size_t>(place(number)));
+  }
+
+  /// All entries. Throws std::logic_error unless all are kept.
+  const std::vector<Entry>& whole() const {
+    if (!is_whole()) throw std::logic_error("a rank was asked for a list of which it keeps a share");
+    return entries_;
+  }
+  auto begin() const { return whole().begin(); }
+  auto end() const { return whole().end(); }
+  void push_back(Entry entry) { entries_.push_back(std::move(entry)); }
+  void reserve(std::size_t count) { entries_.reserve(count); }
+
+  /// Frees all others; `numbers` ascend.
+  void keep(std::vector<int> numbers) {
+    std::vector<Entry> kept;
+    kept.reserve(numbers.size());
+    for (const int number : numbers) kept.push_back(std::move(entries_[static_cast<std::size_t>(number)]));
+    whole_size_ = entries_.size();
+    entries_ = std::move(kept);
+    numbers_ = std::move(numbers);
+  }
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<int> numbers_;    ///< of these; empty where all are kept
+  std::size_t whole_size_ = 0;  ///< 0: all are kept
+};
 
 struct MeshElement {
   int member = 0;
@@ -19,20 +72,27 @@ struct MeshElement {
 /// One member in the mesh: its curve and where its elements and vertices are.
 struct MeshMember {
   ReferenceCurve curve;
-  int first_element = 0;                  ///< in Mesh::elements, consecutive
-  int elements = 0;                       ///< may exceed what the scene asks for, see divide (scene/division.hpp)
-  std::vector<double> vertex_arc_length;  ///< s of its vertices, elements + 1 of them from 0 to the curve's length
-  bool has_equal_elements = true;         ///< then lengths come from one division and do not differ by rounding
+  int first_element = 0;           ///< in Mesh::elements, consecutive
+  int elements = 0;                ///< may exceed what the scene asks for, see divide (scene/division.hpp)
+  std::vector<double> stations;    ///< s of its vertices, elements + 1 of them; empty where elements are equal
+  bool has_equal_elements = true;  ///< then lengths come from one division and do not differ by rounding
 
+  /// s of its vertices, from 0 to the curve's length at vertex `elements`.
+  double vertex_arc_length(int vertex) const {
+    if (!has_equal_elements) return stations[vertex];
+    return vertex == elements ? curve.length : curve.length * vertex / elements;
+  }
+  /// The element behind the last vertex that is not behind s; the first or last one outside of the member.
+  int element_behind(double s) const;
   /// Reference length of its element `index`.
   double element_length(int index) const {
-    return has_equal_elements ? curve.length / elements : vertex_arc_length[index + 1] - vertex_arc_length[index];
+    return has_equal_elements ? curve.length / elements : stations[index + 1] - stations[index];
   }
   /// Arc length s along the member at xi in [-1, 1] of its element `index`.
   double arc_length(int index, double xi) const {
     const double inside = 0.5 * (1.0 + xi);
     return has_equal_elements ? element_length(index) * (index + inside)
-                              : vertex_arc_length[index] + element_length(index) * inside;
+                              : stations[index] + element_length(index) * inside;
   }
 };
 
@@ -46,13 +106,30 @@ struct MeshJoint {
 
 /// Vertices are numbered along the members, so a chain has a narrow band.
 struct Mesh {
-  std::vector<Vector3> vertex_position;  ///< reference positions
-  std::vector<MeshElement> elements;     ///< member by member
-  std::vector<MeshMember> members;       ///< in the order of the scene
+  Share<Vector3> vertex_position;  ///< reference positions
+  Share<MeshElement> elements;     ///< member by member
+  Share<MeshMember> members;       ///< in the order of the scene
+  // Known on every rank:
+  std::vector<int> first_element{0};  ///< (member, and one more): in elements
+  std::vector<double> member_length;  ///< (member)
   std::map<std::string, int> vertex_of_point;
   std::vector<MeshJoint> joints;  ///< in the order of their slaves, which follow the vertex of their point
+  vector_algebra::Box box;        ///< of all vertices
+
+  /// Frees all vertices and elements but these (ascending numbers), and the members that have none of them.
+  void keep(std::vector<int> own_vertices, std::vector<int> own_elements);
 
   int vertices() const { return static_cast<int>(vertex_position.size()); }
+  int elements_of(int member) const { return first_element[member + 1] - first_element[member]; }
+  /// Member and position in it of an element, which need not be kept.
+  int member_of_element(int number) const {
+    return static_cast<int>(std::upper_bound(first_element.begin(), first_element.end(), number) -
+                            first_element.begin()) -
+           1;
+  }
+  int index_of_element(int number) const { return number - first_element[member_of_element(number)]; }
+  /// Of all members.
+  double total_length() const;
   const MeshMember& member_of(const MeshElement& element) const { return members[element.member]; }
   double element_length(const MeshElement& element) const { return member_of(element).element_length(element.index); }
   /// Arc length along its member at xi in [-1, 1] of an element.

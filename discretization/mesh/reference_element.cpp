@@ -21,7 +21,7 @@ constexpr double kLargestRotation = 3.0;
 constexpr int kTurningSamples = 8;  // of the curvature, in each element
 
 double arc_length(const MeshMember& member, int index, double xi) {
-  return member.vertex_arc_length[index] + 0.5 * member.element_length(index) * (1.0 + xi);
+  return member.vertex_arc_length(index) + 0.5 * member.element_length(index) * (1.0 + xi);
 }
 
 std::invalid_argument turns_too_far() {
@@ -136,7 +136,7 @@ Vec relative_rotation(const ReferenceElement& element, int order, double xi) {
 
 ReferenceElement make_reference_element(const MeshMember& member, int index, int order, ForceIntegration rule) {
   ReferenceElement element;
-  const double start = member.vertex_arc_length[index], length = member.element_length(index);
+  const double start = member.vertex_arc_length(index), length = member.element_length(index);
   for (int end = 0; end < 2; ++end) element.end_triad[end] = member.curve.triad(start + end * length);
   if (member.curve.has_constant_curvature()) {
     element.triad = member.curve.triad(member.arc_length(index, 0.0));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -144,11 +145,11 @@ bool is_local(const MeshElement& element, const VertexPartition& partition) {
   return partition.owns(element.vertex[0]) || partition.owns(element.vertex[1]);
 }
 
-void number_local_vertices(Structure& structure, const std::vector<MeshElement>& elements) {
+void number_local_vertices(Structure& structure, const Mesh& mesh) {
   const VertexPartition& partition = structure.partition;
   std::set<int> ghosts;
   for (int e : structure.local_element_to_mesh)
-    for (int vertex : elements[e].vertex)
+    for (int vertex : mesh.elements[e].vertex)
       if (!partition.owns(vertex)) ghosts.insert(vertex);
   structure.owned_vertices = partition.size();
   for (int v = 0; v < partition.size(); ++v) structure.local_vertex_to_global.push_back(partition.vertex(v));
@@ -213,11 +214,17 @@ void add_block(Structure& structure, const BlockKey& key, const std::vector<int>
   block.reference = KernelView<double**>("mixbeam::reference", n, block.reference_layout.size());
   block.vertices = KernelView<int* [2]>("mixbeam::element_vertices", n);
   block.section = KernelView<int*>("mixbeam::element_section", n);
-  for (int e : elements) {
-    structure.mesh_element_to_local[e] = structure.local_elements();
-    structure.local_element_to_mesh.push_back(e);
-  }
+  structure.local_element_to_mesh.insert(structure.local_element_to_mesh.end(), elements.begin(), elements.end());
   structure.blocks.push_back(block);
+}
+
+void order_elements(Structure& structure) {
+  std::vector<int>& elements = structure.elements_in_order;
+  elements.resize(structure.local_elements());
+  std::iota(elements.begin(), elements.end(), 0);
+  std::sort(elements.begin(), elements.end(), [&structure](int a, int b) {
+    return structure.local_element_to_mesh[a] < structure.local_element_to_mesh[b];
+  });
 }
 
 /// Members of one section share its constants, but for those that lock, whose cap is another (cap.cpp).
@@ -231,10 +238,7 @@ void number_sections(Structure& structure, const Scene& scene) {
     const auto [entry, is_new] = number.try_emplace({member.section, locks}, static_cast<int>(in_use.size()));
     structure.member_section.push_back(entry->second);
     if (!is_new) continue;
-    const auto section = constants.find(member.section);
-    if (section == constants.end())
-      throw InputError("member \"" + member.name + "\": there is no section named \"" + member.section + "\"");
-    in_use.push_back(section->second);
+    in_use.push_back(constants.at(member.section));  // member_laws() has refused other names
     structure.section_locks.push_back(locks);
   }
   structure.views.sections = KernelView<SectionConstants*>("mixbeam::sections", in_use.size());
@@ -242,6 +246,13 @@ void number_sections(Structure& structure, const Scene& scene) {
 }
 
 }  // namespace
+
+int Structure::local_element(int mesh_element) const {
+  if (local_elements() == mesh_elements) return elements_in_order[mesh_element];
+  const auto found = std::lower_bound(elements_in_order.begin(), elements_in_order.end(), mesh_element,
+                                      [this](int local, int wanted) { return local_element_to_mesh[local] < wanted; });
+  return found != elements_in_order.end() && local_element_to_mesh[*found] == mesh_element ? *found : -1;
+}
 
 const ElementBlock& Structure::block_of(int local_element) const {
   for (const ElementBlock& block : blocks)
@@ -262,10 +273,15 @@ Structure build_structure(const Scene& scene, const Mesh& mesh, int rank, int ra
   for (size_t e = 0; e < mesh.elements.size(); ++e)
     if (is_local(mesh.elements[e], structure.partition))
       kinds[block_key(scene, structure.member_laws, mesh.elements[e].member)].push_back(static_cast<int>(e));
-  structure.mesh_element_to_local.assign(mesh.elements.size(), -1);
+  structure.mesh_elements = static_cast<int>(mesh.elements.size());
   for (const auto& [key, elements] : kinds) add_block(structure, key, elements);
+  order_elements(structure);
   number_sections(structure, scene);
-  number_local_vertices(structure, mesh.elements);
+  number_local_vertices(structure, mesh);
+  const std::vector<int> part = connected_parts(mesh);
+  structure.parts = 1 + *std::max_element(part.begin(), part.end());
+  for (int v = 0; v < structure.owned_vertices && structure.parts > 1; ++v)
+    structure.part_of_vertex.push_back(part[structure.local_vertex_to_global[v]]);
   for (ElementBlock& block : structure.blocks) {
     fill_block(block, structure, scene, mesh);
     if (block.general_section)

@@ -38,7 +38,11 @@ struct Structure {
   int owned_vertices = 0;
   std::vector<ElementBlock> blocks;
   std::vector<int> local_element_to_mesh;  ///< mesh element of each local element
-  std::vector<int> mesh_element_to_local;  ///< -1 where the element is not on this rank
+  std::vector<int> elements_in_order;      ///< local elements in the order of the mesh
+  int mesh_elements = 0;                   ///< of all ranks
+  // Parts of the whole that do not touch each other.
+  int parts = 1;
+  std::vector<int> part_of_vertex;  ///< (owned vertex); empty where there is one part
   StructureViews views;
   std::vector<int> member_section;           ///< (member of the scene): among views.sections
   std::vector<unsigned char> section_locks;  ///< (section): of members that are not integrated "both reduced"
@@ -52,6 +56,8 @@ struct Structure {
 
   int local_vertices() const { return static_cast<int>(local_vertex_to_global.size()); }
   int local_elements() const { return static_cast<int>(local_element_to_mesh.size()); }
+  /// -1 where an element of the mesh is not on this rank.
+  int local_element(int mesh_element) const;
   /// In the scene, of a local element.
   int member_of(const Mesh& mesh, int local_element) const {
     return mesh.elements[local_element_to_mesh[local_element]].member;

@@ -3,6 +3,7 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace mixbeam {
@@ -104,6 +105,26 @@ VertexPartition::VertexPartition(int rank, int ranks, const Mesh& mesh) {
   is_contiguous_ = false;
   for (int v = 0; v < mesh.vertices(); ++v)
     if (part[v] == rank) vertices_.push_back(v);
+}
+
+std::vector<int> connected_parts(const Mesh& mesh) {
+  std::vector<int> parent(mesh.vertices());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root_of = [&parent](int v) {
+    while (parent[v] != v) v = parent[v] = parent[parent[v]];
+    return v;
+  };
+  const auto connect = [&](int a, int b) {
+    a = root_of(a);
+    b = root_of(b);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
+  for (const MeshElement& element : mesh.elements) connect(element.vertex[0], element.vertex[1]);
+  for (const MeshJoint& joint : mesh.joints) connect(joint.master, joint.slave);
+  std::vector<int> part(mesh.vertices());
+  int parts = 0;
+  for (int v = 0; v < mesh.vertices(); ++v) part[v] = parent[v] == v ? parts++ : part[root_of(v)];
+  return part;
 }
 
 int VertexPartition::place(int vertex) const {

@@ -39,4 +39,7 @@ class VertexPartition {
   std::vector<int> vertices_;  ///< or else those of a part of the graph, ascending
 };
 
+/// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
+std::vector<int> connected_parts(const Mesh& mesh);
+
 }  // namespace mixbeam

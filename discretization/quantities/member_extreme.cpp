@@ -126,7 +126,7 @@ class Search {
 
   double at(const Candidate& place, double xi) const {
     const int element = model_.mesh().members[place.member].first_element + place.element;
-    const int local = model_.structure().mesh_element_to_local[element];
+    const int local = model_.structure().local_element(element);
     return request_.sign *
            request_.field.at(sample_element(model_.structure(), model_.mesh(), state_, local, xi), place.member);
   }
@@ -207,15 +207,17 @@ MemberExtreme best_of_ranks(const Teuchos::Comm<int>& comm, const MemberExtreme&
 /// Hands the samples of every element of some members to whoever asks for them.
 class ElementWalk {
  public:
-  ElementWalk(const Model& model, const State& state, const std::vector<MemberSamples>* samples)
+  ElementWalk(const Model& model, const State& state, const SampledMembers* samples)
       : model_(model), state_(state), samples_(samples) {}
 
   template <class Action>
   void operator()(int member, const Action& action) {
     const std::size_t m = static_cast<std::size_t>(member);
+    if (!model_.mesh().members.keeps(m)) return;
     const int points = smooth_points(model_.scene().members[m].order);
-    const bool is_sampled = samples_ != nullptr && (*samples_)[m].points_per_element >= points;
-    is_sampled ? walk_record((*samples_)[m], action) : walk_elements(model_.mesh().members[m], points, action);
+    const MemberSamples* const record = samples_ != nullptr ? samples_->find(member) : nullptr;
+    const bool is_sampled = record != nullptr && record->points_per_element >= points;
+    is_sampled ? walk_record(*record, action) : walk_elements(model_.mesh().members[m], points, action);
   }
 
  private:
@@ -236,7 +238,7 @@ class ElementWalk {
     for (int e = 0; e < member.elements; ++e) {
       const int element = member.first_element + e;
       if (!answers_for(model_.structure(), element)) continue;
-      const int local = model_.structure().mesh_element_to_local[element];
+      const int local = model_.structure().local_element(element);
       for (int i = 0; i < points; ++i)
         element_.points[static_cast<std::size_t>(i)] =
             sample_element(model_.structure(), model_.mesh(), state_, local, -1.0 + 2.0 * i / (points - 1));
@@ -247,7 +249,7 @@ class ElementWalk {
 
   const Model& model_;
   const State& state_;
-  const std::vector<MemberSamples>* samples_;
+  const SampledMembers* samples_;
   ElementSamples element_{};
 };
 
@@ -255,7 +257,7 @@ class ElementWalk {
 
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
-                                                 const std::vector<MemberSamples>* samples) {
+                                                 const SampledMembers* samples) {
   std::vector<Search> searches;
   std::vector<std::size_t> search_of;  // (request)
   std::map<std::tuple<std::string, double, std::vector<int>>, std::size_t> known;

@@ -37,6 +37,6 @@ struct ExtremeRequest {
 /// there are none. Collective.
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
-                                                 const std::vector<MemberSamples>* samples = nullptr);
+                                                 const SampledMembers* samples = nullptr);
 
 }  // namespace mixbeam

@@ -7,6 +7,8 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -58,6 +60,7 @@ struct QuantitySet::Resolved {
   bool is_of_whole() const { return places.empty() || !others.empty(); }  ///< or of two and three places together
   Numbers at(std::size_t place, const QuantityState& at) const;
   Numbers at_place(const QuantityPlace& place, const QuantityState& at) const;
+  Numbers field_at(const QuantityState& at, int member, double position, const PointSample& sample) const;
   Numbers whole(const QuantityState& at) const;
   Numbers taken(const QuantityState& at) const;
   MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
@@ -190,18 +193,30 @@ void QuantitySet::add_formula(const Quantity& quantity, std::size_t index, const
   resolved_->push_back(std::move(one));
 }
 
+/// By the rank that has the member there.
+Numbers QuantitySet::Resolved::field_at(const QuantityState& at, int member, double position,
+                                        const PointSample& sample) const {
+  Numbers mine{}, all{};
+  if (answers_for(at.model, member, position, asked.before_vertex))
+    mine = numbers_from(field(sample, at.model.mesh().members[member]));
+  const Teuchos::Comm<int>& comm = *at.model.map()->getComm();
+  if (comm.getSize() == 1) return mine;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all.data());
+  return all;
+}
+
 Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const QuantityState& at) const {
   if (place.point.empty()) {
     const int member = at.first_member + place.member;
     double position = place.position;
     if (place.arc_length) {  // cases of a batch may have other lengths
-      position = *place.arc_length / at.model.mesh().members[member].curve.length;
+      position = *place.arc_length / at.model.mesh().member_length[member];
       if (position > 1.0 + kRoundingOfLength) return not_there();
       position = std::min(1.0, position);
     }
     const PointSample sample = sample_member(at.model, at.state, member, position, asked.before_vertex);
     if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};
-    if (field != nullptr) return numbers_from(field(sample, at.model.mesh().members[member]));
+    if (field != nullptr) return field_at(at, member, position, sample);
     return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
                                  : numbers_from(to_array(sample.position));
   }
@@ -211,7 +226,7 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
   if (asked.kind == "rotation") return {motion[3], motion[4], motion[5]};
   if (asked.kind == "triad")
     return numbers_from(rotation_matrix(exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})));
-  const Vector3& reference = at.model.mesh().vertex_position[vertex];
+  const Vector3 reference = reference_position(at.model, vertex);
   return {reference[0] + motion[0], reference[1] + motion[1], reference[2] + motion[2]};
 }
 

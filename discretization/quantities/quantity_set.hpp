@@ -22,7 +22,7 @@ struct QuantityState {
   int negative = -1;  ///< eigenvalues below zero; -1: not counted
   int jumps = 0;      ///< of the path so far
   /// Samples of all members of this rank, which spare extremes a search; null: there are none.
-  const std::vector<MemberSamples>* samples = nullptr;
+  const SampledMembers* samples = nullptr;
   /// Where the scene of the set begins in a model of several scenes side by side (merged_scene.hpp).
   int first_member = 0;
   std::size_t first_support = 0;

@@ -42,7 +42,7 @@ const StressLookup::Known& StressLookup::section_at(const PointSample& sample, i
   const Member& member = scene_.members[static_cast<std::size_t>(index)];
   if (!member.end_section.empty()) {
     const SectionLaw& law = tapers_.try_emplace(index, scene_, member).first->second;
-    const double x = sample.arc_length / mesh_.members[static_cast<std::size_t>(index)].curve.length;
+    const double x = sample.arc_length / mesh_.member_length[static_cast<std::size_t>(index)];
     local_ = known_of(law.section(std::clamp(x, 0.0, 1.0)));
     return local_;
   }

@@ -119,17 +119,17 @@ ResultHeader read_header(hid_t file) {
   return header;
 }
 
-void write_members(hid_t file, const std::vector<MemberSamples>& members) {
+void write_members(hid_t file, const SampledMembers& members) {
   std::vector<std::string> names;
   std::vector<int> first_sample, samples, points_per_element, order, elements;
-  for (const auto& member : members) {
+  members.for_each_known([&](const SampledMember& member) {
     names.push_back(member.name);
-    first_sample.push_back(first_sample.empty() ? 0 : first_sample.back() + samples.back());
+    first_sample.push_back(static_cast<int>(member.first_sample));
     samples.push_back(static_cast<int>(member.share.rows));
     points_per_element.push_back(member.points_per_element);
     order.push_back(member.order);
     elements.push_back(member.elements);
-  }
+  });
   const auto group = hdf5::open_group(file, "members");
   hdf5::write_texts(group, "names", names);
   hdf5::write_dataset(group, "first_sample", first_sample);
@@ -153,6 +153,7 @@ std::vector<SampledMember> read_member_groups(hid_t group) {
     if (index < 0 || static_cast<std::size_t>(index) >= members.size() || samples < 0)
       throw hdf5::Error("cannot read member " + name + ": its numbers are inconsistent");
     members[static_cast<std::size_t>(index)].name = name;
+    members[static_cast<std::size_t>(index)].number = index;
     members[static_cast<std::size_t>(index)].share.rows = static_cast<std::size_t>(samples);
   }
   return members;
@@ -175,6 +176,7 @@ std::vector<SampledMember> read_members(hid_t file) {
   std::vector<SampledMember> members(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     members[i].name = names[i];
+    members[i].number = static_cast<int>(i);
     members[i].order = static_cast<int>(orders[i]);
     members[i].elements = static_cast<int>(elements[i]);
     members[i].share.rows = static_cast<std::size_t>(samples[i]);

@@ -27,7 +27,7 @@ bool holds_run(hid_t file);
 void require_known_format(hid_t file, const std::string& name, bool is_sealed);
 ResultHeader read_header(hid_t file);
 
-void write_members(hid_t file, const std::vector<MemberSamples>& members);
+void write_members(hid_t file, const SampledMembers& members);
 /// Names and numbers of samples, of files of all formats; order and elements from format 4 on.
 std::vector<SampledMember> read_members(hid_t file);
 

@@ -14,12 +14,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kXdmfRewriteShare = 100;  // the XDMF file may lag by 1 % of the steps, so a long run stays linear
 
-std::size_t count_samples(const std::vector<SampledMember>& members) {
-  std::size_t samples = 0;
-  for (const auto& member : members) samples += member.share.rows;
-  return samples;
-}
-
 void check_place(const fs::path& path) {
   std::error_code ignored;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -40,8 +34,12 @@ std::map<std::string, std::size_t> sizes_of(const std::vector<MonitoredQuantity>
   return sizes;
 }
 
-bool same_sampling(const SampledMember& a, const SampledMember& b) {
-  return a.name == b.name && a.share.rows == b.share.rows;
+/// Whether a member is among those of the steps before, in the order of their numbers.
+bool is_known(const SampledMember& member, const std::vector<SampledMember>& members) {
+  const auto found = std::lower_bound(members.begin(), members.end(), member.number,
+                                      [](const SampledMember& other, int number) { return other.number < number; });
+  return found != members.end() && found->number == member.number && found->name == member.name &&
+         found->share.rows == member.share.rows;
 }
 
 bool is_complete(const StateShare& state) {
@@ -111,6 +109,8 @@ ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, W
       members_(run.members()),
       previous_(run.layout()) {
   take_place();
+  member_count_ = members_.size();
+  for (const SampledMember& member : members_) sample_count_ += member.share.rows;
   for (const auto& step : run.steps()) labels_.push_back({step.step, step.load_factor, {}});
   or_give_up([&] {
     ranks_.on_root([&] {
@@ -163,7 +163,11 @@ void ResultFile::append_step(const StepRecord& record) {
   });
   or_give_up([&] { write_step_of(record); });
   labels_.push_back({record.step, record.load_factor, stresses_of_step(record)});
-  if (members_.empty()) members_.assign(record.members.begin(), record.members.end());
+  if (member_count_ == 0) {
+    members_.assign(record.members.begin(), record.members.end());
+    member_count_ = record.members.members();
+    sample_count_ = record.members.samples();
+  }
   previous_ = record;
   ranks_.on_root([&] {
     if ((labels_.size() - steps_in_xdmf_) * kXdmfRewriteShare >= labels_.size()) write_xdmf();
@@ -176,7 +180,7 @@ void ResultFile::write_step_of(const StepRecord& record) {
   const bool is_first = labels_.empty();
   std::vector<ResultTable> tables;
   ranks_.together([&] {
-    if (is_first) tables = tables_of_members(record.members, ranks_.number());
+    if (is_first) tables = tables_of_members(record.members);
     for (ResultTable& table : tables_of_step(record, ranks_.number())) tables.push_back(std::move(table));
   });
   file_.catch_up();
@@ -219,12 +223,14 @@ void ResultFile::finish() {
 
 void ResultFile::check_consistent(const StepRecord& record) const {
   const std::string prefix = "result file " + path_.string() + ", step " + std::to_string(record.step) + ": ";
-  if (record.members.empty()) throw ResultFileError(prefix + "no members");
+  if (record.members.members() == 0) throw ResultFileError(prefix + "no members");
   for (const auto& member : record.members) {
     if (!member.is_complete())
       throw ResultFileError(prefix + "member " + member.name + " has fields of unequal length");
-    if (!is_link_name(member.name)) throw ResultFileError(prefix + "'" + member.name + "' cannot name a member");
   }
+  record.members.for_each_known([&](const SampledMember& member) {
+    if (!is_link_name(member.name)) throw ResultFileError(prefix + "'" + member.name + "' cannot name a member");
+  });
   if (!has_complete_rows(record)) throw ResultFileError(prefix + "modes, critical points or states of unequal length");
   for (const auto& quantity : record.monitored) {
     if (!is_link_name(quantity.name) || is_own_time_series(quantity.name)) {
@@ -234,10 +240,9 @@ void ResultFile::check_consistent(const StepRecord& record) const {
   }
   if (labels_.empty()) return;
   if (record.step <= previous_.step) throw ResultFileError(prefix + "steps must grow");
-  bool same = record.members.size() == members_.size() && record.monitored.size() == previous_.monitored.size();
-  for (std::size_t i = 0; same && i < record.members.size(); ++i) {
-    same = same_sampling(record.members[i], members_[i]);
-  }
+  bool same = record.members.members() == member_count_ && record.members.samples() == sample_count_ &&
+              record.monitored.size() == previous_.monitored.size();
+  for (const SampledMember& member : record.members) same = same && is_known(member, members_);
   same = same && sizes_of(record.monitored) == sizes_of(previous_.monitored);
   if (!same) throw ResultFileError(prefix + "members, samples or monitored quantities differ from the step before");
 }
@@ -246,8 +251,7 @@ void ResultFile::write_xdmf() {
   std::vector<XdmfStep> steps;
   for (const auto& label : labels_)
     steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor, label.stresses});
-  const std::size_t members = members_.size();
-  const std::size_t samples = count_samples(members_);
+  const std::size_t members = member_count_, samples = sample_count_;
   const bool durable = false;  // it can be made again from the result file
   replace_file(xdmf_path_, xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members),
                durable);

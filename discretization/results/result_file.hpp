@@ -129,10 +129,11 @@ class ResultFile {
   FileRanks ranks_;
   SharedResultLock lock_;  ///< known to rank 0
   PublishedFile file_;
-  std::vector<SampledMember> members_;  ///< of every step
-  StepSummary previous_;                ///< describes what is monitored
-  std::vector<StepLabel> labels_;       ///< of all published steps
-  std::size_t steps_in_xdmf_ = 0;       ///< known to rank 0
+  std::vector<SampledMember> members_;  ///< of every step, those of this rank at least
+  std::size_t member_count_ = 0, sample_count_ = 0;
+  StepSummary previous_;           ///< describes what is monitored
+  std::vector<StepLabel> labels_;  ///< of all published steps
+  std::size_t steps_in_xdmf_ = 0;  ///< known to rank 0
   bool failed_ = false;
   bool closed_ = false;
 };

@@ -102,22 +102,18 @@ ResultTable known_table(const std::string& name, RankNumber rank, std::size_t co
 
 /// A field at the samples of all members: value(member, sample held of it, room for its numbers).
 template <class Number = double, class Value>
-ResultTable sample_table(const std::string& name, std::size_t columns, const std::vector<MemberSamples>& members,
+ResultTable sample_table(const std::string& name, std::size_t columns, const SampledMembers& members,
                          const Value& value) {
-  std::size_t samples = 0;
-  for (const MemberSamples& member : members) samples += member.share.rows;
-  return table<Number>(name, samples, columns, [&members, value](RowWriter<Number>& writer) {
-    std::size_t first = 0;
-    for (const MemberSamples& member : members) {
-      for_each_held(member.share,
-                    [&](std::size_t row, std::size_t held) { value(member, held, writer.row(first + row)); });
-      first += member.share.rows;
-    }
+  return table<Number>(name, members.samples(), columns, [&members, value](RowWriter<Number>& writer) {
+    for (const MemberSamples& member : members)
+      for_each_held(member.share, [&](std::size_t row, std::size_t held) {
+        value(member, held, writer.row(member.first_sample + row));
+      });
   });
 }
 
 template <class Field>
-ResultTable field_table(const std::string& name, const std::vector<MemberSamples>& members, Field field) {
+ResultTable field_table(const std::string& name, const SampledMembers& members, Field field) {
   constexpr std::size_t columns = std::tuple_size_v<
       typename std::decay_t<decltype(std::declval<MemberSamples>().*std::declval<Field>())>::value_type>;
   return sample_table(name, columns, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
@@ -134,7 +130,7 @@ std::array<Vector3, 3> triad_vectors(const TriadQuaternion& triad) {
 }
 
 // Spatial components of a material vector field: v = sum_i V_i g_i at every sample.
-ResultTable spatial_table(const std::string& name, const std::vector<MemberSamples>& members,
+ResultTable spatial_table(const std::string& name, const SampledMembers& members,
                           std::vector<Vector3> MemberSamples::*material) {
   return sample_table(name, 3, members, [material](const MemberSamples& member, std::size_t sample, double* row) {
     const auto g = triad_vectors(member.triad[sample]);
@@ -143,45 +139,40 @@ ResultTable spatial_table(const std::string& name, const std::vector<MemberSampl
   });
 }
 
-ResultTable triad_table(const std::string& name, const std::vector<MemberSamples>& members, std::size_t column) {
+ResultTable triad_table(const std::string& name, const SampledMembers& members, std::size_t column) {
   return sample_table(name, 3, members, [column](const MemberSamples& member, std::size_t sample, double* row) {
     const Vector3 g = triad_vectors(member.triad[sample])[column];
     std::copy(g.begin(), g.end(), row);
   });
 }
 
-/// For each member 2, its number of samples, their numbers.
-ResultTable connectivity_table(const std::vector<MemberSamples>& members, RankNumber rank) {
+/// For each member 2, its number of samples, their numbers: of the samples that are held, and the first two beside the
+/// first sample.
+ResultTable connectivity_table(const SampledMembers& members) {
   constexpr std::size_t kHead = 2;
-  std::size_t rows = 0;
-  for (const MemberSamples& member : members) rows += kHead + member.share.rows;
-  const RowShare share = even_share(rows, rank.rank, rank.ranks);
-  return table<int>("/polyline/connectivity", rows, 1, [&members, share](RowWriter<int>& writer) {
-    std::size_t member = 0, begin = 0, first_sample = 0;  // of the member, in rows and in samples
-    for_each_held(share, [&](std::size_t row, std::size_t) {
-      while (row >= begin + kHead + members[member].share.rows) {
-        begin += kHead + members[member].share.rows;
-        first_sample += members[member++].share.rows;
-      }
-      const std::size_t inside = row - begin;
-      const std::size_t number = inside == 0   ? kXdmfPolyline
-                                 : inside == 1 ? members[member].share.rows
-                                               : first_sample + inside - kHead;
-      *writer.row(row) = static_cast<int>(number);
-    });
+  const std::size_t rows = members.samples() + kHead * members.members();
+  return table<int>("/polyline/connectivity", rows, 1, [&members](RowWriter<int>& writer) {
+    for (const MemberSamples& member : members) {
+      const std::size_t begin = member.first_sample + kHead * static_cast<std::size_t>(member.number);
+      for_each_held(member.share, [&](std::size_t row, std::size_t) {
+        if (row == 0) {
+          *writer.row(begin) = kXdmfPolyline;
+          *writer.row(begin + 1) = static_cast<int>(member.share.rows);
+        }
+        *writer.row(begin + kHead + row) = static_cast<int>(member.first_sample + row);
+      });
+    }
   });
 }
 
-RowShare share_of_samples(const std::vector<MemberSamples>& members) {
-  RowShare all;
-  for (const MemberSamples& member : members) {
-    for (const RowRun& run : member.share.runs) all.hold(all.rows + run.first, run.count);
-    all.rows += member.share.rows;
-  }
+RowShare share_of_samples(const SampledMembers& members) {
+  RowShare all{members.samples()};
+  for (const MemberSamples& member : members)
+    for (const RowRun& run : member.share.runs) all.hold(member.first_sample + run.first, run.count);
   return all;
 }
 
-void add_fields(const std::string& group, const std::vector<MemberSamples>& members, std::vector<ResultTable>& tables) {
+void add_fields(const std::string& group, const SampledMembers& members, std::vector<ResultTable>& tables) {
   tables.push_back(field_table(group + "position", members, &MemberSamples::position));
   tables.push_back(field_table(group + "displacement", members, &MemberSamples::displacement));
   tables.push_back(field_table(group + "triad", members, &MemberSamples::triad));
@@ -195,7 +186,7 @@ void add_fields(const std::string& group, const std::vector<MemberSamples>& memb
     tables.push_back(triad_table(group + "triad_" + std::to_string(i + 1), members, i));
 }
 
-ResultTable scalar_table(const std::string& name, const std::vector<MemberSamples>& members,
+ResultTable scalar_table(const std::string& name, const SampledMembers& members,
                          std::vector<double> MemberSamples::*field) {
   return sample_table(name, 1, members, [field](const MemberSamples& member, std::size_t sample, double* row) {
     *row = (member.*field)[sample];
@@ -238,14 +229,14 @@ std::vector<std::string> stresses_of_step(const StepRecord& record) {
   return names;
 }
 
-std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank) {
+std::vector<ResultTable> tables_of_members(const SampledMembers& members) {
   const std::string group = "/members/";
   const auto arc_length = [](const MemberSamples& member, std::size_t i, double* row) { *row = member.arc_length[i]; };
   const auto element = [](const MemberSamples& member, std::size_t i, int* row) { *row = member.element[i]; };
   return {sample_table(group + "arc_length", 1, members, arc_length),
           sample_table<int>(group + "element", 1, members, element),
           field_table(group + "reference_position", members, &MemberSamples::reference_position),
-          connectivity_table(members, rank)};
+          connectivity_table(members)};
 }
 
 std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber rank) {

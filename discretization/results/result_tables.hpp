@@ -66,7 +66,7 @@ struct ResultTable {
 std::string step_group_name(int step);
 
 /// What describes the members, from their first record. The tables refer to `members`, which must outlive them.
-std::vector<ResultTable> tables_of_members(const std::vector<MemberSamples>& members, RankNumber rank);
+std::vector<ResultTable> tables_of_members(const SampledMembers& members);
 
 /// Stresses at each sample that a step may have.
 inline constexpr std::array<const char*, 4> kStressNames = {"largest_normal_stress", "largest_shear_stress",

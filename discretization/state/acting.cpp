@@ -24,7 +24,7 @@ class PlaceFinder {
     for (std::size_t m = 0; m < scene.members.size(); ++m) {
       const Member& member = scene.members[m];
       index_.emplace(member.name, static_cast<int>(m));
-      const double length = mesh.members[m].curve.length;
+      const double length = mesh.member_length[m];
       const auto add = [&](const std::string& point, double s) {
         const bool is_joined = !joined.empty() && joined.count({point, member.name}) > 0;
         auto& places = is_joined ? joined_ : free_;
@@ -107,13 +107,13 @@ Acting acting_on(const Scene& scene, const Mesh& mesh) {
   }
   for (const DistributedLoad& load : scene.distributed_loads) {
     const int member = places.member(load.member);
-    const double length = mesh.members[member].curve.length;
+    const double length = mesh.member_length[member];
     acting.line_loads.push_back({load, member, sampled_values(load.force, load.force_formula, length),
                                  sampled_values(load.couple, load.couple_formula, length)});
   }
   for (const Eigenstrain& strain : scene.eigenstrains) {
     const int member = places.member(strain.member);
-    const double length = mesh.members[member].curve.length;
+    const double length = mesh.member_length[member];
     acting.eigenstrains.push_back({strain, member, sampled_values(strain.strain, strain.strain_formula, length),
                                    sampled_values(strain.curvature, strain.curvature_formula, length)});
   }

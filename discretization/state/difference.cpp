@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace mixbeam {
 
@@ -85,61 +86,45 @@ void compare_elements(const ElementBlock& block, const StateViews& first, const 
       });
 }
 
-/// Every number is zero on all ranks but one.
-void share(const Teuchos::Comm<int>& comm, std::vector<double>& numbers) {
-  if (comm.getSize() == 1) return;
-  std::vector<double> mine = numbers;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), numbers.data());
-}
-
-std::vector<double> compare_owned_elements(const Model& model, const State& first, const State& second) {
-  const Structure& structure = model.structure();
-  std::vector<double> numbers(kNumbers * model.mesh().elements.size(), 0.0);
-  for (const ElementBlock& block : structure.blocks) {
-    const KernelView<double* [kNumbers]> result("mixbeam::element_difference", block.count);
-    compare_elements(block, first.views, second.views, result);
-    for (int e = 0; e < block.count; ++e) {
-      if (block.vertices(e, 0) >= structure.owned_vertices) continue;
-      const auto element = static_cast<size_t>(structure.local_element_to_mesh[block.first_element + e]);
-      std::copy_n(&result(e, 0), kNumbers, &numbers[kNumbers * element]);
-    }
-  }
-  return numbers;
-}
-
-/// (vertex, 6): difference, displacement of the second state.
-std::vector<double> compare_owned_vertices(const Model& model, const State& first, const State& second) {
-  const Structure& structure = model.structure();
-  std::vector<double> numbers(6 * static_cast<size_t>(model.mesh().vertices()), 0.0);
-  for (int v = 0; v < structure.owned_vertices; ++v) {
-    double* place = &numbers[6 * static_cast<size_t>(structure.local_vertex_to_global[v])];
-    for (int i = 0; i < 3; ++i) {
-      place[i] = second.views.vertex_displacement(v, i) - first.views.vertex_displacement(v, i);
-      place[3 + i] = second.views.vertex_displacement(v, i);
-    }
-  }
-  return numbers;
+/// The vertex of the largest change on all ranks, the first of equal ones.
+int farthest_of_ranks(const Teuchos::Comm<int>& comm, double mine, double largest, int vertex) {
+  if (comm.getSize() == 1) return vertex;
+  int candidate = mine == largest ? vertex : std::numeric_limits<int>::max(), first = candidate;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, candidate, Teuchos::outArg(first));
+  return first;
 }
 
 }  // namespace
 
 StateDifference difference(const Model& model, const State& first, const State& second) {
-  const auto& comm = *model.map()->getComm();
-  std::vector<double> elements = compare_owned_elements(model, first, second);
-  std::vector<double> vertices = compare_owned_vertices(model, first, second);
-  share(comm, elements);
-  share(comm, vertices);
-  StateDifference all;
-  all.elements.resize(elements.size() / kNumbers);
-  std::copy(elements.begin(), elements.end(), reinterpret_cast<double*>(all.elements.data()));
-  for (const ElementDifference& element : all.elements)
-    all.largest_displacement = std::max(all.largest_displacement, element.middle);
-  for (size_t v = 0; v < vertices.size(); v += 6) {
-    all.vertex_displacement.push_back({vertices[v], vertices[v + 1], vertices[v + 2]});
-    all.largest_displacement =
-        std::max(all.largest_displacement, std::hypot(vertices[v + 3], vertices[v + 4], vertices[v + 5]));
+  const Structure& structure = model.structure();
+  StateDifference found;
+  double change = 0.0;
+  found.elements.resize(structure.local_elements());
+  for (const ElementBlock& block : structure.blocks) {
+    const KernelView<double* [kNumbers]> result(reinterpret_cast<double*>(found.elements.data() + block.first_element),
+                                                block.count);
+    compare_elements(block, first.views, second.views, result);
   }
-  return all;
+  for (const ElementDifference& element : found.elements)
+    found.largest_displacement = std::max(found.largest_displacement, element.middle);
+  const auto &a = first.views.vertex_displacement, &b = second.views.vertex_displacement;
+  for (int v = 0; v < structure.owned_vertices; ++v) {
+    found.vertex_displacement.push_back({b(v, 0) - a(v, 0), b(v, 1) - a(v, 1), b(v, 2) - a(v, 2)});
+    const Vector3& moved = found.vertex_displacement.back();
+    found.largest_displacement = std::max(found.largest_displacement, std::hypot(b(v, 0), b(v, 1), b(v, 2)));
+    const double here = std::hypot(moved[0], moved[1], moved[2]);
+    if (!(here > change)) continue;
+    change = here;
+    found.farthest_vertex = structure.local_vertex_to_global[v];
+  }
+  const auto& comm = *model.map()->getComm();
+  double largest[2] = {found.largest_displacement, change};
+  maxima_over_ranks(comm, largest, 2);
+  found.largest_displacement = largest[0];
+  found.largest_change = largest[1];
+  found.farthest_vertex = farthest_of_ranks(comm, change, largest[1], found.farthest_vertex);
+  return found;
 }
 
 namespace {

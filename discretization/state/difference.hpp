@@ -16,12 +16,15 @@ struct ElementDifference {
 };
 
 struct StateDifference {
-  std::vector<ElementDifference> elements{};   ///< (mesh element)
-  std::vector<Vector3> vertex_displacement{};  ///< (vertex), second state less first
-  double largest_displacement = 0.0;           ///< |u| of the second state at any vertex or middle of an element
+  std::vector<ElementDifference> elements{};   ///< (local element)
+  std::vector<Vector3> vertex_displacement{};  ///< (owned vertex), second state less first
+  // Of all ranks:
+  double largest_displacement = 0.0;  ///< |u| of the second state at any vertex or middle of an element
+  double largest_change = 0.0;        ///< of the displacement of a vertex
+  int farthest_vertex = 0;            ///< whose it is, the first of equal ones
 };
 
-/// Complete on every rank, the same for any number of ranks and threads. Collective.
+/// The same numbers for any number of ranks and threads. Collective.
 StateDifference difference(const Model& model, const State& first, const State& second);
 
 /// The increment that leads from one state to another, as Model::apply takes it: a function of their bits, and of how

@@ -1,10 +1,57 @@
-/// The fields of one element as polynomials, from a snapshot and back.
+/// The fields of one element as polynomials, from the numbers of a state and back.
 #pragma once
 
 #include "discretization/mesh/reference_element.hpp"
+#include "discretization/mesh/structure.hpp"
 #include "kernels/element/layout.hpp"
 
+#include <utility>
+#include <vector>
+
 namespace mixbeam {
+
+/// The numbers of a state by vertices and elements of the mesh: those of a snapshot, or of a share.
+template <class Number>
+class StateNumbers {
+ public:
+  /// `interior_first`: see interior_places(). Both must outlive this.
+  template <class Snapshot>
+  StateNumbers(Snapshot& state, const std::vector<size_t>& interior_first)
+      : arrays_{state.vertex_displacement.data(), state.vertex_rotation.data(), state.element_triad.data(),
+                state.interior.data()},
+        interior_first_(&interior_first) {}
+  StateNumbers(const StateViews& state, const Structure& share)
+      : arrays_{state.vertex_displacement.data(), state.vertex_rotation.data(), state.element_triad.data(),
+                state.interior.data()},
+        share_(&share) {}
+
+  Number* displacement(int vertex) const { return arrays_[0] + 3 * static_cast<size_t>(vertex); }
+  Number* rotation(int vertex) const { return arrays_[1] + 4 * static_cast<size_t>(vertex); }
+  /// Of an element of the mesh with its vertices.
+  Number* displacement(const MeshElement& element, int number, int end) const {
+    return displacement(share_ == nullptr ? element.vertex[end]
+                                          : place(number).first->vertices(place(number).second, end));
+  }
+  Number* triad(int element) const {
+    return arrays_[2] + 4 * static_cast<size_t>(share_ == nullptr ? element : share_->local_element(element));
+  }
+  Number* interior(int element) const {
+    if (share_ == nullptr) return arrays_[3] + (*interior_first_)[element];
+    const auto [block, e] = place(element);
+    return arrays_[3] + block->interior_offset + static_cast<size_t>(e) * block->interior.unknowns();
+  }
+
+ private:
+  std::pair<const ElementBlock*, int> place(int element) const {
+    const int local = share_->local_element(element);
+    const ElementBlock& block = share_->block_of(local);
+    return {&block, local - block.first_element};
+  }
+
+  Number* arrays_[4];
+  const std::vector<size_t>* interior_first_ = nullptr;
+  const Structure* share_ = nullptr;
+};
 
 using Coefficients = std::array<Vec, kMaximumOrder + 1>;  ///< of P_0 .. P_k
 

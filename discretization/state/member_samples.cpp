@@ -1,6 +1,41 @@
 #include "discretization/state/member_samples.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace mixbeam {
+
+SampledMembers::SampledMembers(std::vector<MemberSamples> all) : held_(std::move(all)) {
+  for (MemberSamples& member : held_) number(member);
+}
+
+void SampledMembers::number(SampledMember& member) {
+  member.number = static_cast<int>(members_);
+  member.first_sample = samples_;
+  add_absent(member.share.rows, member.elements);
+}
+
+void SampledMembers::add_absent(std::size_t samples, int elements) {
+  ++members_;
+  samples_ += samples;
+  elements_ += static_cast<std::size_t>(elements);
+}
+
+void SampledMembers::add_absent(SampledMember member) {
+  number(member);
+  absent_.push_back(std::move(member));
+}
+
+void SampledMembers::add(MemberSamples member) {
+  number(member);
+  held_.push_back(std::move(member));
+}
+
+const MemberSamples* SampledMembers::find(int number) const {
+  const auto found = std::lower_bound(held_.begin(), held_.end(), number,
+                                      [](const MemberSamples& member, int wanted) { return member.number < wanted; });
+  return found != held_.end() && found->number == number ? &*found : nullptr;
+}
 
 namespace {
 

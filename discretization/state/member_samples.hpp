@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstddef>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -24,10 +25,12 @@ using TriadQuaternion = std::array<double, 4>;
 
 /// What a sampled member is, without its samples.
 struct SampledMember {
-  std::string name{};           ///< the member's name in the scene
-  int order = 0, elements = 0;  ///< of its mesh
-  int points_per_element = 0;   ///< samples of each of its elements
-  RowShare share{};             ///< which samples of the member are held here
+  std::string name{};            ///< the member's name in the scene
+  int order = 0, elements = 0;   ///< of its mesh
+  int points_per_element = 0;    ///< samples of each of its elements
+  RowShare share{};              ///< which samples of the member are held here
+  int number = 0;                ///< among all members
+  std::size_t first_sample = 0;  ///< of the member, among those of all members
 };
 
 /// One member sampled along its centerline, or the share of a rank in it. Every vector has one entry per sample, in the
@@ -79,6 +82,52 @@ struct MemberSamples : SampledMember {
       if (!stress->empty() && stress->size() != size()) return false;
     return element.size() == size() && triad.size() == size();
   }
+};
+
+/// The members of which a rank holds samples, in the order of the scene, and numbers of the whole structure.
+class SampledMembers {
+ public:
+  SampledMembers() = default;
+  /// All members, whose numbers and first samples are set here.
+  SampledMembers(std::vector<MemberSamples> all);
+  SampledMembers(std::initializer_list<MemberSamples> all) : SampledMembers(std::vector<MemberSamples>(all)) {}
+  /// The next member of the structure, of which no sample is held here: its numbers, or its description.
+  void add_absent(std::size_t samples, int elements);
+  void add_absent(SampledMember member);
+  /// The next member, of which all samples or some are.
+  void add(MemberSamples member);
+
+  auto begin() { return held_.begin(); }
+  auto end() { return held_.end(); }
+  auto begin() const { return held_.begin(); }
+  auto end() const { return held_.end(); }
+  std::size_t size() const { return held_.size(); }
+  MemberSamples& operator[](std::size_t i) { return held_[i]; }
+  const MemberSamples& operator[](std::size_t i) const { return held_[i]; }
+  /// Null where no sample of the member is held.
+  const MemberSamples* find(int number) const;
+
+  // Of the whole structure.
+  std::size_t members() const { return members_; }
+  std::size_t samples() const { return samples_; }
+  std::size_t elements() const { return elements_; }
+  /// Calls action(SampledMember) for each member that is held or described, in their order.
+  template <class Action>
+  void for_each_known(const Action& action) const {
+    std::size_t next = 0;
+    for (const SampledMember& member : absent_) {
+      for (; next < held_.size() && held_[next].number < member.number; ++next) action(held_[next]);
+      action(member);
+    }
+    for (; next < held_.size(); ++next) action(held_[next]);
+  }
+
+ private:
+  void number(SampledMember& member);
+
+  std::vector<MemberSamples> held_;
+  std::vector<SampledMember> absent_;
+  std::size_t members_ = 0, samples_ = 0, elements_ = 0;
 };
 
 /// A quantity followed over the load path, such as the displacement of a point: one value, or three spatial components.
@@ -208,7 +257,7 @@ struct StepSummary {
 
 /// A converged configuration. On several ranks each holds its own share of the samples and of the state.
 struct StepRecord : StepSummary {
-  std::vector<MemberSamples> members{};                   ///< same members, same samples in every record of a run
+  SampledMembers members{};                               ///< same members, same samples in every record of a run
   std::vector<RecordedCriticalPoint> critical_points{};   ///< passed since the last step, in the order of the path
   std::vector<RecordedBucklingMode> buckling{};           ///< in at most one record of a run: nearest to zero first
   std::optional<RecordedErrorEstimate> error_estimate{};  ///< at the end of the path, where asked for

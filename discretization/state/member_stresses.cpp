@@ -57,7 +57,7 @@ class SectionsOfScene {
   SectionAlong of(std::size_t m) const {
     const Member& member = scene_.members[m];
     SectionAlong along;
-    along.length = mesh_.members[m].curve.length;
+    along.length = mesh_.member_length[m];
     along.largest_strain = largest_strain_.at(member.section);
     if (member.end_section.empty())
       along.plain = &known_.at(member.section);
@@ -181,8 +181,8 @@ std::vector<double> numbers_of(const StressSummary& summary, const std::map<std:
   return numbers;
 }
 
-void add_numbers(const double* n, const std::vector<MemberSamples>& members, StressSummary& summary) {
-  const auto name = [&](double number) { return members[static_cast<std::size_t>(number)].name; };
+void add_numbers(const double* n, const Scene& scene, StressSummary& summary) {
+  const auto name = [&](double number) { return scene.members[static_cast<std::size_t>(number)].name; };
   for (std::size_t i = 0; i < kMostStressed; ++i, n += kNumbersOfMember) {
     if (n[0] < 0.0) continue;
     const auto stress = [n](std::size_t at) { return LargestStress{n[at], {n[at + 1], n[at + 2]}}; };
@@ -202,15 +202,15 @@ void add_numbers(const double* n, const std::vector<MemberSamples>& members, Str
 }
 
 /// The largest of all ranks, each of which has the largest of its own samples.
-StressSummary over_ranks(const Teuchos::Comm<int>& comm, const std::vector<MemberSamples>& members,
+StressSummary over_ranks(const Teuchos::Comm<int>& comm, const Scene& scene, const SampledMembers& members,
                          const StressSummary& mine) {
   std::map<std::string, int> index;
-  for (std::size_t m = 0; m < members.size(); ++m) index.emplace(members[m].name, static_cast<int>(m));
+  for (const MemberSamples& member : members) index.emplace(member.name, member.number);
   const std::vector<double> numbers = numbers_of(mine, index);
   std::vector<double> all(kNumbersOfSummary * comm.getSize());
   Teuchos::gatherAll(comm, static_cast<int>(numbers.size()), numbers.data(), static_cast<int>(all.size()), all.data());
   StressSummary summary;
-  for (int rank = 0; rank < comm.getSize(); ++rank) add_numbers(&all[kNumbersOfSummary * rank], members, summary);
+  for (int rank = 0; rank < comm.getSize(); ++rank) add_numbers(&all[kNumbersOfSummary * rank], scene, summary);
   std::stable_sort(summary.members.begin(), summary.members.end(), more_stressed);
   if (summary.members.size() > kMostStressed) summary.members.resize(kMostStressed);
   return summary;
@@ -218,13 +218,12 @@ StressSummary over_ranks(const Teuchos::Comm<int>& comm, const std::vector<Membe
 
 }  // namespace
 
-StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm,
-                              std::vector<MemberSamples>& members) {
+StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm, SampledMembers& members) {
   const SectionsOfScene sections(scene, mesh);
   StressSummary summary;
-  for (std::size_t m = 0; m < members.size(); ++m)
-    fill_member(sections.of(m), mesh.members[m].curve, members[m], summary);
-  if (comm->getSize() > 1) summary = over_ranks(*comm, members, summary);
+  for (MemberSamples& member : members)
+    fill_member(sections.of(member.number), mesh.members[member.number].curve, member, summary);
+  if (comm->getSize() > 1) summary = over_ranks(*comm, scene, members, summary);
   for (const Section& section : scene.sections) summary.has_strength |= strength_of(section).has_value();
   return summary;
 }

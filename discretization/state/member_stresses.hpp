@@ -16,7 +16,6 @@ inline constexpr double kCurvatureError = 0.05;
 /// Fills the stresses of all samples that this rank holds, of the section where they are (tapers), and finds the
 /// largest ones of the structure. A few microseconds for each sample, in parallel; the same bits for any number of
 /// threads. Collective.
-StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm,
-                              std::vector<MemberSamples>& members);
+StressSummary sample_stresses(const Scene& scene, const Mesh& mesh, const Communicator& comm, SampledMembers& members);
 
 }  // namespace mixbeam

@@ -154,9 +154,12 @@ class BalanceSums {
 
  private:
   void find_boxes() {
-    const std::vector<Vector3>& position = model_.mesh().vertex_position;
-    for (std::size_t v = 0; v < position.size(); ++v)
-      sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[v]].box.enclose(position[v]);
+    if (parts_.of_vertex.empty()) {
+      sums_[0].box = model_.mesh().box;
+      return;
+    }
+    const Share<Vector3>& position = model_.mesh().vertex_position;
+    for (std::size_t v = 0; v < position.size(); ++v) sums_[parts_.of_vertex[v]].box.enclose(position[v]);
   }
   PartSums& part_at(int vertex) { return sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[vertex]]; }
   PartSums& part_of(const ElementView& element) {

@@ -75,7 +75,7 @@ void sum_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t
 }  // namespace
 
 bool answers_for(const Structure& structure, int mesh_element) {
-  const int local = structure.mesh_element_to_local[mesh_element];
+  const int local = structure.local_element(mesh_element);
   if (local < 0) return false;
   const ElementBlock& block = structure.block_of(local);
   return answers_for(structure, block, local - block.first_element);
@@ -128,24 +128,28 @@ constexpr double kAtVertex = 1e-9;
 
 /// Element of a member that contains a place; at a vertex the one after it, or the one before it.
 int element_at(const MeshMember& member, double s, bool before_vertex) {
-  const double rounding = kAtVertex * member.curve.length * (before_vertex ? -1.0 : 1.0);
-  const auto& ends = member.vertex_arc_length;
-  return static_cast<int>(std::upper_bound(ends.begin() + 1, ends.end() - 1, s + rounding) - ends.begin()) - 1;
+  return member.element_behind(s + kAtVertex * member.curve.length * (before_vertex ? -1.0 : 1.0));
 }
 
 }  // namespace
 
+bool answers_for(const Model& model, int member, double position, bool before_vertex) {
+  const Mesh& mesh = model.mesh();
+  if (!mesh.members.keeps(member)) return false;
+  const MeshMember& m = mesh.members[member];
+  return answers_for(model.structure(), m.first_element + element_at(m, position * m.curve.length, before_vertex));
+}
+
 PointSample sample_member(const Model& model, const State& state, int member, double position, bool before_vertex) {
   const Structure& structure = model.structure();
-  const MeshMember& m = model.mesh().members[member];
-  const double s = position * m.curve.length;
-  const auto& ends = m.vertex_arc_length;
-  const int index = element_at(m, s, before_vertex);
-  const double xi = std::clamp(-1.0 + 2.0 * (s - ends[index]) / m.element_length(index), -1.0, 1.0);
-  const int local = structure.mesh_element_to_local[m.first_element + index];
   PointSample sample{};
-  if (answers_for(structure, m.first_element + index))
-    sample = sample_element(structure, model.mesh(), state, local, xi);
+  if (answers_for(model, member, position, before_vertex)) {
+    const MeshMember& m = model.mesh().members[member];
+    const double s = position * m.curve.length;
+    const int index = element_at(m, s, before_vertex);
+    const double xi = std::clamp(-1.0 + 2.0 * (s - m.vertex_arc_length(index)) / m.element_length(index), -1.0, 1.0);
+    sample = sample_element(structure, model.mesh(), state, structure.local_element(m.first_element + index), xi);
+  }
   sum_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;
 }
@@ -153,12 +157,13 @@ PointSample sample_member(const Model& model, const State& state, int member, do
 double deformed_length(const Model& model, const State& state, int member) {
   constexpr int kPoints = 16;  // 1e-12 of an element that turns by one radian
   const Structure& structure = model.structure();
-  const MeshMember& m = model.mesh().members[member];
+  const Mesh& mesh = model.mesh();
   double xi[kPoints], weight[kPoints], mine = 0.0, all = 0.0;
   gauss_rule(kPoints, xi, weight);
-  for (int e = 0; e < m.elements; ++e) {
+  for (int e = 0; e < mesh.elements_of(member) && mesh.members.keeps(member); ++e) {
+    const MeshMember& m = mesh.members[member];
     if (!answers_for(structure, m.first_element + e)) continue;
-    const int local = structure.mesh_element_to_local[m.first_element + e];
+    const int local = structure.local_element(m.first_element + e);
     const ElementBlock& block = structure.block_of(local);
     const int in_block = local - block.first_element;
     const double* interior = interior_of(block, state, in_block);
@@ -184,18 +189,35 @@ int smooth_points(int order) {
 
 namespace {
 
-/// Place of the first sample of every element in the order of the mesh, and the number of all samples after them.
-std::vector<size_t> sample_places(const Scene& scene, const Mesh& mesh, int points_per_element) {
-  const auto places = [&](const auto& points_of_order) {
-    std::vector<size_t> first(mesh.elements.size() + 1, 0);
-    for (size_t e = 0; e < mesh.elements.size(); ++e)
-      first[e + 1] = first[e] + points_of_order(scene.members[mesh.elements[e].member].order);
-    return first;
-  };
-  if (points_per_element != kPointsByOrder) return places([&](int) { return points_per_element; });
-  std::vector<size_t> first = places(smooth_points);
-  return first.back() <= kMostSmoothSamples ? first : places([](int) { return 2; });
-}
+/// How many samples every element of a member has.
+class SamplePlan {
+ public:
+  SamplePlan(const Scene& scene, const Mesh& mesh, int points_per_element)
+      : scene_(scene), mesh_(mesh), of_each_(points_per_element) {
+    if (of_each_ != kPointsByOrder) return;
+    size_t smooth = 0;
+    for (size_t m = 0; m < scene.members.size(); ++m) smooth += samples(static_cast<int>(m));
+    if (smooth > kMostSmoothSamples) of_each_ = 2;
+  }
+  int points(int member) const {
+    return of_each_ != kPointsByOrder ? of_each_ : smooth_points(scene_.members[member].order);
+  }
+  size_t samples(int member) const { return static_cast<size_t>(points(member)) * mesh_.elements_of(member); }
+  SampledMember description(int member) const {
+    SampledMember described;
+    described.name = scene_.members[member].name;
+    described.order = scene_.members[member].order;
+    described.elements = mesh_.elements_of(member);
+    described.points_per_element = points(member);
+    described.share.rows = samples(member);
+    return described;
+  }
+
+ private:
+  const Scene& scene_;
+  const Mesh& mesh_;
+  int of_each_;
+};
 
 void put(const PointSample& sample, int element, size_t place, MemberSamples& member) {
   member.arc_length[place] = sample.arc_length;
@@ -215,49 +237,49 @@ double sample_point(size_t point, size_t points) {
   return -1.0 + 2.0 * static_cast<double>(point) / static_cast<double>(points - 1);
 }
 
-/// Names and numbers of all members.
-std::vector<MemberSamples> members_without_samples(const Scene& scene, const Mesh& mesh,
-                                                   const std::vector<size_t>& first) {
-  std::vector<MemberSamples> members(scene.members.size());
-  for (size_t m = 0; m < members.size(); ++m) {
-    const int begin = mesh.members[m].first_element, end = begin + mesh.members[m].elements;
-    members[m].name = scene.members[m].name;
-    members[m].order = scene.members[m].order;
-    members[m].elements = mesh.members[m].elements;
-    members[m].points_per_element = static_cast<int>(first[begin + 1] - first[begin]);
-    members[m].share.rows = first[end] - first[begin];
-  }
-  return members;
-}
-
-/// Samples of those elements of a member that this rank answers for.
-RowShare own_share(const Structure& structure, const MeshMember& member, const std::vector<size_t>& first) {
-  const int begin = member.first_element, end = begin + member.elements;
-  RowShare share{first[end] - first[begin]};
-  for (int element = begin; element < end; ++element)
-    if (answers_for(structure, element)) share.hold(first[element] - first[begin], first[element + 1] - first[element]);
-  return share;
+/// Samples of the elements of one member, `first` the number of its first element in the mesh.
+MemberSamples sampled(const Model& model, const State& state, const SampledMember& described, int first,
+                      const std::vector<int>& local_elements) {
+  const Structure& structure = model.structure();
+  const size_t points = described.points_per_element;
+  MemberSamples member;
+  static_cast<SampledMember&>(member) = described;
+  RowShare share{described.share.rows};
+  for (const int local : local_elements) share.hold(points * (structure.local_element_to_mesh[local] - first), points);
+  member.hold(share);
+  size_t place = 0;
+  for (const int local : local_elements)
+    for (size_t i = 0; i < points; ++i, ++place)
+      put(sample_element(structure, model.mesh(), state, local, sample_point(i, points)),
+          structure.local_element_to_mesh[local] - first, place, member);
+  return member;
 }
 
 }  // namespace
 
-std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& model, const State& state,
-                                               int points_per_element) {
+SampledMembers sample_own_elements(const Scene& scene, const Model& model, const State& state, int points_per_element) {
   const Structure& structure = model.structure();
   const Mesh& mesh = model.mesh();
-  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
-  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
-  for (size_t m = 0; m < members.size(); ++m) {
-    members[m].hold(own_share(structure, mesh.members[m], first));
-    size_t place = 0;
-    for (int e = 0; e < mesh.members[m].elements; ++e) {
-      const int element = mesh.members[m].first_element + e;
-      if (!answers_for(structure, element)) continue;
-      const size_t points = first[element + 1] - first[element];
-      for (size_t i = 0; i < points; ++i, ++place)
-        put(sample_element(structure, mesh, state, structure.mesh_element_to_local[element], sample_point(i, points)),
-            e, place, members[m]);
+  const SamplePlan plan(scene, mesh, points_per_element);
+  const Teuchos::Comm<int>& comm = *model.map()->getComm();
+  const bool is_described = comm.getSize() > 1 && comm.getRank() == 0;
+  SampledMembers members;
+  auto next = structure.elements_in_order.begin();
+  std::vector<int> local_elements;  // of a member
+  for (int m = 0; m < static_cast<int>(scene.members.size()); ++m) {
+    local_elements.clear();
+    for (; next != structure.elements_in_order.end() &&
+           structure.local_element_to_mesh[*next] < mesh.first_element[m + 1];
+         ++next) {
+      const ElementBlock& block = structure.block_of(*next);
+      if (answers_for(structure, block, *next - block.first_element)) local_elements.push_back(*next);
     }
+    if (local_elements.empty() && !is_described)
+      members.add_absent(plan.samples(m), mesh.elements_of(m));
+    else if (local_elements.empty())
+      members.add_absent(plan.description(m));
+    else
+      members.add(sampled(model, state, plan.description(m), mesh.first_element[m], local_elements));
   }
   return members;
 }
@@ -265,26 +287,23 @@ std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& 
 std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,
                                           int points_per_element) {
   const auto& comm = *model.map()->getComm();
-  if (comm.getSize() == 1) return sample_own_elements(scene, model, state, points_per_element);
   const Structure& structure = model.structure();
   const Mesh& mesh = model.mesh();
-  const std::vector<size_t> first = sample_places(scene, mesh, points_per_element);
-  std::vector<PointSample> samples(first.back());
-  for (size_t element = 0; element < mesh.elements.size(); ++element) {
-    const size_t points = first[element + 1] - first[element];
-    for (size_t i = 0; i < points && answers_for(structure, static_cast<int>(element)); ++i)
-      samples[first[element] + i] =
-          sample_element(structure, mesh, state, structure.mesh_element_to_local[element], sample_point(i, points));
-  }
-  sum_over_ranks(comm, samples.data(), samples.size());
-  std::vector<MemberSamples> members = members_without_samples(scene, mesh, first);
-  if (comm.getRank() != 0) return members;
-  for (size_t m = 0; m < members.size(); ++m) {
-    const int begin = mesh.members[m].first_element;
-    members[m].resize(members[m].share.rows);
-    for (int e = 0; e < mesh.members[m].elements; ++e)
-      for (size_t place = first[begin + e]; place < first[begin + e + 1]; ++place)
-        put(samples[place], e, place - first[begin], members[m]);
+  const SamplePlan plan(scene, mesh, points_per_element);
+  std::vector<MemberSamples> members(scene.members.size());
+  for (int m = 0; m < static_cast<int>(members.size()); ++m) {
+    const int begin = mesh.first_element[m], points = plan.points(m);
+    std::vector<PointSample> samples(plan.samples(m));
+    for (int e = 0; e < mesh.elements_of(m); ++e)
+      for (int i = 0; i < points && answers_for(structure, begin + e); ++i)
+        samples[static_cast<size_t>(points) * e + i] =
+            sample_element(structure, mesh, state, structure.local_element(begin + e), sample_point(i, points));
+    if (comm.getSize() > 1) sum_over_ranks(comm, samples.data(), samples.size());
+    static_cast<SampledMember&>(members[m]) = plan.description(m);
+    members[m].number = m;
+    if (comm.getRank() != 0) continue;
+    members[m].resize(samples.size());
+    for (size_t i = 0; i < samples.size(); ++i) put(samples[i], static_cast<int>(i) / points, i, members[m]);
   }
   return members;
 }
@@ -323,13 +342,21 @@ std::array<double, 6> vertex_motion(const Model& model, const State& state, int 
   return all;
 }
 
+Vector3 reference_position(const Model& model, int vertex) {
+  Vector3 mine{}, all{};
+  if (model.structure().partition.owns(vertex)) mine = model.mesh().vertex_position[vertex];
+  if (model.map()->getComm()->getSize() == 1) return mine;
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 3, mine.data(), all.data());
+  return all;
+}
+
 double largest_displacement(const Model& model, const State& state) {
   double largest = 0.0;
-  for (int vertex = 0; vertex < model.mesh().vertices(); ++vertex) {
-    const std::array<double, 6> motion = vertex_motion(model, state, vertex);
-    largest = std::max(largest, std::hypot(motion[0], motion[1], motion[2]));
+  for (int v = 0; v < model.structure().owned_vertices; ++v) {
+    const double* u = &state.views.vertex_displacement(v, 0);
+    largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
   }
-  return largest;
+  return maximum_over_ranks(*model.map()->getComm(), largest);
 }
 
 }  // namespace mixbeam

@@ -11,6 +11,9 @@ namespace mixbeam {
 /// Whether this rank answers for an element of the mesh: it starts at one of its vertices.
 bool answers_for(const Structure& structure, int mesh_element);
 
+/// Whether it does for a place on a member, see sample_member().
+bool answers_for(const Model& model, int member, double position, bool before_vertex);
+
 /// Fields at one point of an element.
 struct PointSample {
   double arc_length = 0.0;                                  ///< along the member
@@ -46,9 +49,8 @@ inline constexpr int kPointsByOrder = 0;
 
 /// Every member of the scene, each of its elements sampled at `points_per_element` equidistant points (both ends
 /// included, so that one-sided values at vertices show) or at kPointsByOrder: the share of this rank, which are the
-/// elements that start at one of its vertices.
-std::vector<MemberSamples> sample_own_elements(const Scene& scene, const Model& model, const State& state,
-                                               int points_per_element);
+/// elements that start at one of its vertices. Rank 0 has descriptions of all members.
+SampledMembers sample_own_elements(const Scene& scene, const Model& model, const State& state, int points_per_element);
 
 /// The same, complete on rank 0; other ranks return the members without samples. For small structures. Collective.
 std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model, const State& state,
@@ -67,6 +69,8 @@ StrainEnergy strain_energy(const Model& model, const State& state);
 
 /// Displacement (3) and rotation vector of Lambda_V (3, norm at most pi) of a global vertex, on every rank. Collective.
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex);
+/// Its undeformed position, likewise.
+Vector3 reference_position(const Model& model, int vertex);
 /// Of any vertex. Collective.
 double largest_displacement(const Model& model, const State& state);
 

@@ -6,72 +6,146 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <cstring>
+#include <cstddef>
 #include <stdexcept>
+#include <utility>
 
 namespace mixbeam {
 
 namespace {
 
-static_assert(sizeof(std::uint64_t) == sizeof(double), "doubles travel as bit patterns");
-
-/// Calls `visit(snapshot array, its offset, numbers of the state, their count)` for everything that this rank holds, or
-/// only for what it answers for.
-template <class Visit>
-void for_each_piece(const Model& model, const State& state, const std::vector<size_t>& interior_first, bool with_ghosts,
-                    StateSnapshot& snapshot, const Visit& visit) {
-  const Structure& structure = model.structure();
-  const int vertices = with_ghosts ? structure.local_vertices() : structure.owned_vertices;
-  for (int v = 0; v < vertices; ++v) {
-    const auto global = static_cast<size_t>(structure.local_vertex_to_global[v]);
-    visit(snapshot.vertex_displacement, 3 * global, &state.views.vertex_displacement(v, 0), 3);
-    visit(snapshot.vertex_rotation, 4 * global, &state.views.vertex_rotation(v, 0), 4);
-  }
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!with_ghosts && block.vertices(e, 0) >= structure.owned_vertices) continue;
-      const int local = block.first_element + e;
-      const auto element = static_cast<size_t>(structure.local_element_to_mesh[local]);
-      const auto unknowns = static_cast<size_t>(block.interior.unknowns());
-      visit(snapshot.element_triad, 4 * element, &state.views.element_triad(local, 0), 4);
-      visit(snapshot.interior, interior_first[element],
-            state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns, unknowns);
-    }
-}
-
 MPI_Comm raw(const Communicator& comm) {
   return *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
 }
 
-/// Every number is zero on all ranks but one. Adding them up would turn -0 into +0; "or" of the bits keeps every one.
-void collect_on_root(const Communicator& comm, std::vector<double>& numbers) {
-  if (comm->getSize() == 1) return;
-  const bool is_root = comm->getRank() == 0;
-  const void* from = is_root ? MPI_IN_PLACE : static_cast<const void*>(numbers.data());
-  MPI_Reduce(from, is_root ? numbers.data() : nullptr, static_cast<int>(numbers.size()), MPI_UINT64_T, MPI_BOR, 0,
-             raw(comm));
-  if (!is_root) numbers.clear();
+constexpr int kRoot = 0, kTag = 0;
+
+/// Its bytes: messages are counted in entries.
+template <class Entry>
+struct EntryType {
+  MPI_Datatype type;
+  EntryType() : type(MPI_DATATYPE_NULL) {
+    MPI_Type_contiguous(sizeof(Entry), MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+  }
+  ~EntryType() { MPI_Type_free(&type); }
+  EntryType(const EntryType&) = delete;
+  EntryType& operator=(const EntryType&) = delete;
+};
+
+template <class Entry>
+void send(const std::vector<Entry>& entries, int to, MPI_Comm comm) {
+  const EntryType<Entry> entry;
+  MPI_Send(entries.data(), static_cast<int>(entries.size()), entry.type, to, kTag, comm);
 }
 
-std::vector<std::vector<double>*> arrays_of(StateSnapshot& snapshot) {
-  return {&snapshot.vertex_displacement, &snapshot.vertex_rotation, &snapshot.element_triad, &snapshot.interior};
+template <class Entry>
+std::vector<Entry> receive(int from, MPI_Comm comm) {
+  const EntryType<Entry> entry;
+  MPI_Status status;
+  int count = 0;
+  MPI_Probe(from, kTag, comm, &status);
+  MPI_Get_count(&status, entry.type, &count);
+  std::vector<Entry> entries(static_cast<size_t>(count));
+  MPI_Recv(entries.data(), count, entry.type, from, kTag, comm, MPI_STATUS_IGNORE);
+  return entries;
 }
 
-std::vector<size_t> sizes_for(const Model& model, const std::vector<size_t>& interior_first) {
+/// One array of a snapshot, and which of its rows a share holds.
+struct SnapshotArray {
+  std::vector<double> StateSnapshot::*array;
+  RowShare StateShare::*share;
+  size_t columns;
+};
+constexpr SnapshotArray kSnapshotArrays[] = {{&StateSnapshot::vertex_displacement, &StateShare::vertices, 3},
+                                             {&StateSnapshot::vertex_rotation, &StateShare::vertices, 4},
+                                             {&StateSnapshot::element_triad, &StateShare::elements, 4},
+                                             {&StateSnapshot::interior, &StateShare::interior, 1}};
+
+void place(const std::vector<RowRun>& runs, const std::vector<double>& held, size_t columns,
+           std::vector<double>& array) {
+  auto from = held.begin();
+  for (const RowRun& run : runs) {
+    const auto count = static_cast<std::ptrdiff_t>(columns * run.count);
+    std::copy_n(from, count, array.begin() + static_cast<std::ptrdiff_t>(columns * run.first));
+    from += count;
+  }
+}
+
+/// All shares, on rank 0.
+StateSnapshot collected(const Communicator& comm, const StateShare& mine) {
+  StateSnapshot snapshot;
+  snapshot.in_plane = mine.held.in_plane;
+  for (const SnapshotArray& rows : kSnapshotArrays) {
+    const RowShare& share = mine.*rows.share;
+    if (comm->getRank() != kRoot) {
+      send(share.runs, kRoot, raw(comm));
+      send(mine.held.*rows.array, kRoot, raw(comm));
+      continue;
+    }
+    std::vector<double>& array = snapshot.*rows.array;
+    array.resize(rows.columns * share.rows);
+    place(share.runs, mine.held.*rows.array, rows.columns, array);
+    for (int rank = 1; rank < comm->getSize(); ++rank) {
+      const auto runs = receive<RowRun>(rank, raw(comm));
+      place(runs, receive<double>(rank, raw(comm)), rows.columns, array);
+    }
+  }
+  return snapshot;
+}
+
+/// Numbers of a snapshot for some vertices and elements: of each vertex, then of each element.
+std::vector<double> numbers_for(const std::vector<int>& vertices, const std::vector<int>& elements,
+                                const StateSnapshot& snapshot, const std::vector<size_t>& interior_first) {
+  std::vector<double> numbers;
+  const auto add = [&numbers](const std::vector<double>& array, size_t first, size_t count) {
+    numbers.insert(numbers.end(), array.begin() + static_cast<std::ptrdiff_t>(first),
+                   array.begin() + static_cast<std::ptrdiff_t>(first + count));
+  };
+  for (const int vertex : vertices) {
+    add(snapshot.vertex_displacement, 3 * static_cast<size_t>(vertex), 3);
+    add(snapshot.vertex_rotation, 4 * static_cast<size_t>(vertex), 4);
+  }
+  for (const int element : elements) {
+    add(snapshot.element_triad, 4 * static_cast<size_t>(element), 4);
+    add(snapshot.interior, interior_first[element], interior_first[element + 1] - interior_first[element]);
+  }
+  return numbers;
+}
+
+/// Those of this rank; rank 0 has the snapshot.
+std::vector<double> own_numbers(const Model& model, const StateSnapshot& snapshot) {
+  const Communicator comm = model.map()->getComm();
+  const std::vector<int>&vertices = model.structure().local_vertex_to_global,
+        &elements = model.structure().local_element_to_mesh;
+  if (comm->getRank() != kRoot) {
+    send(vertices, kRoot, raw(comm));
+    send(elements, kRoot, raw(comm));
+    return receive<double>(kRoot, raw(comm));
+  }
+  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
+  for (int rank = 1; rank < comm->getSize(); ++rank) {
+    const auto asked_vertices = receive<int>(rank, raw(comm)), asked_elements = receive<int>(rank, raw(comm));
+    send(numbers_for(asked_vertices, asked_elements, snapshot, interior_first), rank, raw(comm));
+  }
+  return numbers_for(vertices, elements, snapshot, interior_first);
+}
+
+void require_sizes(const Model& model, const StateSnapshot& snapshot) {
   const auto vertices = static_cast<size_t>(model.mesh().vertices());
-  return {3 * vertices, 4 * vertices, 4 * model.mesh().elements.size(), interior_first.back()};
-}
-
-void require_sizes(const Communicator& comm, StateSnapshot& snapshot, const std::vector<size_t>& sizes) {
-  int fits = 1;
-  const auto arrays = arrays_of(snapshot);
-  for (size_t i = 0; i < arrays.size(); ++i)
-    if (arrays[i]->size() != sizes[i]) fits = 0;
-  Teuchos::broadcast(*comm, 0, &fits);
+  int fits = snapshot.vertex_displacement.size() == 3 * vertices && snapshot.vertex_rotation.size() == 4 * vertices &&
+             snapshot.element_triad.size() == 4 * model.mesh().elements.size() &&
+             snapshot.interior.size() == interior_places(model.scene(), model.mesh()).back();
+  Teuchos::broadcast(*model.map()->getComm(), kRoot, &fits);
   if (fits == 0)
     throw std::invalid_argument(
         "the state does not belong to this mesh: numbers of vertices, elements or orders differ");
+}
+
+/// Of each of its elements.
+size_t interior_unknowns(const Member& member) {
+  const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
+  return static_cast<size_t>(layout.unknowns());
 }
 
 void append(std::vector<double>& array, const double* numbers, size_t count) {
@@ -93,24 +167,31 @@ void add_vertices(const Model& model, const State& state, StateShare& share) {
 
 void add_elements(const Model& model, const State& state, StateShare& share) {
   const Structure& structure = model.structure();
-  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
-  share.elements.rows = model.mesh().elements.size();
-  share.interior.rows = interior_first.back();
+  const Mesh& mesh = model.mesh();
+  share.elements.rows = mesh.elements.size();
   share.held.element_triad.reserve(4 * structure.local_element_to_mesh.size());
   share.held.interior.reserve(structure.interior_size);
-  for (size_t element = 0; element < share.elements.rows; ++element) {
-    const int local = structure.mesh_element_to_local[element];
-    if (local < 0) continue;
+  int member = 0;
+  size_t of_member = 0;  // place of its first unknown
+  const auto to_next_member = [&] {
+    of_member += interior_unknowns(model.scene().members[member]) * mesh.elements_of(member);
+    ++member;
+  };
+  for (const int local : structure.elements_in_order) {
+    const int element = structure.local_element_to_mesh[local];
+    while (element >= mesh.first_element[member + 1]) to_next_member();
     const ElementBlock& block = structure.block_of(local);
     const int e = local - block.first_element;
     if (block.vertices(e, 0) >= structure.owned_vertices) continue;
     const auto unknowns = static_cast<size_t>(block.interior.unknowns());
     share.elements.hold(element, 1);
-    share.interior.hold(interior_first[element], unknowns);
+    share.interior.hold(of_member + unknowns * (element - mesh.first_element[member]), unknowns);
     append(share.held.element_triad, &state.views.element_triad(local, 0), 4);
     append(share.held.interior, state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns,
            unknowns);
   }
+  while (member < static_cast<int>(mesh.members.size())) to_next_member();
+  share.interior.rows = of_member;
 }
 
 }  // namespace
@@ -118,10 +199,9 @@ void add_elements(const Model& model, const State& state, StateShare& share) {
 std::vector<size_t> interior_places(const Scene& scene, const Mesh& mesh) {
   std::vector<size_t> first{0};
   first.reserve(mesh.elements.size() + 1);
-  for (const MeshElement& element : mesh.elements) {
-    const Member& member = scene.members[element.member];
-    const InteriorLayout layout{member.order, force_point_count(member.order, member.force_integration)};
-    first.push_back(first.back() + static_cast<size_t>(layout.unknowns()));
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const size_t unknowns = interior_unknowns(scene.members[m]);
+    for (int e = 0; e < mesh.elements_of(static_cast<int>(m)); ++e) first.push_back(first.back() + unknowns);
   }
   return first;
 }
@@ -136,39 +216,33 @@ StateShare share_of(const Model& model, const State& state) {
 
 StateSnapshot snapshot_of(const Model& model, const State& state) {
   const Communicator comm = model.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
-  StateSnapshot snapshot;
-  snapshot.in_plane = state.in_plane;
-  const auto sizes = sizes_for(model, interior_first);
-  const auto arrays = arrays_of(snapshot);
-  for (size_t i = 0; i < arrays.size(); ++i) arrays[i]->assign(sizes[i], 0.0);
-  for_each_piece(model, state, interior_first, false, snapshot,
-                 [](std::vector<double>& array, size_t place, const double* numbers, size_t count) {
-                   std::copy_n(numbers, count, array.data() + place);
-                 });
-  for (std::vector<double>* array : arrays) collect_on_root(comm, *array);
-  return snapshot;
+  StateShare mine = share_of(model, state);
+  return comm->getSize() == 1 ? std::move(mine.held) : collected(comm, mine);
 }
 
-State restore(const Model& model, const StateSnapshot& given) {
-  const Communicator comm = model.map()->getComm();
-  const std::vector<size_t> interior_first = interior_places(model.scene(), model.mesh());
-  StateSnapshot snapshot = given;
-  const auto sizes = sizes_for(model, interior_first);
-  require_sizes(comm, snapshot, sizes);
-  const auto arrays = arrays_of(snapshot);
-  for (size_t i = 0; i < arrays.size(); ++i) {
-    arrays[i]->resize(sizes[i]);
-    if (comm->getSize() > 1) MPI_Bcast(arrays[i]->data(), static_cast<int>(sizes[i]), MPI_DOUBLE, 0, raw(comm));
-  }
-  State state = allocate_state(model.structure());
+State restore(const Model& model, const StateSnapshot& snapshot) {
+  require_sizes(model, snapshot);
+  const Structure& structure = model.structure();
+  const std::vector<double> numbers = own_numbers(model, snapshot);
+  State state = allocate_state(structure);
   int in_plane = snapshot.in_plane ? 1 : 0;
-  Teuchos::broadcast(*comm, 0, &in_plane);
+  Teuchos::broadcast(*model.map()->getComm(), kRoot, &in_plane);
   state.in_plane = in_plane == 1 && model.plane().has_value();
-  for_each_piece(model, state, interior_first, true, snapshot,
-                 [](const std::vector<double>& array, size_t place, double* numbers, size_t count) {
-                   std::copy_n(array.data() + place, count, numbers);
-                 });
+  auto next = numbers.begin();
+  const auto take = [&next](double* to, size_t count) {
+    std::copy_n(next, count, to);
+    next += static_cast<std::ptrdiff_t>(count);
+  };
+  for (int v = 0; v < structure.local_vertices(); ++v) {
+    take(&state.views.vertex_displacement(v, 0), 3);
+    take(&state.views.vertex_rotation(v, 0), 4);
+  }
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e) {
+      const auto unknowns = static_cast<size_t>(block.interior.unknowns());
+      take(&state.views.element_triad(block.first_element + e, 0), 4);
+      take(state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns, unknowns);
+    }
   return state;
 }
 

@@ -49,19 +49,15 @@ struct FieldPoint {
 /// The old fields on one member.
 class MemberFields {
  public:
-  MemberFields(const Discretization& d, const StateSnapshot& state, const std::vector<size_t>& places, int member)
-      : d_(d), state_(state), places_(places), member_(member), mesh_(d.mesh.members[member]) {}
+  MemberFields(const Discretization& d, const StateNumbers<const double>& state, int member)
+      : d_(d), state_(state), member_(member), mesh_(d.mesh.members[member]) {}
 
   int order() const { return d_.scene.members[member_].order; }
   int elements() const { return mesh_.elements; }
-  double start(int index) const { return mesh_.vertex_arc_length[index]; }
+  double start(int index) const { return mesh_.vertex_arc_length(index); }
   double length(int index) const { return mesh_.element_length(index); }
   /// Element that contains the point just after s.
-  int element_behind(double s) const {
-    const auto& ends = mesh_.vertex_arc_length;
-    const auto next = std::upper_bound(ends.begin() + 1, ends.end() - 1, s);
-    return static_cast<int>(next - ends.begin()) - 1;
-  }
+  int element_behind(double s) const { return mesh_.element_behind(s); }
   /// Its vertex (0 .. elements) at this arc length, or -1.
   int vertex_at(double s) const {
     const int index = element_behind(s);
@@ -77,11 +73,9 @@ class MemberFields {
   const ElementPolynomials& element(int index) {
     if (index == polynomials_of_) return polynomials_;
     const int e = mesh_.first_element + index;
-    const auto displacement = [&](int end) {
-      return &state_.vertex_displacement[3 * static_cast<size_t>(d_.mesh.elements[e].vertex[end])];
-    };
-    polynomials_ = polynomials_of(d_.scene.members[member_], length(index), displacement(0), displacement(1),
-                                  &state_.element_triad[4 * static_cast<size_t>(e)], &state_.interior[places_[e]]);
+    const MeshElement& at = d_.mesh.elements[e];
+    polynomials_ = polynomials_of(d_.scene.members[member_], length(index), state_.displacement(at, e, 0),
+                                  state_.displacement(at, e, 1), state_.triad(e), state_.interior(e));
     polynomials_of_ = index;
     return polynomials_;
   }
@@ -117,8 +111,7 @@ class MemberFields {
   }
 
   const Discretization& d_;
-  const StateSnapshot& state_;
-  const std::vector<size_t>& places_;
+  const StateNumbers<const double>& state_;
   int member_;
   const MeshMember& mesh_;
   // of the element looked at last
@@ -130,12 +123,11 @@ class MemberFields {
 /// Carries the state of one member over.
 class MemberTransfer {
  public:
-  MemberTransfer(const Discretization& from, const StateSnapshot& state, const std::vector<size_t>& from_places,
-                 const Discretization& to, const std::vector<size_t>& to_places, int member, StateSnapshot& result)
-      : fields_(from, state, from_places, member),
+  MemberTransfer(const Discretization& from, const StateNumbers<const double>& state, const Discretization& to,
+                 int member, const StateNumbers<double>& result)
+      : fields_(from, state, member),
         state_(state),
         to_(to),
-        places_(to_places),
         index_(member),
         member_(to.scene.members[member]),
         mesh_(to.mesh.members[member]),
@@ -148,28 +140,8 @@ class MemberTransfer {
     for (int element = 0; element < mesh_.elements; ++element) carry_element(element);
   }
 
- private:
-  void carry_vertex(int vertex) {
-    const double s = mesh_.vertex_arc_length[vertex];
-    const int old = vertex == 0 ? 0 : vertex == mesh_.elements ? fields_.elements() : fields_.vertex_at(s);
-    const MeshElement* first = &to_.mesh.elements[mesh_.first_element];
-    const auto here = static_cast<size_t>(vertex == 0 ? first->vertex[0] : first[vertex - 1].vertex[1]);
-    double* u = &result_.vertex_displacement[3 * here];
-    double* q = &result_.vertex_rotation[4 * here];
-    if (old >= 0) {
-      const auto there = static_cast<size_t>(fields_.mesh_vertex(old));
-      std::copy_n(&state_.vertex_displacement[3 * there], 3, u);
-      std::copy_n(&state_.vertex_rotation[4 * there], 4, q);
-      return;
-    }
-    const int element = fields_.element_behind(s);
-    const double xi = fields_.xi_of(element, s);
-    store_vector(fields_.displacement(element, xi), u);
-    store_quaternion(normalized(fields_.point(element, xi, true).rotation), q);
-  }
-
   void carry_element(int index) {
-    const double start = mesh_.vertex_arc_length[index], end = mesh_.vertex_arc_length[index + 1];
+    const double start = mesh_.vertex_arc_length(index), end = mesh_.vertex_arc_length(index + 1);
     const int first = fields_.vertex_at(start);
     const bool coincides = first >= 0 && first < fields_.elements() && fields_.vertex_at(end) == first + 1;
     ElementPolynomials element;
@@ -179,8 +151,27 @@ class MemberTransfer {
       if (!coincides) project(element);
       fit_rotations(index, element);
     }
-    const auto e = static_cast<size_t>(mesh_.first_element + index);
-    store_polynomials(member_, element, &result_.element_triad[4 * e], &result_.interior[places_[e]]);
+    const int e = mesh_.first_element + index;
+    store_polynomials(member_, element, result_.triad(e), result_.interior(e));
+  }
+
+ private:
+  void carry_vertex(int vertex) {
+    const double s = mesh_.vertex_arc_length(vertex);
+    const int old = vertex == 0 ? 0 : vertex == mesh_.elements ? fields_.elements() : fields_.vertex_at(s);
+    const MeshElement* first = &to_.mesh.elements[mesh_.first_element];
+    const int here = vertex == 0 ? first->vertex[0] : first[vertex - 1].vertex[1];
+    double *u = result_.displacement(here), *q = result_.rotation(here);
+    if (old >= 0) {
+      const int there = fields_.mesh_vertex(old);
+      std::copy_n(state_.displacement(there), 3, u);
+      std::copy_n(state_.rotation(there), 4, q);
+      return;
+    }
+    const int element = fields_.element_behind(s);
+    const double xi = fields_.xi_of(element, s);
+    store_vector(fields_.displacement(element, xi), u);
+    store_quaternion(normalized(fields_.point(element, xi, true).rotation), q);
   }
 
   /// Gauss points in every piece that the old elements cut the new one into, enough to integrate products of old and
@@ -240,13 +231,12 @@ class MemberTransfer {
   }
 
   MemberFields fields_;
-  const StateSnapshot& state_;
+  const StateNumbers<const double>& state_;
   const Discretization& to_;
-  const std::vector<size_t>& places_;
   int index_;
   const Member& member_;
   const MeshMember& mesh_;
-  StateSnapshot& result_;
+  const StateNumbers<double>& result_;
   bool same_undeformed_;            ///< then rotations themselves are carried over, not their change
   std::vector<FieldPoint> points_;  ///< of the element at work
 };
@@ -254,9 +244,9 @@ class MemberTransfer {
 void require_same_members(const Discretization& from, const Discretization& to) {
   bool same = from.mesh.members.size() == to.mesh.members.size();
   for (size_t m = 0; same && m < from.mesh.members.size(); ++m) {
-    const double length = from.mesh.members[m].curve.length;
+    const double length = from.mesh.member_length[m];
     same = from.scene.members[m].name == to.scene.members[m].name &&
-           std::abs(to.mesh.members[m].curve.length - length) <= kSameLength * length;
+           std::abs(to.mesh.member_length[m] - length) <= kSameLength * length;
   }
   if (!same) throw std::invalid_argument("a state can be carried over between meshes of the same members only");
 }
@@ -272,30 +262,77 @@ StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, c
   result.vertex_rotation.resize(4 * static_cast<size_t>(to.mesh.vertices()));
   result.element_triad.resize(4 * to.mesh.elements.size());
   result.interior.resize(to_places.back());
-  for (size_t m = 0; m < to.mesh.members.size(); ++m)
-    MemberTransfer(from, state, from_places, to, to_places, static_cast<int>(m), result).run();
+  const StateNumbers<const double> old(state, from_places);
+  const StateNumbers<double> carried(result, to_places);
+  for (size_t m = 0; m < to.mesh.members.size(); ++m) MemberTransfer(from, old, to, static_cast<int>(m), carried).run();
   return result;
 }
 
-State transfer(const Model& from, const State& state, const Model& to) {
-  const Communicator comm = from.map()->getComm();
-  const Discretization source{from.scene(), from.mesh()}, target{to.scene(), to.mesh()};
-  require_same_members(source, target);
-  const StateSnapshot old = snapshot_of(from, state);
-  StateSnapshot result;
-  std::string problem;
-  if (comm->getRank() == 0) {
-    try {
-      result = transfer(source, old, target);
-    } catch (const std::invalid_argument& error) {
-      problem = error.what();
-    }
+namespace {
+
+/// Whether every rank has the same vertices and elements of both. Collective.
+bool have_same_shares(const Model& a, const Model& b) {
+  const Mesh &mesh = a.mesh(), &other = b.mesh();
+  bool same = mesh.first_element == other.first_element && mesh.member_length == other.member_length &&
+              a.structure().local_vertex_to_global == b.structure().local_vertex_to_global &&
+              a.structure().local_elements() == b.structure().local_elements();
+  for (size_t m = 0; same && m < mesh.members.size(); ++m) {
+    same = mesh.members.keeps(m) == other.members.keeps(m);
+    if (same && mesh.members.keeps(m)) same = mesh.members[m].stations == other.members[m].stations;
   }
-  int failed = problem.empty() ? 0 : 1;
-  Teuchos::broadcast(*comm, 0, &failed);
-  if (failed != 0)
+  for (const int element : a.structure().local_element_to_mesh)
+    same = same && b.structure().local_element(element) >= 0;
+  const int mine = same ? 1 : 0;
+  int all = mine;
+  Teuchos::reduceAll(*a.map()->getComm(), Teuchos::REDUCE_MIN, mine, Teuchos::outArg(all));
+  return all == 1;
+}
+
+/// Nothing travels where all elements coincide.
+State transfer_share(const Model& from, const State& state, const Model& to) {
+  State carried = allocate_state(to.structure());
+  Kokkos::deep_copy(carried.views.vertex_displacement, state.views.vertex_displacement);
+  Kokkos::deep_copy(carried.views.vertex_rotation, state.views.vertex_rotation);
+  const StateNumbers<const double> old(state.views, from.structure());
+  const StateNumbers<double> result(carried.views, to.structure());
+  const Discretization source{from.scene(), from.mesh()}, target{to.scene(), to.mesh()};
+  std::optional<MemberTransfer> transfer;
+  int member = -1;
+  for (const int local : to.structure().elements_in_order) {
+    const MeshElement& element = to.mesh().elements[to.structure().local_element_to_mesh[local]];
+    if (element.member != member) transfer.emplace(source, old, target, element.member, result);
+    member = element.member;
+    transfer->carry_element(element.index);
+  }
+  return carried;
+}
+
+}  // namespace
+
+State transfer(const Model& from, const State& state, const Model& to) {
+  const Teuchos::Comm<int>& comm = *from.map()->getComm();
+  require_same_members({from.scene(), from.mesh()}, {to.scene(), to.mesh()});
+  const bool is_by_shares = have_same_shares(from, to);
+  const StateSnapshot old = is_by_shares ? StateSnapshot{} : snapshot_of(from, state);
+  StateSnapshot result;
+  State carried;
+  std::string problem;
+  try {
+    if (is_by_shares) {
+      carried = transfer_share(from, state, to);
+    } else if (comm.getRank() == 0) {
+      const auto source = from.whole_mesh(), target = to.whole_mesh();
+      result = transfer(Discretization{from.scene(), *source}, old, Discretization{to.scene(), *target});
+    }
+  } catch (const std::invalid_argument& error) {
+    problem = error.what();
+  }
+  const int failed = problem.empty() ? 0 : 1;
+  int fails = failed;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, failed, Teuchos::outArg(fails));
+  if (fails != 0)
     throw std::invalid_argument(problem.empty() ? "the state cannot be carried over to the other mesh" : problem);
-  State carried = restore(to, result);
+  if (!is_by_shares) carried = restore(to, result);
   carried.in_plane = state.in_plane && to.plane().has_value();
   return carried;
 }

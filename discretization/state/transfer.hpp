@@ -29,7 +29,8 @@ struct Discretization {
 /// half a turn inside a new element.
 StateSnapshot transfer(const Discretization& from, const StateSnapshot& state, const Discretization& to);
 
-/// The same between models, on any number of ranks; only the first one does the work. Collective.
+/// The same between models, on any number of ranks: each for itself where all elements coincide and are shared out
+/// alike, else the first one. Collective.
 State transfer(const Model& from, const State& state, const Model& to);
 
 }  // namespace mixbeam

@@ -9,6 +9,8 @@
 #include "nonlinear/newton/beam_group.hpp"
 #include "nonlinear/path/corrector.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -28,22 +30,25 @@ void halve_elements(const MeshMember& mesh, Member& member) {
   member.stations.assign(1, 0.0);
   for (int i = 0; i < mesh.elements; ++i) {
     member.stations.push_back(mesh.arc_length(i, 0.0) / mesh.curve.length);
-    member.stations.push_back(mesh.vertex_arc_length[i + 1] / mesh.curve.length);
+    member.stations.push_back(mesh.vertex_arc_length(i + 1) / mesh.curve.length);
   }
   member.stations.back() = 1.0;
 }
 
 /// One order more in every member; where the order is the highest there is, two elements of it in place of each one.
-/// `mesh`: that of `scene`.
-RicherScene richer_scene(const Scene& scene, const Mesh& mesh) {
+RicherScene richer_scene(const Model& model) {
+  const Scene& scene = model.scene();
+  std::shared_ptr<const Mesh> mesh;
   RicherScene richer{std::make_shared<Scene>(scene), std::vector<unsigned char>(scene.members.size(), 0)};
   for (size_t m = 0; m < scene.members.size(); ++m) {
     Member& member = richer.scene->members[m];
     richer.is_halved[m] = member.order == kMaximumOrder;
-    if (richer.is_halved[m])
-      halve_elements(mesh.members[m], member);
-    else
+    if (!richer.is_halved[m]) {
       ++member.order;
+      continue;
+    }
+    if (mesh == nullptr) mesh = model.whole_mesh();
+    halve_elements(mesh->members[m], member);
   }
   return richer;
 }
@@ -103,24 +108,35 @@ class RicherSolve {
   int corrections_ = 0;
 };
 
+/// Of tables that every rank knows and fills in part.
+void sum_over_ranks(const Teuchos::Comm<int>& comm, double* numbers, size_t count) {
+  if (comm.getSize() == 1) return;
+  const std::vector<double> mine(numbers, numbers + count);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(count), mine.data(), numbers);
+}
+
 /// Sums over the elements of the richer mesh, halves of an element together.
-void add_differences(const Mesh& mesh, const Mesh& richer, const StateDifference& difference, ErrorEstimate& estimate) {
-  double length = 0.0;
-  for (const MeshMember& member : mesh.members) length += member.curve.length;
+void add_differences(const Mesh& mesh, const Model& richer, const StateDifference& difference,
+                     ErrorEstimate& estimate) {
+  const double length = mesh.total_length();
+  const Structure& structure = richer.structure();
+  const Teuchos::Comm<int>& comm = *richer.map()->getComm();
   estimate.element_displacement.assign(mesh.elements.size(), 0.0);
   estimate.element_moment.assign(mesh.elements.size(), 0.0);
-  for (size_t e = 0; e < richer.elements.size(); ++e) {
-    const MeshElement& element = richer.elements[e];
-    const MeshMember& member = mesh.members[element.member];
-    const int parts = richer.members[element.member].elements / member.elements;
-    const int here = member.first_element + element.index / parts;
-    const ElementDifference& part = difference.elements[e];
+  for (const int local : structure.elements_in_order) {
+    const MeshElement& element = richer.mesh().elements[structure.local_element_to_mesh[local]];
+    if (!structure.partition.owns(element.vertex[0])) continue;
+    const int parts = richer.mesh().elements_of(element.member) / mesh.elements_of(element.member);
+    const int here = mesh.first_element[element.member] + element.index / parts;
+    const ElementDifference& part = difference.elements[local];
     estimate.element_displacement[here] += part.displacement / length;
     estimate.element_moment[here] += part.moment / length;
     estimate.displacement.size += part.displacement_size / length;
     estimate.moment.size += part.moment_size / length;
   }
-  const auto close = [](std::vector<double>& elements, EstimatedError& total) {
+  const auto close = [&comm](std::vector<double>& elements, EstimatedError& total) {
+    sum_over_ranks(comm, elements.data(), elements.size());
+    sum_over_ranks(comm, &total.size, 1);
     for (double& square : elements) {
       total.error += square;
       square = std::sqrt(square);
@@ -132,21 +148,42 @@ void add_differences(const Mesh& mesh, const Mesh& richer, const StateDifference
   close(estimate.element_moment, estimate.moment);
 }
 
+/// (vertex of the richer mesh), where elements meet.
+std::vector<Vector3> vertex_errors(const Model& richer, const StateDifference& difference) {
+  const Structure& structure = richer.structure();
+  std::vector<Vector3> errors(static_cast<size_t>(richer.mesh().vertices()));
+  for (const ElementBlock& block : structure.blocks)
+    for (int e = 0; e < block.count; ++e)
+      for (int end = 0; end < 2; ++end)
+        if (const int v = block.vertices(e, end); v < structure.owned_vertices)
+          errors[structure.local_vertex_to_global[v]] = difference.vertex_displacement[v];
+  sum_over_ranks(*richer.map()->getComm(), errors.front().data(), 3 * errors.size());
+  return errors;
+}
+
 /// Vertices of the mesh are vertices of the richer one.
-void add_vertices(const Mesh& mesh, const Mesh& richer, const StateDifference& difference, ErrorEstimate& estimate) {
-  estimate.vertex_displacement.resize(mesh.vertex_position.size());
-  for (const MeshElement& element : mesh.elements) {
-    const MeshMember& member = richer.members[element.member];
-    const int parts = member.elements / mesh.members[element.member].elements;
+void add_vertices(const Model& model, const Model& richer, const StateDifference& difference, ErrorEstimate& estimate) {
+  std::vector<Vector3> there = vertex_errors(richer, difference);
+  estimate.largest_displacement.size = difference.largest_displacement;
+  if (richer.mesh().elements.size() == model.mesh().elements.size()) {  // no element is halved: the same vertices
+    for (const Vector3& error : there)
+      estimate.largest_displacement.error =
+          std::max(estimate.largest_displacement.error, std::hypot(error[0], error[1], error[2]));
+    estimate.vertex_displacement = std::move(there);
+    return;
+  }
+  const auto mesh = model.whole_mesh(), fine = richer.whole_mesh();
+  estimate.vertex_displacement.resize(mesh->vertex_position.size());
+  for (const MeshElement& element : mesh->elements) {
+    const int parts = fine->elements_of(element.member) / mesh->elements_of(element.member);
     for (int end = 0; end < 2; ++end) {
-      const int there = member.first_element + parts * element.index + (end == 0 ? 0 : parts - 1);
-      const Vector3& error = difference.vertex_displacement[richer.elements[there].vertex[end]];
+      const int at = fine->first_element[element.member] + parts * element.index + (end == 0 ? 0 : parts - 1);
+      const Vector3& error = there[fine->elements[at].vertex[end]];
       estimate.vertex_displacement[element.vertex[end]] = error;
       estimate.largest_displacement.error =
           std::max(estimate.largest_displacement.error, std::hypot(error[0], error[1], error[2]));
     }
   }
-  estimate.largest_displacement.size = difference.largest_displacement;
 }
 
 double total(const StrainEnergy& energy) { return energy.force + energy.moment; }
@@ -156,8 +193,8 @@ ErrorEstimate compare(const Model& model, const State& state, const Model& riche
                       const State& corrected) {
   ErrorEstimate estimate;
   const StateDifference moved = difference(richer, start, corrected);
-  add_differences(model.mesh(), richer.mesh(), moved, estimate);
-  add_vertices(model.mesh(), richer.mesh(), moved, estimate);
+  add_differences(model.mesh(), richer, moved, estimate);
+  add_vertices(model, richer, moved, estimate);
   estimate.energy.size = total(strain_energy(richer, corrected));
   estimate.energy.error = estimate.energy.size - total(strain_energy(model, state));
   return estimate;
@@ -219,7 +256,7 @@ ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& param
   ErrorEstimate none;
   try {
     const Model& model = problem.model;
-    return estimate_in(richer_scene(model.scene(), model.mesh()), problem, parameters, state, load_factor);
+    return estimate_in(richer_scene(model), problem, parameters, state, load_factor);
   } catch (const NotEstimated& cause) {
     none.not_estimated = cause.reason;
   } catch (const std::invalid_argument& error) {  // of the transfer

@@ -48,7 +48,7 @@ WideAngle wide_angle(const Model& model, const EndAngle& angle, bool converged, 
   WideAngle wide;
   wide.member = angle.member;
   wide.element = angle.element;
-  wide.elements = model.mesh().members[member_index(model.scene(), angle.member)].elements;
+  wide.elements = model.mesh().elements_of(member_index(model.scene(), angle.member));
   wide.angle = angle.angle;
   wide.converged = converged;
   const double needed = wide.elements * angle.angle * growth / kComfortableAngle;

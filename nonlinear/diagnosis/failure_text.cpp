@@ -145,7 +145,7 @@ class Adviser {
               std::to_string(wide.elements) + ")";
     if (report_.wide_angles.empty() && !report_.attempts.empty() && report_.attempts.back().peak) {
       const EquationPlace& place = report_.attempts.back().peak->place;
-      const int now = problem_.model.mesh().members[member_index(problem_.model.scene(), place.member)].elements;
+      const int now = problem_.model.mesh().elements_of(member_index(problem_.model.scene(), place.member));
       text += ": \"Elements\" " + std::to_string(2 * now) + " in member \"" + excerpt(place.member) + "\" (now " +
               std::to_string(now) + ")";
     }

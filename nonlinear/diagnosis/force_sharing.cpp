@@ -120,7 +120,7 @@ class Perturbation {
   bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
 
   bool is_worth_a_look() const {
-    if (is_statically_determinate(model_.scene(), model_.mesh())) return false;
+    if (is_statically_determinate(model_.scene(), *model_.whole_mesh())) return false;
     for (const std::array<double, 3>& stiffness : stiffness_)
       if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
         return scales_.force > 0.0;
@@ -161,8 +161,10 @@ class Perturbation {
     for (size_t r = 0; r < all.size(); r += 3)
       if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
     if (!(best[0] > 1.0)) return std::nullopt;
-    const MeshElement& element = model_.mesh().elements[static_cast<size_t>(best[1])];
-    return UncertainForce{model_.scene().members[element.member].name, element.index, rigid, best[2]};
+    const Mesh& mesh = model_.mesh();
+    const int element = static_cast<int>(best[1]);
+    return UncertainForce{model_.scene().members[mesh.member_of_element(element)].name, mesh.index_of_element(element),
+                          rigid, best[2]};
   }
 
   BeamProblem& problem_;

@@ -76,7 +76,8 @@ int leading(const std::array<std::vector<double>, 3>& sums) {
 
 /// Shares of the modes in the direction; empty: the rule finds none.
 std::vector<double> shares_by_rule(const Model& model, const std::vector<MixedVector>& modes) {
-  const Mesh& mesh = model.mesh();
+  const auto whole = model.whole_mesh();
+  const Mesh& mesh = *whole;
   const auto of_all = displacements(model, mean_of(mesh, 0, static_cast<int>(mesh.elements.size())), modes);
   if (leading(of_all) >= 0) return of_all[leading(of_all)];
   for (const MeshMember& member : mesh.members) {

@@ -4,6 +4,7 @@
 #include "discretization/state/sampling.hpp"
 #include "nonlinear/linear/chain_solver.hpp"
 #include "nonlinear/path/branch.hpp"
+#include "nonlinear/stability/independent_unknowns.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,16 +47,12 @@ class Descent::ShiftedTangent {
         solver_(make_direct_tangent_solver(problem.model, kMumps, residual_tolerance)),
         unit_(problem.model.create_vector()) {
     const Structure& structure = problem.model.structure();
-    const Mesh& mesh = problem.model.mesh();
-    std::vector<double> length(mesh.vertices(), 0.0);
-    for (const MeshElement& element : mesh.elements)
-      for (int vertex : element.vertex) length[vertex] += 0.5 * mesh.element_length(element);
+    const std::vector<double> length = vertex_lengths(structure);
     const double L = structure.length;
     unit_.fill(0.0);
     const KernelView<double*> unit = unit_.vertex();
     for (size_t i = 0; i < unit.extent(0); ++i) {
-      const int vertex = structure.local_vertex_to_global[i / kVertexDofs];
-      unit(i) = structure.bending_reference * length[vertex] / (L * L * (i % kVertexDofs < 3 ? L * L : 1.0));
+      unit(i) = structure.bending_reference * length[i / kVertexDofs] / (L * L * (i % kVertexDofs < 3 ? L * L : 1.0));
     }
     springs_ = KernelView<double*>("mixbeam::descent::springs", unit.extent(0));
   }

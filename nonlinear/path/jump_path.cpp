@@ -157,14 +157,9 @@ class JumpPath {
     jump.released = released_energy(model, here_.state, jump.from, found.state, jump.to);
     jump.motion = judge_.measure().motion(way.x);
     jump.factorizations = factorizations;
-    const std::vector<Vector3> moved = difference(model, here_.state, found.state).vertex_displacement;
-    int farthest = 0;
-    for (size_t v = 0; v < moved.size(); ++v)
-      if (vector_algebra::norm(moved[v]) > jump.largest) {
-        jump.largest = vector_algebra::norm(moved[v]);
-        farthest = static_cast<int>(v);
-      }
-    jump.place = text_of(place_of_vertex(model, farthest));
+    const StateDifference moved = difference(model, here_.state, found.state);
+    jump.largest = moved.largest_change;
+    jump.place = text_of(place_of_vertex(model, moved.farthest_vertex));
     return jump;
   }
 

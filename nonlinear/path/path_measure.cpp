@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace mixbeam {
 
@@ -13,27 +12,6 @@ namespace {
 /// Weight of the load factor in lengths: a path whose stage moves the structure by less than this share of its size is
 /// measured by its load, all others by their motion.
 constexpr double kLoadWeight = 1e-6;
-
-/// Number of the part to which each vertex belongs, from zero without gaps: members and joints connect vertices.
-std::vector<int> connected_parts(const Mesh& mesh) {
-  std::vector<int> parent(mesh.vertices());
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root_of = [&parent](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  const auto connect = [&](int a, int b) {
-    a = root_of(a);
-    b = root_of(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
-  for (const MeshElement& element : mesh.elements) connect(element.vertex[0], element.vertex[1]);
-  for (const MeshJoint& joint : mesh.joints) connect(joint.master, joint.slave);
-  std::vector<int> part(mesh.vertices());
-  int parts = 0;
-  for (int v = 0; v < mesh.vertices(); ++v) part[v] = parent[v] == v ? parts++ : part[root_of(v)];
-  return part;
-}
 
 }  // namespace
 
@@ -46,12 +24,8 @@ PathMeasure::PathMeasure(const Model& model) : weights_(model.create_vector()) {
   Kokkos::parallel_for(
       "mixbeam::path_measure", Kokkos::RangePolicy<ExecutionSpace>(0, w.extent(0)),
       KOKKOS_LAMBDA(size_t i) { w(i) = i % kVertexDofs < 3 ? displacement : rotation; });
-  const std::vector<int> parts = connected_parts(model.mesh());
-  parts_ = 1 + *std::max_element(parts.begin(), parts.end());
-  if (parts_ == 1) return;
-  const Structure& structure = model.structure();
-  for (int v = 0; v < structure.owned_vertices; ++v)
-    part_of_vertex_.push_back(parts[structure.local_vertex_to_global[v]]);
+  parts_ = model.structure().parts;
+  part_of_vertex_ = model.structure().part_of_vertex;
 }
 
 double PathMeasure::motion(const MixedVector& a, const MixedVector& b) const { return a.vertex_product(weights_, b); }
@@ -100,10 +74,7 @@ namespace {
 bool are_one(const Model& model, const State& a, const State& b) {
   constexpr double kSamePlace = 1e-3;
   const StateDifference apart = difference(model, a, b);
-  double largest = 0.0;
-  for (const Vector3& moved : apart.vertex_displacement)
-    largest = std::max(largest, std::hypot(moved[0], moved[1], moved[2]));
-  return largest <= kSamePlace * apart.largest_displacement;
+  return apart.largest_change <= kSamePlace * apart.largest_displacement;
 }
 
 }  // namespace

@@ -26,9 +26,7 @@ constexpr double kNextTry = 2.0;
 constexpr int kMostSteps = 60;
 
 double shortest_member(const Mesh& mesh) {
-  double length = std::numeric_limits<double>::infinity();
-  for (const MeshMember& member : mesh.members) length = std::min(length, member.curve.length);
-  return length;
+  return *std::min_element(mesh.member_length.begin(), mesh.member_length.end());
 }
 
 /// The scene with that stiffness in place of the infinite ones; its sections are unchanged where there are none.
@@ -53,12 +51,7 @@ bool is_yielding(const Scene& scene, const Scene& yields) {
 }
 
 /// Largest displacement of a vertex between two states.
-double motion(const Model& model, const State& a, const State& b) {
-  double largest = 0.0;
-  for (const Vector3& u : difference(model, a, b).vertex_displacement)
-    largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
-  return largest;
-}
+double motion(const Model& model, const State& a, const State& b) { return difference(model, a, b).largest_change; }
 
 /// Follows a path of an auxiliary problem, which is not reported.
 class YieldingPath {

@@ -104,7 +104,7 @@ class AccurateSolver {
     const StateSnapshot snapshot = snapshot_of(simulation.model(), simulation.state());
     std::vector<double> turning(scene_.members.size());
     if (comm_->getRank() == 0)
-      turning = element_turning(simulation.scene(), simulation.model().mesh(), snapshot.vertex_rotation);
+      turning = element_turning(simulation.scene(), *simulation.model().whole_mesh(), snapshot.vertex_rotation);
     Teuchos::broadcast(*comm_, 0, static_cast<int>(turning.size()), turning.data());
     if (goes_on)
       for (double& angle : turning) angle *= std::min(kLargestPreview, scene_.stages / load_factor);
@@ -175,10 +175,9 @@ class AccurateSolver {
       running.settle(carried, [&](const StepReport& report, const State&) { report_ = report; });
       if (!running.result().finished) return false;
       const StateDifference moved = difference(running.model(), carried, running.state());
-      double largest = 0.0;
-      for (const Vector3& u : moved.vertex_displacement) largest = std::max(largest, std::hypot(u[0], u[1], u[2]));
       const double size = std::max(moved.largest_displacement, least_displacement_);
-      if (largest > kLargestFinishingCorrection * std::max(judged_error(estimate_), accuracy_) * size) return false;
+      if (moved.largest_change > kLargestFinishingCorrection * std::max(judged_error(estimate_), accuracy_) * size)
+        return false;
     } catch (const std::invalid_argument&) {  // the state turns too far inside the new elements
       return false;
     } catch (const LinearSolverError&) {  // its eigenvalues cannot be counted
@@ -247,7 +246,7 @@ class AccurateSolver {
     const MeshRound& round = rounds_.back();
     const bool is_known = is_reached(round.critical_error) || !compares_;
     if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
-    if (estimate_.exists() && !is_reached(error_of_kept(scene_, simulation_->model().mesh(), estimate_)))
+    if (estimate_.exists() && !is_reached(error_of_kept(scene_, *simulation_->model().whole_mesh(), estimate_)))
       return AccuracyEnd::kept_meshes;
     if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
     if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
@@ -269,7 +268,7 @@ class AccurateSolver {
       choice_ = richer(scene_, choice_);
       return !(choice_ == before);
     }
-    choice_ = next_mesh(scene_, simulation_->model().mesh(), choice_, estimate_, aim_ * accuracy_);
+    choice_ = next_mesh(scene_, *simulation_->model().whole_mesh(), choice_, estimate_, aim_ * accuracy_);
     aim_ *= kNextAim;
     return !(choice_ == before);
   }

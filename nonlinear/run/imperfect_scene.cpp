@@ -26,11 +26,10 @@ constexpr double kStepAlongMode = 1e-5;
 /// Largest distance between a vertex in two states.
 double largest_displacement(const Model& model, const State& from, const State& to) {
   double largest = 0.0;
-  for (int vertex = 0; vertex < model.mesh().vertices(); ++vertex) {
-    const std::array<double, 6> a = vertex_motion(model, from, vertex), b = vertex_motion(model, to, vertex);
-    largest = std::max(largest, std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]));
-  }
-  return largest;
+  const auto &a = from.views.vertex_displacement, &b = to.views.vertex_displacement;
+  for (int v = 0; v < model.structure().owned_vertices; ++v)
+    largest = std::max(largest, std::hypot(b(v, 0) - a(v, 0), b(v, 1) - a(v, 1), b(v, 2) - a(v, 2)));
+  return maximum_over_ranks(*model.map()->getComm(), largest);
 }
 
 /// A mode of a deformed state as it is laid on the undeformed structure: `factor` times the motion between two states.
@@ -142,7 +141,7 @@ struct PlacedSection {
 class ModeShape {
  public:
   ModeShape(const Model& model, const State& state, const std::vector<LaidMode>& laid, const Scene& scene)
-      : model_(model), state_(state), laid_(laid), scene_(scene) {}
+      : model_(model), mesh_(model.whole_mesh()), state_(state), laid_(laid), scene_(scene) {}
 
   Scene scene() {
     move_points();
@@ -157,7 +156,7 @@ class ModeShape {
       const std::array<double, 6> motion = vertex_motion(model_, state, vertex);
       return Vector3{motion[0], motion[1], motion[2]};
     };
-    Vector3 position = sum(model_.mesh().vertex_position[vertex], moved(state_));
+    Vector3 position = sum(mesh_->vertex_position[vertex], moved(state_));
     for (const LaidMode& mode : laid_)
       position = sum(position, scaled(mode.factor, difference(moved(mode.forth), moved(mode.back))));
     return position;
@@ -166,7 +165,7 @@ class ModeShape {
   /// Points that followed from curves become points of their own.
   void move_points() {
     std::map<std::string, Vector3> positions;
-    for (const auto& [point, vertex] : model_.mesh().vertex_of_point) positions[point] = displaced(vertex);
+    for (const auto& [point, vertex] : mesh_->vertex_of_point) positions[point] = displaced(vertex);
     for (Point& point : scene_.points) {
       const auto moved = positions.find(point.name);
       if (moved == positions.end()) continue;
@@ -177,7 +176,7 @@ class ModeShape {
   }
 
   void bend(int index, Member& member) {
-    const MeshMember& mesh = model_.mesh().members[index];
+    const MeshMember& mesh = mesh_->members[index];
     std::vector<PlacedSection> samples;
     for (int e = 0; e < mesh.elements; ++e)
       for (const double xi : {-1.0, 0.0}) samples.push_back(sample(index, mesh.arc_length(e, xi)));
@@ -196,7 +195,7 @@ class ModeShape {
       angle = turned(carried.triad(at.arc_length / mesh.curve.length * carried.length), at.triad, angle);
     member.twist = angle;
     for (InnerPoint& inner : member.inner_points) {
-      const Vector3 position = displaced(vertex_of(model_.mesh(), inner.point));
+      const Vector3 position = displaced(vertex_of(*mesh_, inner.point));
       inner.position = nearest_position(carried, to_vec3(position), inner.position);
     }
   }
@@ -213,7 +212,7 @@ class ModeShape {
   }
 
   PlacedSection sample(int member, double s) const {
-    const double position = s / model_.mesh().members[member].curve.length;
+    const double position = s / mesh_->member_length[member];
     const PointSample at = sample_member(model_, state_, member, position);
     PlacedSection placed{at.arc_length, at.position, axis(at.triad, 0), at.triad};
     for (const LaidMode& mode : laid_) {
@@ -227,6 +226,7 @@ class ModeShape {
   }
 
   const Model& model_;
+  std::shared_ptr<const Mesh> mesh_;
   const State& state_;
   const std::vector<LaidMode>& laid_;
   Scene scene_;

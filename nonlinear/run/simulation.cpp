@@ -24,8 +24,8 @@ constexpr size_t kElementsOfTaper = 10;
 size_t elements_for_stresses(const Scene& scene, const Mesh& mesh) {
   size_t count = 0;
   for (size_t m = 0; m < mesh.members.size(); ++m)
-    count +=
-        static_cast<size_t>(mesh.members[m].elements) * (scene.members[m].end_section.empty() ? 1 : kElementsOfTaper);
+    count += static_cast<size_t>(mesh.elements_of(static_cast<int>(m))) *
+             (scene.members[m].end_section.empty() ? 1 : kElementsOfTaper);
   return count;
 }
 
@@ -118,7 +118,7 @@ Vector3 Simulation::displacement(const std::string& point) const {
 
 Vector3 Simulation::position(const std::string& point) const {
   const auto m = motion(point);
-  const Vector3& reference = model().mesh().vertex_position[vertex_of(model().mesh(), point)];
+  const Vector3 reference = reference_position(model(), vertex_of(model().mesh(), point));
   return {reference[0] + m[0], reference[1] + m[1], reference[2] + m[2]};
 }
 
@@ -159,7 +159,8 @@ StepRecord Simulation::record(const StepReport& report, int points_per_element,
   record.stability = stability_;
   record.jump = report.jump;
   if (parameters_.analysis.snap == Snap::jump) follow_jumps(record);
-  if (report.step == 0) record.acting = std::make_shared<const Acting>(acting_on(scene(), model().mesh()));
+  if (report.step == 0 && model().map()->getComm()->getRank() == 0)
+    record.acting = std::make_shared<const Acting>(acting_on(scene(), *model().whole_mesh()));
   for (const CriticalPoint& point : report.critical_points)
     record.critical_points.push_back(
         at(point.state, point.load_factor).record(point, points_per_element, monitored_points));

@@ -7,6 +7,18 @@
 
 namespace mixbeam {
 
+std::vector<double> vertex_lengths(const Structure& structure) {
+  std::vector<double> length(structure.owned_vertices, 0.0);
+  for (const int local : structure.elements_in_order) {
+    const ElementBlock& block = structure.block_of(local);
+    const int e = local - block.first_element;
+    for (int end = 0; end < 2; ++end)
+      if (const int vertex = block.vertices(e, end); vertex < structure.owned_vertices)
+        length[vertex] += 0.5 * block.reference(e, block.reference_layout.length());
+  }
+  return length;
+}
+
 IndependentUnknowns::IndependentUnknowns(const Model& model)
     : whole_(std::make_unique<VertexMatrix>(whole_matrix(model))),
       root_(whole_->matrix()),
@@ -27,10 +39,8 @@ IndependentUnknowns::IndependentUnknowns(const Model& model, const VertexMatrix&
 void IndependentUnknowns::set_up(const Model& model) {
   vertices_ = static_cast<int>(rows_->getGlobalNumElements()) / kVertexDofs;
   number(model);
-  if (is_root()) {
-    measure(model);
-    build_structure();
-  }
+  measure(model);
+  if (is_root()) build_structure();
 }
 
 /// Rows of the vertices that are numbered here, on rank 0.
@@ -76,14 +86,15 @@ void IndependentUnknowns::number(const Model& model) {
 
 void IndependentUnknowns::measure(const Model& model) {
   const Structure& structure = model.structure();
-  const Mesh& mesh = model.mesh();
-  std::vector<double> length(mesh.vertices(), 0.0);
-  for (const MeshElement& element : mesh.elements)
-    for (int vertex : element.vertex) length[vertex] += 0.5 * mesh.element_length(element);
+  const std::vector<double> of_own = vertex_lengths(structure);
+  DofVector rows(map_);
+  const KernelView<double*> lengths = MixedVector::view_of(rows);
+  for (size_t i = 0; i < lengths.extent(0); ++i) lengths(i) = of_own[i / kVertexDofs];
+  const std::vector<double> length = gather_rows(rows);  // of the vertices of the root, as all of measure_
   const double L = structure.length, bending = structure.bending_reference / L;
   measure_.resize(unknown_.size());
   for (size_t i = 0; i < measure_.size(); ++i)
-    measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[vertex_of_mesh_[i / kVertexDofs]] / L);
+    measure_[i] = (i % kVertexDofs < 3 ? L : 1.0) / std::sqrt(bending * length[i] / L);
 }
 
 /// Columns of slaves become those of their own free motion and of their master.

@@ -16,6 +16,9 @@
 
 namespace mixbeam {
 
+/// Length of member that belongs to each owned vertex: half of the elements that meet there.
+std::vector<double> vertex_lengths(const Structure& structure);
+
 /// Unknowns, matrix and exchange of vectors of one structure; made once. The reduced matrix lives on rank 0.
 ///
 /// Unknowns are measured so that numbers have no unit: a displacement of vertex v in L / sqrt(EI/L l_v/L), a rotation

@@ -234,9 +234,7 @@ namespace {
 /// Of all members, over the length of the structure, and at least one: eigenvalues of the remaining system are that
 /// much smaller in the units of IndependentUnknowns than in those of nearest_eigenvalue().
 double relative_length(const Model& model) {
-  double length = 0.0;
-  for (const MeshMember& member : model.mesh().members) length += member.curve.length;
-  return std::max(1.0, length / model.structure().length);
+  return std::max(1.0, model.mesh().total_length() / model.structure().length);
 }
 
 }  // namespace

@@ -30,8 +30,7 @@ std::string values_of(const Simulation& simulation, int step) {
     const int points = smooth_points(simulation.scene().members[mesh.elements[e].member].order);
     for (int i = 0; i < points; ++i) {
       const double xi = -1.0 + 2.0 * i / (points - 1);
-      const PointSample sample =
-          sample_element(structure, mesh, simulation.state(), structure.mesh_element_to_local[e], xi);
+      const PointSample sample = sample_element(structure, mesh, simulation.state(), structure.local_element(e), xi);
       const Mat3<double> triad = rotation_matrix(sample.triad);
       std::string line = std::to_string(step);
       append(line, sample.position);

@@ -51,7 +51,7 @@ std::vector<MemberSamples> samples_of(const Scene& scene, const SectionForces& f
   return members;
 }
 
-StressSummary stresses_of(const Scene& scene, std::vector<MemberSamples>& members) {
+StressSummary stresses_of(const Scene& scene, SampledMembers& members) {
   return sample_stresses(scene, build_mesh(scene), Teuchos::rcp(new Teuchos::SerialComm<int>), members);
 }
 
@@ -64,7 +64,7 @@ TEST(MemberStresses, AreThoseOfTheSections) {
   SectionForces forces;
   forces.force = {3.0, 0.0, 0.0};
   forces.moment = {0.0, 0.5, 0.0};
-  std::vector<MemberSamples> members = samples_of(scene, forces);
+  SampledMembers members = samples_of(scene, forces);
   const StressSummary summary = stresses_of(scene, members);
   const double axial = 3.0 / (test::kPi * 0.01), bending = 0.5 * 0.1 / (test::kPi * 1e-4 / 4.0);
   EXPECT_NEAR(members[0].largest_normal_stress[0], axial + bending, kRounding * (axial + bending));
@@ -88,7 +88,7 @@ TEST(MemberStresses, OfATaperAreThoseOfTheLocalSection) {
   scene.members[0].end_section = "thin";
   SectionForces forces;
   forces.moment = {0.0, 1.0, 0.0};
-  std::vector<MemberSamples> members = samples_of(scene, forces);
+  SampledMembers members = samples_of(scene, forces);
   const StressSummary summary = stresses_of(scene, members);
   for (std::size_t i = 0; i < 5; ++i) {
     const double x = 0.25 * static_cast<double>(i), d = 0.4 - 0.2 * x;
@@ -106,7 +106,7 @@ TEST(MemberStresses, TheFiveMostStressedAreNamedInOrder) {
   const Scene scene = chain_of(sections);
   SectionForces forces;
   forces.force = {1.0, 0.0, 0.0};
-  std::vector<MemberSamples> members = samples_of(scene, forces);
+  SampledMembers members = samples_of(scene, forces);
   const StressSummary summary = stresses_of(scene, members);
   ASSERT_EQ(summary.members.size(), kMostStressed);
   const std::array<const char*, kMostStressed> expected = {"m0", "m3", "m6", "m1", "m4"};  // the thinnest ones
@@ -119,7 +119,7 @@ TEST(MemberStresses, StrainsOverTheirLimitAreFound) {
   soft.name = "soft";
   soft.largest_strain = 0.5;
   const Scene scene = chain_of({tough, soft});
-  std::vector<MemberSamples> members = samples_of(scene, {});
+  SampledMembers members = samples_of(scene, {});
   members[0].force_strain[3] = {-0.02, 0.0, 0.01};
   members[0].moment_strain[3] = {0.0, 0.3, -0.4};  // 0.02 + 0.3 * 0.1 + 0.4 * 0.05
   members[1].force_strain[2] = {0.3, 0.0, 0.0};
@@ -143,7 +143,7 @@ TEST(MemberStresses, TorsionOfAnOpenSectionIsNoted) {
   const Scene scene = chain_of({named("I", test::walled_shapes()[0].shape)});
   SectionForces forces;
   forces.moment = {0.0, 1.0, 0.0};
-  std::vector<MemberSamples> members = samples_of(scene, forces);
+  SampledMembers members = samples_of(scene, forces);
   EXPECT_EQ(stresses_of(scene, members).members[0].torsion_share, 0.0);
   forces.moment[0] = 1.0;
   members = samples_of(scene, forces);

@@ -117,7 +117,7 @@ TEST(UnequalMesh, ArcLengthsOfVerticesAndElements) {
     EXPECT_NEAR(mesh.arc_length(mesh.elements[e], -1.0), start[e], kRounded);
     EXPECT_NEAR(mesh.arc_length(mesh.elements[e], 0.5), start[e] + 0.75 * length[e], kRounded);
     EXPECT_NEAR(mesh.vertex_position[mesh.elements[e].vertex[0]][0], start[e], kRounded);
-    EXPECT_EQ(arc_length_of_vertex(mesh, 0, mesh.elements[e].vertex[0]), mesh.members[0].vertex_arc_length[e]);
+    EXPECT_EQ(arc_length_of_vertex(mesh, 0, mesh.elements[e].vertex[0]), mesh.members[0].vertex_arc_length(e));
   }
   EXPECT_EQ(arc_length_of_vertex(mesh, 0, vertex_of(mesh, "tip")), 6.0);
 }

@@ -249,7 +249,7 @@ TEST_F(MpiResultFile, ARecordThatDoesNotFitOnOneRankIsRefusedByAll) {
   const Model model(scene, all_ranks(), {});
   ResultFile file(folder_ / "run.h5", header_of_test(), all_ranks());
   StepRecord broken = record_of(scene, model, 0);
-  if (is_last_rank()) broken.members.back().position.pop_back();
+  if (is_last_rank()) broken.members[broken.members.size() - 1].position.pop_back();
   const std::string error = shared_error([&] { file.append_step(broken); });
   EXPECT_NE(error.find("unequal length" + of_last_rank()), std::string::npos) << error;
   EXPECT_EQ(shared_error([&] { file.append_step(record_of(scene, model, 0)); }), "no error");

@@ -136,7 +136,7 @@ TEST(ReferenceElement, TangentsAndEndTriadsAreExact) {
     }
     for (int end = 0; end < 2; ++end)
       worst.see(norm(log_quaternion(conjugate(element.end_triad[end]) *
-                                    member.curve.triad(member.vertex_arc_length[e + end]))),
+                                    member.curve.triad(member.vertex_arc_length(e + end)))),
                 "end, element ", e);
   }
   EXPECT_TRUE(worst.at_most(1e-14));

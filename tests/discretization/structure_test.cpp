@@ -97,7 +97,7 @@ TEST(Partition, ElementsThatTouchAnOwnedVertexAreThere) {
       for (size_t e = 0; e < mesh.elements.size(); ++e) {
         const MeshElement& element = mesh.elements[e];
         const bool touches = structure.partition.owns(element.vertex[0]) || structure.partition.owns(element.vertex[1]);
-        const int local = structure.mesh_element_to_local[e];
+        const int local = structure.local_element(e);
         EXPECT_EQ(local >= 0, touches) << "element " << e << ", rank " << rank << " of " << ranks;
         if (local < 0) continue;
         EXPECT_EQ(structure.local_element_to_mesh[local], static_cast<int>(e));

@@ -162,5 +162,30 @@ TEST(MpiProblems, NetworksInNoOrder) {
 
 TEST(MpiProblems, Samples) { expect_same_samples(fork(2, 3)); }
 
+/// Elements that the cuts double, ghost vertices and members that are cut, over an equal share of all: a quarter of it
+/// on three ranks.
+constexpr double kRoomForCuts = 1.4;
+
+// Memory of a rank falls with the number of ranks only while nothing of size is held on each of them.
+TEST(MpiProblems, RanksKeepTheirShare) {
+  constexpr int kPoints = 10;
+  const Scene scene = lattice(kPoints, 1, 2);
+  const Model model(scene, all_ranks(), {});
+  const Mesh& mesh = model.mesh();
+  const SampledMembers samples = sample_own_elements(scene, model, model.reference_state(), 2);
+  const auto most = [](std::size_t all) { return kRoomForCuts * static_cast<double>(all) / all_ranks()->getSize(); };
+  EXPECT_LE(mesh.elements.kept(), most(mesh.elements.size()));
+  EXPECT_LE(mesh.vertex_position.kept(), most(mesh.vertex_position.size()));
+  EXPECT_LE(mesh.members.kept(), most(scene.members.size()));
+  EXPECT_LE(samples.size(), most(scene.members.size()));
+  EXPECT_EQ(samples.members(), scene.members.size());
+  EXPECT_EQ(samples.samples(), 2 * mesh.elements.size());
+  EXPECT_EQ(model.structure().views.sections.extent(0), scene.sections.size());  // and not for each member
+  if (all_ranks()->getSize() == 1) return;
+  // the twin: all of it would be noticed
+  EXPECT_GT(model.whole_mesh()->elements.kept(), most(mesh.elements.size()));
+  EXPECT_THROW(mesh.elements.whole(), std::logic_error);
+}
+
 }  // namespace
 }  // namespace mixbeam::test

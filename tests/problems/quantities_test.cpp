@@ -30,7 +30,7 @@ Numbers numbers_of(const std::vector<Quantity>& quantities, const Simulation& si
   const ParameterSource source("scene.xml");
   const QuantitySet set(quantities, simulation.scene(), {source, {"Quantities"}});
   const std::vector<Reaction> reactions = simulation.reactions();
-  const std::vector<MemberSamples> samples = simulation.samples(kPointsByOrder);
+  const SampledMembers samples = simulation.samples(kPointsByOrder);
   const std::vector<double> values = set.values({simulation.model(), simulation.state(), simulation.load_factor(),
                                                  reactions, simulation.strain_energy(), simulation.stability().negative,
                                                  simulation.jumps(), has_samples ? &samples : nullptr});

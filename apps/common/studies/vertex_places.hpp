@@ -18,7 +18,7 @@ inline Vec3<double> to_vec(const Vector3& v) { return {{v[0], v[1], v[2]}}; }
 /// Of a vertex of this rank's mesh.
 inline VertexPlace place_of(const Simulation& simulation, int vertex) {
   const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
-  return {to_vec(simulation.model().mesh().vertex_position[vertex]) + Vec3<double>{{motion[0], motion[1], motion[2]}},
+  return {to_vec(reference_position(simulation.model(), vertex)) + Vec3<double>{{motion[0], motion[1], motion[2]}},
           exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})};
 }
 
