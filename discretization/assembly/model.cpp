@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -35,22 +36,45 @@ Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const
 
 Model::~Model() = default;
 
+namespace {
+
+/// Numbers of the local vertices in the order of the ranks; ghosts learn theirs from their owners. Collective.
+std::vector<GlobalOrdinal> numbers_through_ranks(const Structure& structure, const Communicator& comm) {
+  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  const std::vector<GlobalOrdinal> in_mesh(structure.local_vertex_to_global.begin(),
+                                           structure.local_vertex_to_global.end());
+  if (structure.partition.is_contiguous()) return in_mesh;
+  const auto all = Teuchos::arrayViewFromVector(in_mesh);
+  const auto owned = Teuchos::rcp(new DofMap(unknown, all.view(0, structure.owned_vertices), 0, comm));
+  const auto local = Teuchos::rcp(new DofMap(unknown, all, 0, comm));
+  const DofMap ranks(unknown, static_cast<size_t>(structure.owned_vertices), 0, comm);
+  DofVector mine(owned), known(local);
+  const KernelView<double*> numbers = MixedVector::view_of(mine);
+  for (size_t v = 0; v < numbers.extent(0); ++v)
+    numbers(v) = static_cast<double>(ranks.getGlobalElement(static_cast<LocalOrdinal>(v)));
+  known.doImport(mine, DofImport(owned, local), Tpetra::REPLACE);
+  const KernelView<const double*> found = MixedVector::view_of(std::as_const(known));
+  std::vector<GlobalOrdinal> result(found.extent(0));
+  for (size_t v = 0; v < result.size(); ++v) result[v] = static_cast<GlobalOrdinal>(found(v));
+  return result;
+}
+
+}  // namespace
+
+// Tpetra stores few bytes of numbers that follow one another, and 80 for each other one: so those of a rank do.
 void Model::build_maps(const Communicator& comm) {
   const size_t owned = static_cast<size_t>(kVertexDofs) * structure_.owned_vertices;
   const auto all = static_cast<Tpetra::global_size_t>(kVertexDofs) * mesh_.vertices();
-  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
-  if (structure_.partition.is_contiguous()) maps_.rows = Teuchos::rcp(new DofMap(all, owned, 0, comm));
+  maps_.rows = Teuchos::rcp(new DofMap(all, owned, 0, comm));
   maps_.columns = maps_.rows;
-  if (comm->getSize() > 1) {
-    std::vector<GlobalOrdinal> dofs;
-    for (int global : structure_.local_vertex_to_global)
-      for (int c = 0; c < kVertexDofs; ++c) dofs.push_back(static_cast<GlobalOrdinal>(kVertexDofs) * global + c);
-    const auto columns = Teuchos::arrayViewFromVector(dofs);
-    if (maps_.rows.is_null()) maps_.rows = Teuchos::rcp(new DofMap(all, columns.view(0, owned), 0, comm));
-    maps_.columns = Teuchos::rcp(new DofMap(unknown, columns, 0, comm));
-    maps_.import = Teuchos::rcp(new DofImport(maps_.rows, maps_.columns));
-    workspace_->ghosted_increment = Teuchos::rcp(new DofVector(maps_.columns));
-  }
+  if (comm->getSize() == 1) return;
+  std::vector<GlobalOrdinal> dofs;
+  for (const GlobalOrdinal vertex : numbers_through_ranks(structure_, comm))
+    for (int c = 0; c < kVertexDofs; ++c) dofs.push_back(kVertexDofs * vertex + c);
+  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  maps_.columns = Teuchos::rcp(new DofMap(unknown, Teuchos::arrayViewFromVector(dofs), 0, comm));
+  maps_.import = Teuchos::rcp(new DofImport(maps_.rows, maps_.columns));
+  workspace_->ghosted_increment = Teuchos::rcp(new DofVector(maps_.columns));
 }
 
 std::shared_ptr<const Mesh> Model::whole_mesh() const {

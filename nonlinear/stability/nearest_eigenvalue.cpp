@@ -52,8 +52,10 @@ NearestEigenvalue nearest_eigenvalue(const Tangent& tangent, const SolveVertices
     Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 1, &sum, &all);
     return std::sqrt(all);
   };
-  for (size_t i = 0; i < rows; ++i)
-    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + model.map()->getGlobalElement(i));
+  for (size_t i = 0; i < rows; ++i) {
+    const double number = kVertexDofs * structure.local_vertex_to_global[i / kVertexDofs] + i % kVertexDofs;
+    MixedVector::view_of(x)(i) = 1.0 + 0.5 * std::sin(1.0 + number);
+  }
   NearestEigenvalue nearest;
   double length = length_of(x, false);
   for (int step = 0; step < kInverseIterations; ++step) {

@@ -65,8 +65,7 @@ class Network {
   EvaluationPoint moved_by(double size) const {
     MixedVector motion = model.create_vector(), residual = model.create_vector();
     const auto vertex = motion.vertex();
-    for (size_t i = 0; i < vertex.extent(0); ++i)
-      vertex(i) = size * std::sin(1.0 + 0.3 * model.map()->getGlobalElement(static_cast<int>(i)));
+    for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = size * std::sin(1.0 + 0.3 * global(i));
     return mixed_residual(model, model.apply(model.reference_state(), motion, 1.0), 0.5, residual);
   }
 };
