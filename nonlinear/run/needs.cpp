@@ -32,11 +32,11 @@ constexpr double kPlainBytes = 340.0;
 /// The same where no factors are made and idle ones are given back, from heaps of cubes of 30 and 40 junctions a side.
 constexpr double kCopiesIterated = 3.8;
 /// Its names and numbers, curve, fields of samples and their places in a file. [byte per member]
-constexpr double kBytesOfMember = 2100.0;
-/// What of that every rank holds; mesh and numbering of the whole structure; and the share of factors by which ranks
-/// together need more. From sheets of 200 and 300, a cube of 20 junctions a side and a chain of 1e6 elements on one,
-/// two and three ranks.
-constexpr double kBytesOfMemberEverywhere = 1700.0, kBytesOfElementEverywhere = 160.0, kFactorsEverywhere = 0.35;
+constexpr double kBytesOfMember = 1750.0;
+/// What of that every rank holds: the scene once more while the error is estimated; of each element its estimated
+/// error; and the share of factors by which ranks together need more. From a sheet of 224 and a cube of 20 junctions a
+/// side and a chain of 2e5 elements on one, two and four ranks.
+constexpr double kBytesOfMemberEverywhere = 600.0, kBytesOfElementEverywhere = 90.0, kFactorsEverywhere = 0.35;
 /// Numbers of each element beside its tangent and response while stability is looked at.
 constexpr double kStabilityNumbers = 127.0;
 /// Share of a run's own memory that it still holds while its error is estimated on a richer mesh.
