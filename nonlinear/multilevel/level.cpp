@@ -2,9 +2,7 @@
 
 #include "nonlinear/multilevel/dense.hpp"
 
-#include <algorithm>
 #include <atomic>
-#include <numeric>
 
 namespace mixbeam {
 
@@ -343,7 +341,7 @@ SharedRows Level::shares() const {
   share.rows = GatherPlan(share.communicator, unknowns());
   share.first = halo_.first_of(unknowns());
   share.column_number.resize(room());
-  std::iota(share.column_number.begin(), share.column_number.begin() + unknowns(), share.first);
+  std::iota(share.column_number.begin(), share.column_number.end(), share.first);
   halo_.exchange(share.column_number.data(), unknown_);
   return share;
 }

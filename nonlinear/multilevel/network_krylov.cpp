@@ -14,6 +14,9 @@ namespace {
 /// Stiffness of a vertex where a support at an angle prescribes its motion, over that of the links there: what the
 /// preconditioner gets wrong is the inverse of it.
 constexpr double kAlmostRigid = 1e6;
+/// Factors of unsymmetric tangents up to this share of the largest are taken before GMRES is tried: a cube of 26^3
+/// junctions.
+constexpr double kBeforeGmres = 0.1;
 /// Components of axes that differ by less are the same.
 constexpr double kSameAxis = 1e-14;
 
@@ -133,12 +136,25 @@ void NetworkSolver::turn_rows(const LevelVector& rows) const {
   }
 }
 
-/// Factors where they are not too large.
+/// Factors where they are not too large; before those of large unsymmetric tangents, which take twice as long, GMRES as
+/// long as it converges.
 void NetworkSolver::give_up_conjugate_gradients() {
-  if (direct_ == nullptr && factor_entries(system_) > most_fallback_entries_)
+  const double entries = direct_ == nullptr ? factor_entries(system_) : 0.0;
+  const bool may_factorize = entries <= most_fallback_entries_;
+  if (may_factorize && (is_unstable_ || gmres_fails_ || entries <= kBeforeGmres * most_fallback_entries_))
+    return factorize_directly();
+  try {
     begin_krylov();
-  else
-    factorize_directly();
+  } catch (const LinearSolverError&) {
+    if (!may_factorize) throw;
+    give_up_gmres();
+  }
+}
+
+void NetworkSolver::give_up_gmres() {
+  gmres_fails_ = true;
+  by_krylov_ = false;
+  factorize_directly();
 }
 
 /// Positive at every load, what preconditions needs no earlier tangent.

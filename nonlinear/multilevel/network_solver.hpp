@@ -10,8 +10,8 @@ namespace mixbeam {
 /// Solves what chains leave by conjugate gradients. Aggregates are kept, and so are coarse spaces and
 /// their matrices until iterations have grown by half or forget() is called. Where the matrix is not symmetric and
 /// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large.
-/// Else MINRES goes on where there is negative curvature and GMRES where the matrix is unsymmetric, and a
-/// LinearSolverError says why where they do not converge either.
+/// Else MINRES goes on where there is negative curvature and GMRES where the matrix is unsymmetric (before factors,
+/// where these are large), and a LinearSolverError says why where they do not converge either.
 class NetworkSolver : public LinearSolver {
  public:
   /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
@@ -40,17 +40,19 @@ class NetworkSolver : public LinearSolver {
   const std::string& objection() const { return objection_; }
 
  private:
+  // network_reading.cpp
   void number_nodes();
   std::vector<unsigned char> free_rows() const;
   bool has_free_row(int vertex) const;
   Halo number_ghosts(int nodes);
   LinkEnds find_links();
   void read_values();
+  LinkBlocks link_blocks(int link, double* room) const;
+
   NetworkMatrix matrix() const;
   void set_matrix(const NetworkMatrix& matrix);
   void make_spaces(const NetworkMatrix& matrix);
   bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction, std::string& why);
-  LinkBlocks link_blocks(int link, double* room) const;
   void begin_solve(const DofVector& b, DofVector& x);
   void end_solve(DofVector& x);
   bool iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations);
@@ -71,6 +73,7 @@ class NetworkSolver : public LinearSolver {
                           double* left);
   void turn_rows(const LevelVector& rows) const;
   void begin_krylov();
+  void give_up_gmres();
   void multiply(const LevelVector& x, const LevelVector& y) const;
   bool iterate_krylov(const DofVector& b, DofVector& x, double reduction, int most_iterations);
 
@@ -94,7 +97,8 @@ class NetworkSolver : public LinearSolver {
   std::string objection_;
   // of the last matrix
   bool is_direct_ = false, is_unstable_ = false, has_solved_ = false;
-  bool by_krylov_ = false;  ///< MINRES where it is unstable, else GMRES
+  bool by_krylov_ = false;    ///< MINRES where it is unstable, else GMRES
+  bool gmres_fails_ = false;  ///< with some earlier matrix
   int iterations_ = 0;
   bool has_spaces_ = false;  ///< that serve the next tangent
   bool are_fresh_ = false;   ///< made for the present one
