@@ -53,9 +53,10 @@ constexpr double kSecondsOfOperation = 5e-11, kSecondsOfFactorEntry = 2.4e-8;
 /// Of an iteration where there are no factors, coarse spaces and conjugate gradients, for each
 /// junction: 1.2e-4, 1.0e-4, 1.4e-4 and 1.3e-4 in cubes of 20, 30, 40 and 70 junctions a side, slenderness 20. [s]
 constexpr double kSecondsOfIteratedJunction = 1.2e-4;
-/// Slender struts leave more soft modes: at slenderness 50, 100 and 300 a cube of 20 junctions a side takes 1.3, 1.45
-/// and 1.7 times as long, at 100 one of 70 junctions 2.4 times.
-constexpr double kSlender = 40.0, kTimesSlender = 1.7;
+/// Slender struts leave more soft modes, on every level: at slenderness 100 cubes of 20, 40 and 70 junctions a side
+/// take 1.5, 3.1 and 4.0 times as long (one thread, processor time), at 300 the first one 1.8 times. From 8,000
+/// junctions on:
+constexpr double kSlender = 40.0, kTimesSlender = 1.6, kJunctionsOfThat = 8000.0, kGrowthOfSlender = 0.27;
 
 /// What MemberSamples hold of a sample, what a step of the file does, and what its members do. [byte]
 constexpr double kSampleBytes = 212.0, kFileBytesOfSample = 296.0, kFileBytesOfPlace = 40.0;
@@ -185,6 +186,11 @@ bool is_slender(const Scene& scene) {
   return 2 * slender > scene.members.size();
 }
 
+double seconds_iterated(double junctions, bool slender) {
+  const double more = slender ? kTimesSlender * std::pow(junctions / kJunctionsOfThat, kGrowthOfSlender) : 1.0;
+  return junctions * kSecondsOfIteratedJunction * std::max(more, 1.0);
+}
+
 /// See junction_factor().
 double most_factor_entries(const std::string& method) {
   if (method == kIterative) return 0.0;
@@ -283,8 +289,7 @@ Needs needs_of(const Scene& scene, const SolverParameters& parameters) {
                         sizeof(double) * (7 * vertices + sums.state) + kFileBytesOfStep;
   needs.steps = least_steps(scene, parameters);
   needs.seconds = sums.seconds + junctions.operations * kSecondsOfOperation + junctions.entries * kSecondsOfFactorEntry;
-  if (iterates)
-    needs.seconds += junctions.junctions * kSecondsOfIteratedJunction * (is_slender(scene) ? kTimesSlender : 1.0);
+  if (iterates) needs.seconds += seconds_iterated(junctions.junctions, is_slender(scene));
   return needs;
 }
 

@@ -78,9 +78,8 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   EXPECT_GT(needs_of(scene, plain).memory, 1.5 * 2.0 * small);
 }
 
-/// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
 TEST(Needs, SlenderMembersThatAreIteratedWithTakeLonger) {
-  Scene scene = test::lattice(4);
+  Scene scene = test::lattice(12);
   SolverParameters iterative;
   iterative.linear.method = kIterative;
   const auto seconds = [&](double slenderness, const SolverParameters& parameters) {
@@ -92,6 +91,7 @@ TEST(Needs, SlenderMembersThatAreIteratedWithTakeLonger) {
   EXPECT_EQ(seconds(100.0, {}), seconds(20.0, {})) << "factors do not care";
 }
 
+/// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
 TEST(JunctionFactor, OfJunctionsThatAreAllConnected) {
   Scene scene;
   scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
