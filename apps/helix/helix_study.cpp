@@ -60,9 +60,8 @@ HelixErrors compare(const Simulation& simulation, const ExactHelix& exact) {
   const double length = exact.length();
   HelixErrors errors;
   for (const MeshElement& element : mesh.elements) {
-    const int vertex = element.vertex[1];
     const double s = length * (element.index + 1) / static_cast<double>(mesh.elements.size());
-    const VertexPlace place = place_of(simulation, vertex);
+    const VertexPlace place = place_of(simulation, element.vertex[1]);
     const Quaternion<double> triad = place.rotation * mesh.members[element.member].curve.triad(s);
     errors.tip_position = length_of(place.position - exact.position(s)) / length;
     errors.tip_rotation = angle_of(conjugate(exact.triad(s)) * triad);

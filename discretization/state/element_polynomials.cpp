@@ -43,7 +43,36 @@ InteriorLayout layout_of(const Member& member) {
   return {member.order, force_point_count(member.order, member.force_integration)};
 }
 
+constexpr int kMaximumPoints = kMaximumOrder + 1;
+
+/// Value at xi of the polynomial through `count` Gauss points; `values(q)` is the vector at point q.
+template <class Values>
+Vec interpolate_gauss(int count, double xi, const Values& values) {
+  double points[kMaximumPoints], weights[kMaximumPoints];
+  gauss_rule(count, points, weights);
+  Vec sum{{0.0, 0.0, 0.0}};
+  for (int q = 0; q < count; ++q) {
+    double lagrange = 1.0;
+    for (int p = 0; p < count; ++p)
+      if (p != q) lagrange *= (xi - points[p]) / (points[q] - points[p]);
+    sum += lagrange * values(q);
+  }
+  return sum;
+}
+
 }  // namespace
+
+Vec force_at(const ElementBlock& block, const double* interior, double xi) {
+  const int axial = axial_points(block.order, block.force_integration),
+            shear = shear_points(block.order, block.force_integration);
+  const int first_shear = axial == shear ? 0 : axial;
+  Vec force = interpolate_gauss(axial, xi, [&](int q) { return load_vector(interior + block.interior.force(q)); });
+  const Vec sideways = interpolate_gauss(
+      shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
+  force[1] = sideways[1];
+  force[2] = sideways[2];
+  return force;
+}
 
 Vec value_at(const Coefficients& coefficients, int degree, const double* P) {
   Vec sum{{0.0, 0.0, 0.0}};

@@ -74,4 +74,7 @@ ElementPolynomials polynomials_of(const Member& member, double length, const dou
 /// The inverse, but for the displacements of the vertices. What the order of the member has no room for is cut off.
 void store_polynomials(const Member& member, const ElementPolynomials& element, double* triad, double* interior);
 
+/// N at xi in [-1, 1] through its Gauss points, material. `interior`: of an element of the block.
+Vec force_at(const ElementBlock& block, const double* interior, double xi);
+
 }  // namespace mixbeam
