@@ -13,12 +13,11 @@ constexpr std::size_t kMostBytesCopied = std::size_t{8} << 20;
 
 void copy_attribute(hid_t source, const std::string& name, hid_t target) {
   const std::string action = "copy attribute " + name;
-  const Handle from(H5Aopen(source, name.c_str(), H5P_DEFAULT), H5Aclose, action);
-  const Handle type(H5Aget_type(from), H5Tclose, action), space(H5Aget_space(from), H5Sclose, action);
-  std::vector<char> bytes(H5Aget_storage_size(from) + H5Tget_size(type));
-  require(H5Aread(from, type, bytes.data()), action);
-  const Handle to(H5Acreate2(target, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, action);
-  require(H5Awrite(to, type, bytes.data()), action);
+  const StoredValues from = open_attribute(source, name, Stored::anything);
+  std::vector<char> bytes(from.bytes);
+  require(H5Aread(from.id, from.type, bytes.data()), action);
+  const Handle to(H5Acreate2(target, name.c_str(), from.type, from.space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, action);
+  require(H5Awrite(to, from.type, bytes.data()), action);
 }
 
 void copy_attributes(hid_t source, hid_t target) {
@@ -28,11 +27,8 @@ void copy_attributes(hid_t source, hid_t target) {
 /// The numbers of a dataset, as many rows at a time as fit.
 class RowCopy {
  public:
-  RowCopy(const std::string& action, hid_t from, hid_t to, hid_t type, hid_t space)
-      : action_(action), from_(from), to_(to), type_(type), space_(space) {
-    shape_.resize(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-    require(H5Sget_simple_extent_dims(space, shape_.data(), nullptr), action_);
-  }
+  RowCopy(const std::string& action, const StoredValues& from, hid_t to)
+      : action_(action), from_(from.id), to_(to), type_(from.type), space_(from.space), shape_(from.shape) {}
 
   void all() {
     hsize_t numbers_in_row = 1;
@@ -67,23 +63,27 @@ class RowCopy {
   std::vector<hsize_t> shape_;
 };
 
-void copy_dataset(hid_t source, const std::string& name, hid_t target) {
+void copy_dataset(Handle dataset, const std::string& name, hid_t target) {
   const std::string action = "copy " + name;
-  const Handle from(H5Dopen2(source, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle type(H5Dget_type(from), H5Tclose, action), space(H5Dget_space(from), H5Sclose, action),
-      creation(H5Dget_create_plist(from), H5Pclose, action);
-  const Handle to(H5Dcreate2(target, name.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, action);
-  RowCopy(action, from, to, type, space).all();
+  const StoredValues from = values_of(std::move(dataset), name, Stored::anything);
+  const Handle creation(H5Dget_create_plist(from.id), H5Pclose, action);
+  const Handle to(H5Dcreate2(target, name.c_str(), from.type, from.space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose,
+                  action);
+  RowCopy(action, from, to).all();
+  copy_attributes(from.id, to);
+}
+
+void copy_object(Handle from, const std::string& name, hid_t target) {
+  if (!is_group(from)) return copy_dataset(std::move(from), name, target);
+  const Handle to = create_group(target, name);
   copy_attributes(from, to);
+  for (const ObjectLink& child : links_of(from)) copy_object(open_object(from, child.name), child.name, to);
 }
 
 }  // namespace
 
 void copy_link(hid_t source, const std::string& name, hid_t target) {
-  if (!is_group(source, name)) return copy_dataset(source, name, target);
-  const Handle from = open_group(source, name), to = create_group(target, name);
-  copy_attributes(from, to);
-  for (const std::string& child : link_names(from)) copy_link(from, child, to);
+  copy_object(open_object(source, name), name, target);
 }
 
 }  // namespace mixbeam::hdf5

@@ -1,6 +1,7 @@
 #include "discretization/results/hdf5_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace mixbeam::hdf5 {
 namespace {
@@ -30,6 +31,10 @@ std::string system_message(const std::string& reason) {
 
 void check(herr_t status, const std::string& action) {
   if (status < 0) fail(action);
+}
+
+[[noreturn]] void refuse(const std::string& action, const std::string& reason) {
+  throw Error("cannot " + action + ": " + reason);
 }
 
 Handle text_type(const std::string& text) {
@@ -80,6 +85,84 @@ Handle create_extendible(hid_t group, const std::string& name, std::vector<hsize
   return {H5Dcreate2(group, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT), H5Dclose, action};
 }
 
+constexpr const char* kLeavesFile = "it is a link that may leave the file; results have none";
+
+/// One with a slash leads through links.
+void require_plain_name(const std::string& name, const std::string& action) {
+  if (name.empty() || name == "." || name.find('/') != std::string::npos)
+    refuse(action, "its name is not one that results have");
+}
+
+/// Links of other kinds lead out of the file.
+void require_hard_link(hid_t parent, const std::string& name, const std::string& action) {
+  require_plain_name(name, action);
+  H5L_info_t link{};
+  check(H5Lget_info(parent, name.c_str(), &link, H5P_DEFAULT), action);
+  if (link.type != H5L_TYPE_HARD) refuse(action, kLeavesFile);
+}
+
+/// Bytes of a value.
+std::size_t width_of(hid_t type, Stored declared, const std::string& action) {
+  Stored found = Stored::texts;
+  bool is_written = false;
+  switch (H5Tget_class(type)) {
+    case H5T_INTEGER:
+      found = Stored::integers;
+      is_written = H5Tequal(type, H5T_STD_I32LE) > 0;
+      break;
+    case H5T_FLOAT:
+      found = Stored::reals;
+      is_written = H5Tequal(type, H5T_IEEE_F64LE) > 0;
+      break;
+    case H5T_STRING:
+      is_written = H5Tis_variable_str(type) == 0;
+      break;
+    default:
+      break;
+  }
+  const std::size_t width = H5Tget_size(type);
+  const bool is_declared = (static_cast<unsigned>(found) & static_cast<unsigned>(declared)) != 0;
+  if (!is_written || !is_declared || H5Tcommitted(type) != 0 || width == 0)
+    refuse(action, "its type is not the one that it has in results");
+  return width;
+}
+
+/// In this very file, as they are: not in other files, nor to be decoded.
+void require_plain_storage(hid_t dataset, const std::string& action) {
+  if (H5Dget_offset(dataset) != HADDR_UNDEF) return;  // in one piece
+  const Handle creation(H5Dget_create_plist(dataset), H5Pclose, action);
+  const H5D_layout_t layout = H5Pget_layout(creation);
+  const bool lies_here = layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED || layout == H5D_COMPACT;
+  if (!lies_here || H5Pget_external_count(creation) != 0) refuse(action, "its values lie in another file");
+  if (H5Pget_nfilters(creation) != 0) refuse(action, "its storage is not the one that results have");
+}
+
+/// Nothing of a result is larger than its file.
+void measure(StoredValues& values, Stored declared, const std::string& action) {
+  constexpr hsize_t kSmall = 65536;  // whatever the file has
+  const H5S_class_t kind = H5Sget_simple_extent_type(values.space);
+  const int rank = H5Sget_simple_extent_ndims(values.space);
+  constexpr int kHighestRank = 2;
+  if ((kind != H5S_SCALAR && kind != H5S_SIMPLE) || rank < 0 || rank > kHighestRank)
+    refuse(action, "its shape is not one that results have");
+  values.shape.resize(static_cast<std::size_t>(rank));
+  if (rank > 0) check(H5Sget_simple_extent_dims(values.space, values.shape.data(), nullptr), action);
+  const std::size_t width = width_of(values.type, declared, action);
+  const auto fits = [&](hsize_t room) {
+    room /= width;
+    for (const hsize_t size : values.shape) room /= std::max<hsize_t>(1, size);
+    return room > 0;
+  };
+  hsize_t of_file = 0;
+  if (!fits(kSmall)) {
+    const Handle file(H5Iget_file_id(values.id), H5Fclose, action);
+    check(H5Fget_filesize(file, &of_file), action);
+  }
+  if (!fits(std::max(kSmall, of_file))) refuse(action, "it is larger than the file");
+  values.bytes = width;
+  for (const hsize_t size : values.shape) values.bytes *= size;
+}
+
 }  // namespace
 
 // Every use of the library begins here. Files are closed one by one, with checks; where one cannot be closed, for it is
@@ -110,7 +193,35 @@ Handle create_group(hid_t parent, const std::string& name) {
 }
 
 Handle open_group(hid_t parent, const std::string& name) {
-  return {H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose, "open group " + name};
+  const std::string action = "open group " + name;
+  require_hard_link(parent, name, action);
+  return {H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose, action};
+}
+
+StoredValues open_attribute(hid_t object, const std::string& name, Stored declared) {
+  const std::string action = "read attribute " + name;
+  Handle id(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, action);
+  Handle type(H5Aget_type(id), H5Tclose, action), space(H5Aget_space(id), H5Sclose, action);
+  StoredValues values{std::move(id), std::move(type), std::move(space)};
+  measure(values, declared, action);
+  if (!values.shape.empty()) refuse(action, "it is not one value");
+  return values;
+}
+
+StoredValues values_of(Handle dataset, const std::string& name, Stored declared) {
+  const std::string action = "read dataset " + name;
+  require_plain_storage(dataset, action);
+  Handle type(H5Dget_type(dataset), H5Tclose, action), space(H5Dget_space(dataset), H5Sclose, action);
+  StoredValues values{std::move(dataset), std::move(type), std::move(space)};
+  measure(values, declared, action);
+  if (values.bytes > H5Dget_storage_size(values.id)) refuse(action, "a part of it is not in the file");
+  return values;
+}
+
+StoredValues open_dataset(hid_t group, const std::string& name, Stored declared) {
+  const std::string action = "read dataset " + name;
+  require_hard_link(group, name, action);
+  return values_of({H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action}, name, declared);
 }
 
 void write_attribute(hid_t object, const std::string& name, double value) {
@@ -216,18 +327,22 @@ std::size_t count_links(hid_t group) {
   return info.nlinks;
 }
 
+std::vector<ObjectLink> links_of(hid_t group) {
+  std::vector<ObjectLink> links;
+  const auto keep = [](hid_t, const char* name, const H5L_info_t* link, void* found) -> herr_t {
+    static_cast<std::vector<ObjectLink>*>(found)->push_back({name, link->type == H5L_TYPE_HARD ? link->u.address : 0});
+    return link->type == H5L_TYPE_HARD ? 0 : 1;
+  };
+  const herr_t end = H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, keep, &links);
+  check(end, "read the names in a group");
+  if (end > 0) refuse("open " + links.back().name, kLeavesFile);
+  for (const ObjectLink& link : links) require_plain_name(link.name, "open " + link.name);
+  return links;
+}
+
 std::vector<std::string> link_names(hid_t group) {
-  std::vector<std::string> names(count_links(group));
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto name_of = [&](char* text, std::size_t size) {
-      return H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, text, size, H5P_DEFAULT);
-    };
-    const auto length = name_of(nullptr, 0);
-    if (length < 0) fail("read the names in a group");
-    names[i].resize(static_cast<std::size_t>(length) + 1);
-    name_of(names[i].data(), names[i].size());
-    names[i].resize(static_cast<std::size_t>(length));
-  }
+  std::vector<std::string> names;
+  for (ObjectLink& link : links_of(group)) names.push_back(std::move(link.name));
   return names;
 }
 
@@ -242,55 +357,72 @@ std::vector<std::string> attribute_names(hid_t object) {
 }
 
 double read_number(hid_t object, const std::string& attribute) {
-  const std::string action = "read attribute " + attribute;
-  const Handle id(H5Aopen(object, attribute.c_str(), H5P_DEFAULT), H5Aclose, action);
+  const StoredValues stored = open_attribute(object, attribute, Stored::numbers);
   double value = 0.0;
-  check(H5Aread(id, H5T_NATIVE_DOUBLE, &value), action);
+  check(H5Aread(stored.id, H5T_NATIVE_DOUBLE, &value), "read attribute " + attribute);
   return value;
 }
 
 std::string read_text_attribute(hid_t object, const std::string& attribute) {
-  const std::string action = "read attribute " + attribute;
-  const Handle id(H5Aopen(object, attribute.c_str(), H5P_DEFAULT), H5Aclose, action);
-  const Handle type(H5Aget_type(id), H5Tclose, action);
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Aread(id, type, text.data()), action);
+  const StoredValues stored = open_attribute(object, attribute, Stored::texts);
+  std::string text(stored.bytes, '\0');
+  check(H5Aread(stored.id, stored.type, text.data()), "read attribute " + attribute);
   return text.c_str();  // an empty text is stored as one zero
 }
 
-void read_attribute(hid_t object, const std::string& name, double& value) { value = read_number(object, name); }
-void read_attribute(hid_t object, const std::string& name, int& value) {
-  value = static_cast<int>(read_number(object, name));
+void read_attribute(hid_t object, const std::string& name, double& value) {
+  value = read_number(object, name);
+  if (!std::isfinite(value)) refuse("read attribute " + name, "it is not a finite number");
 }
-void read_attribute(hid_t object, const std::string& name, bool& value) { value = read_number(object, name) != 0.0; }
+
+void read_attribute(hid_t object, const std::string& name, int& value) {
+  constexpr int kMost = 1'000'000'000;  // of what is counted; whoever adds one to it remains among the integers
+  const StoredValues stored = open_attribute(object, name, Stored::integers);
+  check(H5Aread(stored.id, H5T_NATIVE_INT, &value), "read attribute " + name);
+  if (value < -kMost || value > kMost) refuse("read attribute " + name, "its value is beyond all counts");
+}
+
+void read_attribute(hid_t object, const std::string& name, bool& value) {
+  int number = 0;
+  read_attribute(object, name, number);
+  value = number != 0;
+}
+
 void read_attribute(hid_t object, const std::string& name, std::string& value) {
   value = read_text_attribute(object, name);
 }
 
 bool has_attribute(hid_t object, const std::string& name) {
-  const auto names = attribute_names(object);
-  return std::find(names.begin(), names.end(), name) != names.end();
+  const htri_t exists = H5Aexists(object, name.c_str());
+  if (exists < 0) fail("look for attribute " + name);
+  return exists > 0;
 }
+
+namespace {
+
+std::string bytes_of(const StoredValues& stored, const std::string& action) {
+  std::string bytes(stored.bytes, '\0');
+  check(H5Dread(stored.id, stored.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
+  return bytes;
+}
+
+}  // namespace
 
 std::string read_text(hid_t group, const std::string& name) {
   const std::string action = "read text " + name;
-  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle type(H5Dget_type(id), H5Tclose, action);
-  std::string text(H5Tget_size(type), '\0');
-  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), action);
+  const StoredValues stored = open_dataset(group, name, Stored::texts);
+  if (!stored.shape.empty()) refuse(action, "it is not one text");
+  std::string text = bytes_of(stored, action);
   while (!text.empty() && text.back() == '\0') text.pop_back();
   return text;
 }
 
 std::vector<std::string> read_texts(hid_t group, const std::string& name) {
   const std::string action = "read texts " + name;
-  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle type(H5Dget_type(id), H5Tclose, action), space(H5Dget_space(id), H5Sclose, action);
-  const auto count = H5Sget_simple_extent_npoints(space);
-  if (count < 0 || H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) fail(action);
-  const std::size_t width = H5Tget_size(type);
-  std::string rows(width * static_cast<std::size_t>(count), '\0');
-  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows.data()), action);
+  const StoredValues stored = open_dataset(group, name, Stored::texts);
+  if (stored.shape.size() != 1) refuse(action, "they are not a list");
+  const std::string rows = bytes_of(stored, action);
+  const std::size_t width = H5Tget_size(stored.type);
   std::vector<std::string> texts;
   for (std::size_t i = 0; i < rows.size(); i += width) {
     texts.push_back(rows.substr(i, width));
@@ -301,47 +433,50 @@ std::vector<std::string> read_texts(hid_t group, const std::string& name) {
 
 void read_attributes(hid_t object) {
   for (const std::string& name : attribute_names(object)) {
-    const std::string action = "read attribute " + name;
-    const Handle id(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, action);
-    const Handle type(H5Aget_type(id), H5Tclose, action);
-    std::vector<char> bytes(H5Aget_storage_size(id) + H5Tget_size(type));
-    check(H5Aread(id, type, bytes.data()), action);
+    const StoredValues stored = open_attribute(object, name, Stored::anything);
+    std::vector<char> bytes(stored.bytes);
+    check(H5Aread(stored.id, stored.type, bytes.data()), "read attribute " + name);
   }
 }
 
-void read_all(hid_t group, const std::string& dataset) {
-  const std::string action = "read dataset " + dataset;
-  const Handle id(H5Dopen2(group, dataset.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle type(H5Dget_type(id), H5Tclose, action), space(H5Dget_space(id), H5Sclose, action);
-  const auto points = H5Sget_simple_extent_npoints(space);
-  if (points < 0) fail(action);
-  std::vector<char> bytes(static_cast<std::size_t>(points) * H5Tget_size(type));
-  check(H5Dread(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()), action);
+Handle open_object(hid_t parent, const std::string& name) {
+  return {H5Oopen(parent, name.c_str(), H5P_DEFAULT), H5Oclose, "open " + name};
 }
 
-bool is_group(hid_t parent, const std::string& name) {
-  H5O_info_t info;
-  check(H5Oget_info_by_name2(parent, name.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT), "open " + name);
-  return info.type == H5O_TYPE_GROUP;
-}
+void read_all(const StoredValues& dataset, const std::string& name) { bytes_of(dataset, "read dataset " + name); }
 
-std::pair<std::uint64_t, std::uint64_t> data_place(hid_t group, const std::string& dataset) {
-  const Handle id(H5Dopen2(group, dataset.c_str(), H5P_DEFAULT), H5Dclose, "open dataset " + dataset);
-  const haddr_t offset = H5Dget_offset(id);
+bool is_group(hid_t object) { return H5Iget_type(object) == H5I_GROUP; }
+
+std::pair<std::uint64_t, std::uint64_t> data_place(const StoredValues& dataset) {
+  const haddr_t offset = H5Dget_offset(dataset.id);
   if (offset == HADDR_UNDEF) return {0, 0};
-  return {offset, H5Dget_storage_size(id)};
+  return {offset, dataset.bytes};
 }
 
-std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns) {
-  const std::string action = "read dataset " + name;
-  const Handle id(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle space(H5Dget_space(id), H5Sclose, action);
-  std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(1, H5Sget_simple_extent_ndims(space))), 0);
-  check(H5Sget_simple_extent_dims(space, shape.data(), nullptr), action);
-  if (columns != nullptr) *columns = shape.size() > 1 ? static_cast<std::size_t>(shape[1]) : 1;
-  std::vector<double> values(static_cast<std::size_t>(H5Sget_simple_extent_npoints(space)));
-  check(H5Dread(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), action);
+namespace {
+
+std::vector<double> numbers_of(const StoredValues& stored, const std::string& name) {
+  std::vector<double> values(stored.bytes / H5Tget_size(stored.type));
+  check(H5Dread(stored.id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read dataset " + name);
   return values;
+}
+
+}  // namespace
+
+std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t columns, Stored declared) {
+  const StoredValues stored = open_dataset(group, name, declared);
+  const bool is_column = stored.shape.size() == 1 && columns == 1;
+  if (!is_column && (stored.shape.size() != 2 || stored.shape[1] != columns))
+    refuse("read dataset " + name, "its shape is not the one that it has in results");
+  return numbers_of(stored, name);
+}
+
+std::vector<double> read_series(hid_t group, const std::string& name, std::size_t& columns) {
+  const StoredValues stored = open_dataset(group, name, Stored::reals);
+  if (stored.shape.empty()) refuse("read dataset " + name, "it is not a table");
+  columns = stored.shape.size() > 1 ? static_cast<std::size_t>(stored.shape[1]) : 1;
+  if (columns == 0) refuse("read dataset " + name, "its rows are empty");
+  return numbers_of(stored, name);
 }
 
 }  // namespace mixbeam::hdf5

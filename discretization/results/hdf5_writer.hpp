@@ -86,6 +86,24 @@ class File {
   Handle handle_;
 };
 
+/// How the values of an attribute or a dataset may be stored: each by the types that this program writes.
+enum class Stored : unsigned { integers = 1, reals = 2, numbers = 3, texts = 4, anything = 7 };
+
+/// What is open to be read.
+struct StoredValues {
+  Handle id, type, space;
+  std::vector<hsize_t> shape{};  ///< empty: one value
+  std::size_t bytes = 0;         ///< of all values: no more than the file has
+};
+
+/// All that is read of a result file is opened by these two and open_group(). They throw Error for whatever this
+/// program does not write, before a byte of it is read: links but hard ones, values in other files, filters, types and
+/// shapes of other kinds.
+StoredValues open_attribute(hid_t object, const std::string& name, Stored declared);
+StoredValues open_dataset(hid_t group, const std::string& name, Stored declared);
+/// Of one that is open.
+StoredValues values_of(Handle dataset, const std::string& name, Stored declared);
+
 /// Throws Error where a call has failed: "cannot <action>: " and the library's reason.
 void require(herr_t status, const std::string& action);
 
@@ -115,12 +133,18 @@ std::size_t count_links(hid_t group);
 /// Throws Error where that cannot be determined.
 bool has_link(hid_t group, const std::string& name);
 
-/// Names below a group, ascending.
+/// What a group holds, by name, ascending. Throws Error for links but hard ones.
+struct ObjectLink {
+  std::string name{};
+  std::uint64_t address = 0;  ///< of the object in the file: tells objects apart
+};
+std::vector<ObjectLink> links_of(hid_t group);
 std::vector<std::string> link_names(hid_t group);
 std::vector<std::string> attribute_names(hid_t object);
 bool has_attribute(hid_t object, const std::string& name);
 double read_number(hid_t object, const std::string& attribute);
 std::string read_text_attribute(hid_t object, const std::string& attribute);
+/// Throws Error also for numbers that are not finite, or no counts.
 void read_attribute(hid_t object, const std::string& name, double& value);
 void read_attribute(hid_t object, const std::string& name, int& value);
 void read_attribute(hid_t object, const std::string& name, bool& value);
@@ -129,12 +153,17 @@ std::string read_text(hid_t group, const std::string& name);
 std::vector<std::string> read_texts(hid_t group, const std::string& name);
 /// Reads and forgets, to find out whether that can be done.
 void read_attributes(hid_t object);
-void read_all(hid_t group, const std::string& dataset);
-bool is_group(hid_t parent, const std::string& name);
+void read_all(const StoredValues& dataset, const std::string& name);
+/// Of one of links_of(parent): a group, a dataset or what is neither.
+Handle open_object(hid_t parent, const std::string& name);
+bool is_group(hid_t object);
 /// Where the numbers of a dataset lie in the file, and how many bytes they are; zeros unless they lie in one piece.
-std::pair<std::uint64_t, std::uint64_t> data_place(hid_t group, const std::string& dataset);
-/// Row by row; `columns`, when asked for, is the length of a row (1 for one dimension).
-std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t* columns = nullptr);
+std::pair<std::uint64_t, std::uint64_t> data_place(const StoredValues& dataset);
+/// Row by row, of so many columns; one column is a dataset of one dimension.
+std::vector<double> read_dataset(hid_t group, const std::string& name, std::size_t columns,
+                                 Stored declared = Stored::reals);
+/// Row by row; `columns` becomes the length of a row.
+std::vector<double> read_series(hid_t group, const std::string& name, std::size_t& columns);
 
 /// Lengthens the dataset `name` of so many columns by `rows`; creates it when it is missing.
 void append_rows(hid_t group, const std::string& name, const std::vector<double>& rows, std::size_t columns);

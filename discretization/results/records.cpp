@@ -144,8 +144,9 @@ namespace {
 
 /// Of files that have a group for each member.
 std::vector<SampledMember> read_member_groups(hid_t group) {
-  std::vector<SampledMember> members(hdf5::count_links(group));
-  for (const std::string& name : hdf5::link_names(group)) {
+  const std::vector<std::string> names = hdf5::link_names(group);
+  std::vector<SampledMember> members(names.size());
+  for (const std::string& name : names) {
     const auto member = hdf5::open_group(group, name);
     int index = 0, samples = 0;
     hdf5::read_attribute(member, "index", index);
@@ -164,12 +165,12 @@ std::vector<SampledMember> read_member_groups(hid_t group) {
 std::vector<SampledMember> read_members(hid_t file) {
   const auto group = hdf5::open_group(file, "members");
   const std::vector<std::string> links = hdf5::link_names(group);
-  const bool has_tables =
-      std::find(links.begin(), links.end(), "names") != links.end() && !hdf5::is_group(group, "names");
+  const bool has_tables = std::find(links.begin(), links.end(), "names") != links.end() &&
+                          !hdf5::is_group(hdf5::open_object(group, "names"));
   if (!has_tables) return read_member_groups(group);
   const std::vector<std::string> names = hdf5::read_texts(group, "names");
-  const std::vector<double> samples = hdf5::read_dataset(group, "samples"), orders = hdf5::read_dataset(group, "order"),
-                            elements = hdf5::read_dataset(group, "elements");
+  const auto counts = [&](const char* name) { return hdf5::read_dataset(group, name, 1, hdf5::Stored::integers); };
+  const std::vector<double> samples = counts("samples"), orders = counts("order"), elements = counts("elements");
   if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size() ||
       std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
     throw hdf5::Error("cannot read the members: their numbers are inconsistent");
@@ -196,7 +197,7 @@ std::vector<MonitoredSeries> read_monitor(hid_t file) {
   for (const std::string& name : hdf5::link_names(group)) {
     MonitoredSeries series;
     series.name = name;
-    series.values = hdf5::read_dataset(group, name, &series.columns);
+    series.values = hdf5::read_series(group, name, series.columns);
     all.push_back(series);
   }
   return all;

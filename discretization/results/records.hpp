@@ -38,7 +38,8 @@ void write_acting(hid_t file, const Acting& acting);
 void write_step(hid_t file, const StepRecord& record);
 /// Names of the groups of all steps, in their order.
 std::vector<std::string> step_groups(hid_t file);
-PathPoint read_point(hid_t step);
+/// Of the group of that name.
+PathPoint read_point(hid_t step, const std::string& name);
 RecordedStability read_stability(hid_t step);
 std::optional<RecordedJump> read_jump(hid_t step);
 /// Of a step or a critical point.

@@ -69,7 +69,7 @@ std::uint64_t bytes_of(const std::vector<ResultTable>& tables) {
 
 /// Of a step in a file that is gone on with.
 std::vector<std::string> stored_stresses(hid_t file, int step) {
-  const hdf5::Handle group = hdf5::open_group(file, "steps/" + step_group_name(step));
+  const hdf5::Handle group = hdf5::open_group(hdf5::open_group(file, "steps"), step_group_name(step));
   std::vector<std::string> names(kStressNames.begin(), kStressNames.end());
   const auto is_missing = [&](const std::string& name) { return !hdf5::has_link(group, name); };
   names.erase(std::remove_if(names.begin(), names.end(), is_missing), names.end());

@@ -162,7 +162,7 @@ RecordedCriticalPoint read_critical_point(hid_t group) {
   RecordedCriticalPoint point;
   visit_fields(point, kCriticalPointFields, Reading{group});
   if (hdf5::has_attribute(group, "load_factor_error"))
-    hdf5::read_attribute(group, "load_factor_error", point.load_factor_error);
+    point.load_factor_error = hdf5::read_number(group, "load_factor_error");
   point.state = whole(read_state(group));
   return point;
 }
@@ -195,14 +195,15 @@ std::vector<std::string> step_groups(hid_t file) {
   return groups;
 }
 
-PathPoint read_point(hid_t step) {
+PathPoint read_point(hid_t step, const std::string& name) {
   const auto state = hdf5::open_group(step, "state");
   PathPoint point;
   hdf5::read_attribute(step, "step", point.step);
+  if (step_group_name(point.step) != name) throw hdf5::Error("cannot read step " + name + ": it has another number");
   hdf5::read_attribute(step, "load_factor", point.load_factor);
   visit_fields(point, kPointFields, Reading{state});
   // What files of versions that followed no path by its length do not tell keeps its default.
-  point.stage = std::max(1, static_cast<int>(std::ceil(point.load_factor * (1.0 - kSameLoadFactor))));
+  point.stage = static_cast<int>(std::clamp(std::ceil(point.load_factor * (1.0 - kSameLoadFactor)), 1.0, 1e9));
   if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
   if (hdf5::has_attribute(state, kJumps)) hdf5::read_attribute(state, kJumps, point.jumps);
   return point;
@@ -228,8 +229,14 @@ RecordedStability read_stability(hid_t step) {
 
 StateSnapshot read_state(hid_t group) {
   const auto state = hdf5::open_group(group, "state");
-  StateSnapshot snapshot{hdf5::read_dataset(state, "vertex_displacement"), hdf5::read_dataset(state, "vertex_rotation"),
-                         hdf5::read_dataset(state, "element_triad"), hdf5::read_dataset(state, "interior"), false};
+  const auto numbers = [&](const char* name, std::size_t columns) {
+    std::vector<double> values = hdf5::read_dataset(state, name, columns);
+    if (!std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
+      throw hdf5::Error("cannot read state/" + std::string(name) + ": it has numbers that are not finite");
+    return values;
+  };
+  StateSnapshot snapshot{numbers("vertex_displacement", 3), numbers("vertex_rotation", 4), numbers("element_triad", 4),
+                         numbers("interior", 1), false};
   if (hdf5::has_attribute(state, "in_plane")) hdf5::read_attribute(state, "in_plane", snapshot.in_plane);
   return snapshot;
 }
@@ -239,7 +246,7 @@ std::vector<RecordedCriticalPoint> read_critical_points(hid_t step) {
   const auto names = hdf5::link_names(step);
   if (std::find(names.begin(), names.end(), "critical_points") == names.end()) return points;
   const auto group = hdf5::open_group(step, "critical_points");
-  const std::size_t count = hdf5::count_links(group);
+  const std::size_t count = hdf5::link_names(group).size();
   for (std::size_t i = 0; i < count; ++i)
     points.push_back(read_critical_point(hdf5::open_group(group, std::to_string(i))));
   return points;

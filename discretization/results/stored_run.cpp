@@ -38,6 +38,14 @@ auto reading(const fs::path& path, const Read& read) {
   }
 }
 
+/// Of every run that has come as far as to a step.
+void require_own_series(const fs::path& path, const std::vector<MonitoredSeries>& monitor) {
+  for (const std::string& name : kOwnTimeSeries)
+    if (std::none_of(monitor.begin(), monitor.end(),
+                     [&](const MonitoredSeries& series) { return series.name == name && series.columns == 1; }))
+      throw InputError(path.string() + ": the time series " + name + " is missing");
+}
+
 }  // namespace
 
 StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
@@ -50,7 +58,7 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
       if (last_step && std::atoi(name.c_str()) > *last_step) break;
       const auto step = hdf5::open_group(steps, name);
       groups_.push_back(name);
-      steps_.push_back(read_point(step));
+      steps_.push_back(read_point(step, name));
       stability_.push_back(read_stability(step));
     }
     try {
@@ -67,6 +75,7 @@ StoredRun::StoredRun(const fs::path& path, std::optional<int> last_step)
                      (steps_.empty() ? "none below it is there"
                                      : std::to_string(steps_.front().step) + ", ..., " +
                                            std::to_string(steps_.back().step) + " and later ones"));
+  if (!steps_.empty()) require_own_series(path, monitor_);
   for (MonitoredSeries& series : monitor_) {
     if (series.values.size() < steps_.size() * series.columns)
       throw InputError(path.string() + ": the time series " + series.name + " is too short");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <set>
 
 #include <unistd.h>
 
@@ -36,24 +37,27 @@ std::vector<Damage> damages(const SealedFile& file) {
   return found;
 }
 
-/// Looks at every object of a file.
+/// Looks at every object of a file, once.
 class Walk {
  public:
-  explicit Walk(const std::vector<Damage>& damages) : damages_(damages) {}
+  /// `is_sealed`: numbers that lie in one piece are known to be those that were written, and are not read again.
+  Walk(const std::vector<Damage>& damages, bool is_sealed) : damages_(damages), is_sealed_(is_sealed) {}
 
-  void visit_group(hid_t parent, const std::string& name, const std::string& path) {
-    try {
-      const auto group = hdf5::open_group(parent, name);
+  void visit_all(hid_t group, const std::string& path = "") {
+    attempt(path.empty() ? "/" : path, [&] {
       hdf5::read_attributes(group);
-      for (const std::string& child : hdf5::link_names(group)) {
-        const std::string below = path + "/" + child;
-        if (hdf5::is_group(group, child))
-          visit_group(group, child, below);
-        else
-          visit_dataset(group, child, below);
-      }
+      for (const hdf5::ObjectLink& child : hdf5::links_of(group))
+        attempt(path + "/" + child.name, [&] { visit(group, child, path + "/" + child.name); });
+    });
+  }
+  /// Notes what goes wrong with an object.
+  template <class Action>
+  void attempt(const std::string& path, const Action& action) {
+    try {
+      action();
     } catch (const hdf5::Error& error) {
-      note(path.empty() ? "/" : path, error);
+      damaged_.push_back(path);
+      if (reason_.empty()) reason_ = error.what();
     }
   }
 
@@ -61,29 +65,44 @@ class Walk {
   const std::string& first_reason() const { return reason_; }
 
  private:
-  void visit_dataset(hid_t group, const std::string& name, const std::string& path) {
-    try {
-      const auto [first, bytes] = hdf5::data_place(group, name);
-      if (first == 0 || damages_.empty()) {
-        hdf5::read_all(group, name);
-        return;
-      }
-      for (const Damage& damage : damages_)
-        if (damage.first < first + bytes && first < damage.end)
-          throw hdf5::Error(text_of_damage(damage.first, damage.end));
-    } catch (const hdf5::Error& error) {
-      note(path, error);
-    }
-  }
-  void note(const std::string& path, const hdf5::Error& error) {
-    damaged_.push_back(path);
-    if (reason_.empty()) reason_ = error.what();
+  void visit(hid_t parent, const hdf5::ObjectLink& link, const std::string& path) {
+    if (!visited_.insert(link.address).second) throw hdf5::Error("it is in another place of the file too");
+    hdf5::Handle object = hdf5::open_object(parent, link.name);
+    if (hdf5::is_group(object)) return visit_all(object, path);
+    const hdf5::StoredValues dataset = hdf5::values_of(std::move(object), link.name, hdf5::Stored::anything);
+    const auto [first, bytes] = hdf5::data_place(dataset);
+    if (first == 0 || !is_sealed_) return hdf5::read_all(dataset, link.name);
+    for (const Damage& damage : damages_)
+      if (damage.first < first + bytes && first < damage.end)
+        throw hdf5::Error(text_of_damage(damage.first, damage.end));
   }
 
   const std::vector<Damage>& damages_;
+  bool is_sealed_;
+  std::set<std::uint64_t> visited_;
   std::vector<std::string> damaged_;
   std::string reason_;
 };
+
+/// Reads what resuming reads: bytes may be those that were written, and yet make no run.
+void read_run(hid_t file, const std::vector<std::string>& groups, Walk& walk) {
+  walk.attempt("/", [&] { read_header(file); });
+  walk.attempt("/members", [&] {
+    if (!groups.empty()) read_members(file);
+  });
+  walk.attempt("/monitor", [&] { read_monitor(file); });
+  const auto steps = hdf5::open_group(file, "steps");
+  for (const std::string& name : groups)
+    walk.attempt("/steps/" + name, [&] {
+      const auto step = hdf5::open_group(steps, name);
+      if (!hdf5::has_link(step, "state")) return;  // of a study, which is not resumed
+      read_point(step, name);
+      read_stability(step);
+      read_jump(step);
+      read_state(step);
+      read_critical_points(step);
+    });
+}
 
 bool begins_with(const std::string& text, const std::string& begin) { return text.rfind(begin, 0) == 0; }
 
@@ -138,14 +157,15 @@ void rehearse_copy(hid_t source) {
 
 /// What the library can tell of a file whose bytes have been checked.
 void look_inside(SealedFile& file, const fs::path& path, const std::vector<Damage>& found, FileReport& report) {
-  Walk walk(found);
+  Walk walk(found, file.is_sealed());
   std::vector<std::string> groups;
   try {
     const hdf5::File results(file.content(), hdf5::FileUse::read);
     const bool is_table = file.is_sealed() && !holds_run(results);
     if (!is_table) require_known_format(results, path.string(), file.is_sealed());
-    if (!found.empty() || !file.is_sealed()) walk.visit_group(results, "/", "");
+    walk.visit_all(results);
     if (!is_table) groups = step_groups(results);
+    if (!is_table && walk.damaged().empty()) read_run(results, groups, walk);
     if (!file.is_sealed() && walk.damaged().empty()) rehearse_copy(results);
   } catch (const hdf5::Error& error) {
     const std::string structure = "the structure of the file";
