@@ -14,6 +14,7 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -257,6 +258,7 @@ int batch_command(const Arguments& arguments) {
     const SharedResultLock lock = lock_or_warn(app, app.output / (name + ".h5"));
     watch_for_interrupts();
     BatchRun run(app, chosen_case(app.scene, line.load_case));
+    for (const char* ending : {".h5", ".csv"}) require_no_input((app.output / (name + ending)).string());
     try {
       const LastResort rows([&] { run.write_so_far(app.output / name); });
       run.solve();

@@ -100,11 +100,14 @@ std::vector<FollowedQuantity> quantities_of(const Application& app, const std::f
     throw InputError(name + " is of another scene");
   if (app.solver.analysis.control || run.steps().empty() || run.steps().back().load_factor != app.scene.stages)
     throw InputError("the run in " + name + " has not come to its end");
-  const std::size_t last = run.steps().size() - 1;
-  for (const MonitoredSeries& series : run.monitor())
-    for (std::size_t i = 0; i < series.columns && series.name == kQuantitySeries; ++i)
+  const std::size_t last = run.steps().size() - 1, columns = app.quantities.columns().size();
+  for (const MonitoredSeries& series : run.monitor()) {
+    if (series.name != kQuantitySeries) continue;
+    if (series.columns != columns) throw InputError("the quantities in " + name + " are not those of its scene");
+    for (std::size_t i = 0; i < columns; ++i)
       if (const QuantitySet::Column& column = app.quantities.columns()[i]; column.is_value)
-        found.push_back({file.stem().string(), column.name, series.values[last * series.columns + i]});
+        found.push_back({file.stem().string(), column.name, series.values[last * columns + i]});
+  }
   return found;
 }
 

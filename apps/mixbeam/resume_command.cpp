@@ -25,6 +25,9 @@ void set_up(Application& app, const CommandLine& line, const StoredRun& run) {
   xml.source.set_root_name(run.header().scene_name);  // which may be that of the scene's file
   xml.source.set_files(run.header().imported);        // the tables as they were, even if they are gone or changed
   read_scene_file(app, std::move(xml), mixbeam_definition(), mixbeam_root_spec());
+  if (line.summary && file_number(*line.summary) == file_number(run.path()))
+    throw InputError("the summary " + *line.summary + " is the result file " + run.path().string() +
+                     "; allowed: another name");
   describe_run(app, "mixbeam", line.threads);
   app.output = run.path().has_parent_path() ? run.path().parent_path() : std::filesystem::path(".");
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });

@@ -8,6 +8,7 @@
 #include "apps/mixbeam/scene_run.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/errors.hpp"
+#include "discretization/text/text_file.hpp"
 #include "kernels/execution/execution_space.hpp"
 
 #include <algorithm>
@@ -101,6 +102,8 @@ int run_command(const Arguments& arguments) {
     for (const std::string& load_case : cases) locks.push_back(lock_or_warn(app, file_of(app, line, load_case)));
     const std::filesystem::path of_all = file_of(app, line, "");
     if (cases.size() > 1 && !app.quantities.empty()) locks.push_back(lock_or_warn(app, of_all));
+    const std::string envelope = (of_all.parent_path() / of_all.stem()).string() + "-envelope.csv";
+    if (cases.size() > 1 && !app.quantities.empty()) require_no_input(envelope);
     watch_for_interrupts();
     return finish_runs(app, line, [&] {
       RunEnd end = RunEnd::arrived;

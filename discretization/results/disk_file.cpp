@@ -1,5 +1,7 @@
 #include "discretization/results/disk_file.hpp"
 
+#include "discretization/text/text_file.hpp"
+
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -29,14 +31,18 @@ bool may_write_neighbours(int descriptor) {
 
 int opened(const std::filesystem::path& path, DiskAccess access, bool shared) {
   constexpr mode_t kAsTheUserWants = 0666;  // less the user's mask
-  int mode = (access == DiskAccess::read ? O_RDONLY : O_RDWR) | O_CLOEXEC;
-  if (access == DiskAccess::create) mode |= O_CREAT | O_TRUNC;
+  int mode = (access == DiskAccess::read ? O_RDONLY : O_RDWR | O_NOFOLLOW) | O_CLOEXEC;
+  if (access == DiskAccess::create) {
+    mode |= O_CREAT | O_EXCL;
+    require_no_input(path.string());
+    ::unlink(path.c_str());  // of a run that was killed, or a link that somebody has put there
+  }
   const std::string action = access == DiskAccess::create ? "create the file" : "open the file";
   const int descriptor = ::open(path.c_str(), mode, kAsTheUserWants);
   if (descriptor < 0) fail_on_disk(action);
   if (access == DiskAccess::read || !shared || !may_write_neighbours(descriptor)) return descriptor;
   ::close(descriptor);
-  const int synchronous = ::open(path.c_str(), (mode & ~O_TRUNC) | O_DSYNC, kAsTheUserWants);
+  const int synchronous = ::open(path.c_str(), (mode & ~(O_CREAT | O_EXCL)) | O_DSYNC, kAsTheUserWants);
   if (synchronous < 0) fail_on_disk(action);
   return synchronous;
 }
@@ -136,6 +142,11 @@ void sync_folder_of(const std::filesystem::path& path) {
   if (error != 0 && !is_unknown_to_the_system(error)) fail_on_disk("write the folder", error);
 }
 
+Replacement::Replacement(std::filesystem::path path) : path_(std::move(path)), hidden_(hidden(path_, "new")) {
+  require_no_input(path_.string());
+  require_no_input(hidden_.string());
+}
+
 Replacement::~Replacement() {
   std::error_code ignored;
   if (!published_) std::filesystem::remove(hidden_, ignored);
@@ -180,9 +191,13 @@ void replace_file(const std::filesystem::path& path, const std::string& text, bo
 
 TextFile::TextFile(const std::filesystem::path& path, Appears when)
     : path_(path),
-      replacement_(when == Appears::when_closed ? std::make_unique<Replacement>(path) : nullptr),
-      file_(naming(path,
-                   [&] { return DiskFile(replacement_ ? replacement_->hidden_path() : path, DiskAccess::create); })) {}
+      replacement_(std::make_unique<Replacement>(path)),
+      file_(naming(path, [&] { return DiskFile(replacement_->hidden_path(), DiskAccess::create); })) {
+  if (when == Appears::when_closed) return;
+  const bool durable = false;
+  naming(path, [&] { replacement_->publish(durable); });
+  replacement_.reset();
+}
 
 void TextFile::append(const std::string& text) {
   naming(path_, [&] {

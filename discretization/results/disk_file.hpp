@@ -39,7 +39,8 @@ FileNumber file_number(const std::filesystem::path& path);
 
 enum class DiskAccess { read, write, create };
 
-/// An open file. `create` empties one that is there. Throws DiskError.
+/// An open file. `create` makes a new one in the place of one that is there; nothing is written through a link. Throws
+/// DiskError, and InputError where the new one would replace an input of this process.
 class DiskFile {
  public:
   /// `shared`: other ranks, perhaps on other machines, write to other bytes of it at the same time.
@@ -72,7 +73,8 @@ void sync_folder_of(const std::filesystem::path& path);
 /// it, and a file that bears the name already stays.
 class Replacement {
  public:
-  explicit Replacement(std::filesystem::path path) : path_(std::move(path)), hidden_(hidden(path_, "new")) {}
+  /// Throws InputError where it would replace an input of this process.
+  explicit Replacement(std::filesystem::path path);
   ~Replacement();
   Replacement(const Replacement&) = delete;
   Replacement& operator=(const Replacement&) = delete;
@@ -80,8 +82,8 @@ class Replacement {
   const std::filesystem::path& path() const { return path_; }
   /// Where to write.
   const std::filesystem::path& hidden_path() const { return hidden_; }
-  /// Gives the file, which must be closed, its name. `durable`: first waits until it is on the disk, and then until its
-  /// name is. Throws DiskError.
+  /// Gives the file, which must be complete or grow under its name, that name. `durable`: first waits until it is on
+  /// the disk, and then until its name is. Throws DiskError.
   void publish(bool durable);
 
  private:

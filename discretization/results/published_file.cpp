@@ -201,7 +201,7 @@ void PublishedFile::give_name() {
   std::error_code error;
   fs::remove(new_name_, error);
   fs::create_hard_link(next().path, new_name_, error);
-  if (error) fs::copy_file(next().path, new_name_, fs::copy_options::overwrite_existing, error);
+  if (error) fs::copy_file(next().path, new_name_, error);
   if (!error) fs::rename(new_name_, path_, error);
   if (error) throw DiskError("cannot be renamed to its final name: " + error.message());
   if (is_synced_) sync_folder_of(path_);

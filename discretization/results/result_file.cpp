@@ -2,6 +2,7 @@
 
 #include "discretization/results/records.hpp"
 #include "discretization/text/result_names.hpp"
+#include "discretization/text/text_file.hpp"
 
 #include <algorithm>
 #include <map>
@@ -141,6 +142,8 @@ void ResultFile::take_place() {
     check_place(path_);
     if (xdmf_path_ == path_) throw ResultFileError(ranks_.prefix() + "its name must not end in .xdmf");
     if (!lock_) lock_ = std::make_shared<const ResultLock>(path_);
+    for (const auto& name : {path_, xdmf_path_, hidden(path_, "a"), hidden(path_, "b"), hidden(path_, "new")})
+      require_no_input(name.string());
     file_.remove_copies();
   });
 }

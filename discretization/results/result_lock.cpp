@@ -30,13 +30,26 @@ bool is_still_there(int descriptor, const std::filesystem::path& path) {
          mine.st_dev == there.st_dev;
 }
 
+constexpr const char* kHolder = "process ";
+
 /// "process 123 on host". It is for messages only: that it cannot be written changes nothing.
 void write_holder(int descriptor) {
   std::array<char, 256> host{};
   if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
-  const std::string text = "process " + std::to_string(::getpid()) + " on " + host.data();
+  const std::string text = kHolder + std::to_string(::getpid()) + " on " + host.data();
   if (::ftruncate(descriptor, 0) == 0) [[maybe_unused]]
     const auto written = ::pwrite(descriptor, text.data(), text.size(), 0);
+}
+
+/// Of whatever else bears the name, perhaps by a second one, nothing is changed. Empty: there is nothing against it.
+std::string problem_with(int descriptor) {
+  struct stat facts {};
+  if (::fstat(descriptor, &facts) != 0) return std::strerror(errno);
+  if (!S_ISREG(facts.st_mode) || facts.st_nlink > 1) return "it is no file, or one with several names";
+  std::array<char, 9> begin{};
+  const bool is_lock =
+      ::pread(descriptor, begin.data(), begin.size() - 1, 0) <= 0 || begin.data() == std::string(kHolder);
+  return is_lock ? "" : "it is a file of another kind";
 }
 
 /// The holder says who it is a moment after it has taken the lock.
@@ -55,8 +68,12 @@ ResultLock::ResultLock(const std::filesystem::path& file) : path_(hidden(file, "
   const std::string prefix = "result file " + file.string() + ": ";
   constexpr mode_t kAsTheUserWants = 0666;  // less the user's mask
   for (;;) {
-    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, kAsTheUserWants);
+    descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, kAsTheUserWants);
     if (descriptor_ < 0) throw ResultFileError(prefix + "cannot create the file: " + std::strerror(errno));
+    if (const std::string problem = problem_with(descriptor_); !problem.empty()) {
+      ::close(std::exchange(descriptor_, -1));
+      throw ResultFileError(prefix + "cannot be locked by " + path_.string() + ": " + problem);
+    }
     const bool locked = ::flock(descriptor_, LOCK_EX | LOCK_NB) == 0;
     if (locked && is_still_there(descriptor_, path_)) break;
     const int error = locked ? EINTR : errno;

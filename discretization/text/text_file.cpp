@@ -7,11 +7,40 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <sys/stat.h>
 
 namespace mixbeam {
 namespace {
 
 constexpr std::size_t kMaximumBytes = std::size_t{256} << 20U;
+
+using FileKey = std::pair<dev_t, ino_t>;
+
+/// Zeros where there is no such file.
+FileKey key_of(const std::string& path) {
+  struct stat facts {};
+  return ::stat(path.c_str(), &facts) == 0 ? FileKey{facts.st_dev, facts.st_ino} : FileKey{};
+}
+
+/// Files that were read. A host of the library may read any number, on several threads.
+struct Inputs {
+  std::mutex mutex;
+  std::map<FileKey, std::string> names;  ///< complete: the folder may change
+};
+Inputs& inputs() {
+  static Inputs all;
+  return all;
+}
+
+void remember_input(const std::string& path) {
+  const std::string name = std::filesystem::absolute(path).lexically_normal().string();
+  const std::lock_guard<std::mutex> lock(inputs().mutex);
+  inputs().names[key_of(path)] = name;
+}
 
 }  // namespace
 
@@ -20,6 +49,9 @@ std::string text_of_file(const std::string& path, const std::string& kind) {
   const auto status = std::filesystem::status(path, unreadable);
   if (!std::filesystem::exists(status)) throw InputError(path + ": no such file");
   if (std::filesystem::is_directory(status)) throw InputError(path + ": is a directory; allowed: " + kind);
+  if (!std::filesystem::is_regular_file(status))
+    throw InputError(path + ": is a pipe or a device, not a file; allowed: " + kind);
+  remember_input(path);
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw InputError(path + ": cannot be opened: " + std::strerror(errno));
@@ -32,6 +64,20 @@ std::string text_of_file(const std::string& path, const std::string& kind) {
   // A stream keeps quiet about a disk that fails in the middle: the rest would be missing without a word.
   if (stream.bad()) throw InputError(path + ": cannot be read: " + std::strerror(errno));
   return text;
+}
+
+void require_no_input(const std::string& output) {
+  std::error_code unreadable;
+  const auto status = std::filesystem::status(output, unreadable);
+  if (!std::filesystem::exists(status)) return;
+  if (!std::filesystem::is_regular_file(status))
+    throw InputError(output + ": cannot be written: a folder, a pipe or a device has this name");
+  const FileKey key = key_of(output);
+  const std::lock_guard<std::mutex> lock(inputs().mutex);
+  const auto found = inputs().names.find(key);
+  if (found != inputs().names.end() && key_of(found->second) == key)  // else it is gone, and its number another file's
+    throw InputError(output + ": cannot be written: it is the input " + found->second +
+                     "; allowed: another name or folder of results");
 }
 
 }  // namespace mixbeam

@@ -59,7 +59,8 @@ void MonitorTable::write(const Row& row, const std::string& stable) {
 }
 
 CsvCell MonitorTable::quantity_cell(std::size_t column, double value) const {
-  const bool is_member = quantities_.is_member[column] && value >= 0.0;
+  const auto members = static_cast<double>(quantities_.members.size());
+  const bool is_member = quantities_.is_member[column] && value >= 0.0 && value < members;
   return is_member ? CsvCell(quantities_.members.at(static_cast<std::size_t>(value))) : CsvCell(value);
 }
 

@@ -6,6 +6,7 @@
 #include "apps/common/run/room_check.hpp"
 #include "apps/common/session/progress.hpp"
 #include "discretization/text/result_names.hpp"
+#include "discretization/text/text_file.hpp"
 
 namespace mixbeam {
 
@@ -26,6 +27,17 @@ PathControl control_of(const Recording& recording) {
   if (recording.resume != nullptr && !recording.resume->steps().empty())
     control.resume = recording.resume->steps().back();
   return control;
+}
+
+/// The names stand in the header of the file, the numbers elsewhere.
+void require_series_of(const QuantitySet* quantities, const StoredRun& run) {
+  const std::size_t columns = quantities == nullptr ? 0 : quantities->columns().size();
+  std::size_t found = 0;
+  for (const MonitoredSeries& series : run.monitor())
+    if (series.name == kQuantitySeries) found = series.columns;
+  if (found != columns && !run.steps().empty())
+    throw InputError(run.path().string() + ": damaged: it has " + std::to_string(found) + " quantities, its scene " +
+                     std::to_string(columns));
 }
 
 /// Where a run that failed has left its last state.
@@ -49,6 +61,8 @@ class Application::Recorder {
       header.quantity_units = recording.quantities->units(scene.units);
     }
     if (recording.file.empty()) return;
+    require_no_input(failure_file_of(recording.file).string());
+    if (!recording.monitor.empty()) require_no_input(recording.monitor.string());
     results_ = recording.resume != nullptr
                    ? std::make_unique<ResultFile>(*recording.resume, app.communicator, recording.writing)
                    : std::make_unique<ResultFile>(recording.file, header, app.communicator, recording.writing);
@@ -133,6 +147,7 @@ Simulation Application::record(const std::shared_ptr<const Scene>& solved, const
   const std::optional<StoredRun> completed = completed_series(*solved, parameters, wanted);
   Recording recording = wanted;
   if (completed) recording.resume = &*completed;
+  if (recording.resume != nullptr) require_series_of(recording.quantities, *recording.resume);
   Recorder recorder(*this, *solved, parameters, recording);
   const auto prepare = [&](Simulation& simulation) {
     if (recording.resume != nullptr) replay(simulation, *recording.resume, recording.observer);

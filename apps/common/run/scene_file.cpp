@@ -11,6 +11,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "discretization/text/result_names.hpp"
+#include "discretization/text/text_file.hpp"
 #include "kernels/execution/execution_space.hpp"
 #include "mixbeam/version.hpp"
 #include "nonlinear/run/imperfect_scene.hpp"
@@ -221,6 +222,7 @@ void prepare_summary(Application& app, const std::filesystem::path& file) {
       throw InputError("the summary \"" + file.string() + "\" is a folder; allowed: the name of a file");
     if (file.has_parent_path()) prepare_output_folder(file.parent_path());
     app.summary_lock = locked_summary(file);
+    if (!holds_summary(file)) return;  // perhaps an input of this run
     std::error_code error;
     std::filesystem::remove(file, error);
     if (error) throw InputError("the summary \"" + file.string() + "\" cannot be replaced: " + error.message());
@@ -233,6 +235,7 @@ void set_up_run(Application& app, const CommandLine& line, const std::string& fi
   app.force = line.force;
   if (line.summary) prepare_summary(app, *line.summary);
   read_scene_file(app, file, definition);
+  if (line.summary) require_no_input(*line.summary);
   describe_run(app, definition.name, line.threads);
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
 #include <ostream>
 #include <stdexcept>
 #include <utility>
@@ -247,6 +248,14 @@ void Summary::print_checks(std::ostream& stream, bool every_check) const {
   stream << checks_.size() - failed << " of " << checks_.size() << " checks passed";
   if (failed > 0) stream << ", " << failed << " FAILED";
   stream << (warnings.empty() ? "" : ", " + warned()) << ".\n";
+}
+
+bool holds_summary(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) return false;
+  std::ifstream stream(file, std::ios::binary);
+  const bool throws = false;
+  const nlohmann::json json = nlohmann::json::parse(stream, nullptr, throws);
+  return json.is_object() && json.contains("all_passed");
 }
 
 void Summary::write_json(const std::filesystem::path& path) const {

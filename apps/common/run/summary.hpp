@@ -172,4 +172,7 @@ class Summary {
   std::vector<CheckedQuantity> checks_;
 };
 
+/// Whether a file is one that Summary::write_json() has written.
+bool holds_summary(const std::filesystem::path& file);
+
 }  // namespace mixbeam
