@@ -23,13 +23,16 @@ struct Conversion {
 Conversion read_arguments(const Arguments& arguments) {
   std::vector<std::string> files;
   std::vector<const char*> others;
-  for (const char* argument : arguments.values)
-    if (argument[0] == '-' || others.empty())
+  for (const char* argument : arguments.values) {
+    const std::string before = others.empty() ? "-o" : others.back();
+    if (argument[0] == '-' || before == "-o" || before == "--output")
       others.push_back(argument);
     else
       files.emplace_back(argument);
+  }
   const CommandLine line =
-      read_command_line(static_cast<int>(others.size()), others.data(), {"--force", "--help"}, "scene");
+      read_command_line(static_cast<int>(others.size()), others.data(), {"--output", "--force", "--help"}, "scene");
+  if (line.output) files.push_back(*line.output);
   if (files.size() != 2)
     throw InputError(std::to_string(files.size()) +
                      " files given to \"convert\"; allowed: two, mixbeam convert FROM TO");

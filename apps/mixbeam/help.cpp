@@ -38,7 +38,7 @@ const std::map<std::string, const char*>& texts() {
        "where NAME is that of the scene file without its ending, with -CASE after it for each load case. The list "
        "\"Study\"\n"
        "of a benchmark's scene is ignored.\n\n"
-       "  --output DIR         folder for results; default: results/NAME\n"
+       "  -o, --output DIR     folder for results; default: results/NAME\n"
        "  --case NAME          only this load case\n"
        "  --jobs N             up to N load cases at once, each in a process of its own with its share of the\n"
        "                       processors; results are the same bits. Not under mpirun\n"
@@ -61,7 +61,7 @@ const std::map<std::string, const char*>& texts() {
        "whether it converged, and why not,\n"
        "  DIR/NAME-batch.csv     as a table\n"
        "  DIR/NAME-batch.h5      as columns\n\n"
-       "  --output DIR         folder for results; default: results/NAME\n"
+       "  -o, --output DIR     folder for results; default: results/NAME\n"
        "  --case NAME          the load case, where the scene has some\n"
        "  --threads N, --summary FILE.json, --quiet, --force    as for mixbeam run\n\n"
        "With cases that did not converge the exit code is 3; the others are in the table.\n"},
@@ -82,7 +82,7 @@ const std::map<std::string, const char*>& texts() {
        "Code's XML extension), or for YAML\n\n"
        "  --json               JSON Schema (VS Code's YAML extension: setting yaml.schemas)\n\n"},
       {"convert",
-       "usage: mixbeam convert FROM TO [--force]\n\n"
+       "usage: mixbeam convert FROM TO [--force], or mixbeam convert FROM -o TO\n\n"
        "Writes the scene FROM as TO, each in XML or YAML by the ending of its name (.xml, .yaml, .yml). What was "
        "written\n"
        "is read again and compared. Comments survive the way from XML to YAML.\n\n"
@@ -102,9 +102,10 @@ const std::map<std::string, const char*>& texts() {
        "up to which all is intact. mixbeam resume and plot do so before they read a file.\n\n"
        "  --from STEP          damage after this step does not count\n\n"},
       {"plot",
-       "usage: mixbeam plot RESULTS.h5 [options of the script]\n\n"
-       "Runs plots/plot_result.py beside the program; mixbeam plot RESULTS.h5 --help lists all options. Needs Python\n"
+       "usage: mixbeam plot RESULTS.h5 [options]\n\n"
+       "Draws pictures of a result file; mixbeam plot RESULTS.h5 --help lists all of them and all options. Needs Python\n"
        "with matplotlib and h5py.\n\n"
+       "  -o, --output DIR     folder for pictures; default: beside the results\n"
        "  --view VIEW          xy, xz, yz, iso or AZIMUTH/ELEVATION in degrees\n"
        "  --members PATTERN    these members only\n"
        "  --scale FACTOR       of displacements\n"
@@ -112,7 +113,7 @@ const std::map<std::string, const char*>& texts() {
        "  --along PATTERN      one diagram over members in a row\n"
        "  --curve Y X          one followed number over another: force:wall.x tip.z\n\n"},
       {"report",
-       "usage: mixbeam report RESULTS.h5 [--output FILE.html or FOLDER] [--summary SUMMARY.json]\n\n"
+       "usage: mixbeam report RESULTS.h5 [-o FILE.html or FOLDER] [--summary SUMMARY.json]\n\n"
        "Writes one HTML page about a run, to attach to a project: result, stability, critical points, quantities,\n"
        "reactions, stresses, structure, pictures, versions, the scene. Needs Python with matplotlib and h5py.\n\n"},
       {"view",

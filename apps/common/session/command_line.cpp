@@ -92,7 +92,7 @@ CommandLine read_command_line(int argc, const char* const* argv, const std::vect
   CommandLine line;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
-    const std::string name = argument == "-h" ? "--help" : argument;
+    const std::string name = argument == "-h" ? "--help" : argument == "-o" ? "--output" : argument;
     if (std::find(options.begin(), options.end(), name) != options.end())
       read_option(name, i, argc, argv, line);
     else if (is_option(argument))
@@ -110,7 +110,7 @@ void print_help(std::ostream& out, const std::string& program, const std::string
       << "  SCENE.xml            scene, solver, study and expected answers; default: " << program
       << ".xml beside the program\n"
       << "  --single             only the scene as it stands, without the study\n"
-      << "  --output DIR         folder for results (HDF5 + XDMF, CSV); default: results/" << program << "\n"
+      << "  -o, --output DIR     folder for results (HDF5 + XDMF, CSV); default: results/" << program << "\n"
       << "  --summary FILE.json  every checked quantity, steps, iterations and times, for scripts\n"
       << "  --threads N          OpenMP threads; default: \"Threads\" in the scene, else OMP_NUM_THREADS, else all\n"
       << "                       processors for scenes that are large enough to profit\n"
