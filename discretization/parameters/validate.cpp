@@ -197,6 +197,9 @@ class Validator {
 
   void check_free_name(const ListSpec& spec, const std::string& name, bool is_list) const {
     const bool allowed = is_list ? spec.named_list != nullptr : spec.named_parameter != nullptr;
+    const auto is_control = [](unsigned char c) { return c < ' ' || c == 127; };  // tables have a name in each line
+    if (allowed && std::any_of(name.begin(), name.end(), is_control))
+      throw error("a name with control characters; allowed: names of one line");
     if (allowed) return;
     const std::vector<std::string> names = spec.fixed_names();
     const std::string hint = did_you_mean(name, names);

@@ -82,7 +82,8 @@ void SceneReader::read_units() {
   scene_.units = list_.get<std::string>("Units");
   const std::size_t comma = scene_.units.find(',');
   const auto is_word = [](const std::string& word) {
-    return !trimmed(word).empty() && word.size() <= kLongestUnit && word.find(',') == std::string::npos;
+    const bool is_line = std::none_of(word.begin(), word.end(), [](unsigned char c) { return c < ' ' || c == 127; });
+    return is_line && !trimmed(word).empty() && word.size() <= kLongestUnit && word.find(',') == std::string::npos;
   };
   if (comma != std::string::npos && is_word(scene_.units.substr(0, comma)) && is_word(scene_.units.substr(comma + 1)))
     return;
