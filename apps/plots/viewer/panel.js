@@ -112,7 +112,7 @@ class Panel {
   placeWords(name, place) {
     const { series_names: names, members, all_members: count } = this.result;
     if (!names.includes(`${name}.member`)) return "";
-    const number = this.result.series(`${name}.member`)[place];
+    const number = Math.round(this.result.series(`${name}.member`)[place]); // packed: 19 comes back as 19.0000076
     if (!(number >= 0 && number < count)) return "";
     const member = members.length === count ? members[number] : `member ${number}`;
     return ` (${member}, s = ${numberText(this.result.series(`${name}.arc_length`)[place], 4)})`;
