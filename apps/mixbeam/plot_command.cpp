@@ -1,5 +1,4 @@
 #include "apps/mixbeam/commands.hpp"
-#include "apps/mixbeam/verify_command.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <fcntl.h>
@@ -10,23 +9,41 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <sstream>
 
 namespace mixbeam {
 
 namespace {
 
-/// Debian's Python has Debian's packages; another one earlier in PATH need not.
-const std::vector<std::string> kInterpreters = {"/usr/bin/python3", "python3"};
+/// Nothing of the current folder, of PYTHONPATH or of ~/.local is imported: only the folder that holds the script.
+constexpr const char* kIsolated = "-I";
 constexpr const char* kNeeded = "import numpy, matplotlib, h5py";
+constexpr const char* kStart =
+    "import runpy, sys; sys.path.insert(0, sys.argv[1]); del sys.argv[:2]; "
+    "runpy.run_path(sys.argv[0], run_name='__main__')";
 
-/// Exit code of a program, -1 when it cannot be started or is killed. `quiet`: its messages are of no interest.
-int exit_code_of(std::vector<std::string> words, bool quiet) {
+/// Debian's Python has Debian's packages; another one earlier in PATH need not.
+std::vector<std::string> interpreters() {
+  std::vector<std::string> found = {"/usr/bin/python3"};
+  const char* const path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (!folder.empty() && folder[0] == '/') found.push_back(folder + "/python3");
+  return found;
+}
+
+/// Exit code of a program, -1 when it cannot be started or is killed. `folder`: it works there, and its messages are of
+/// no interest.
+int exit_code_of(std::vector<std::string> words, const std::string& folder = "") {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  if (quiet) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  if (!folder.empty()) {
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  }
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t as_usual;  // which this program ignores
@@ -36,7 +53,7 @@ int exit_code_of(std::vector<std::string> words, bool quiet) {
   posix_spawnattr_setsigdefault(&attributes, &as_usual);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t process = 0;
-  const int problem = posix_spawnp(&process, argv[0], &actions, &attributes, argv.data(), environ);
+  const int problem = posix_spawn(&process, argv[0], &actions, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   int status = 0;
@@ -44,32 +61,32 @@ int exit_code_of(std::vector<std::string> words, bool quiet) {
   return WEXITSTATUS(status);
 }
 
-std::string suitable_python() {
-  for (const std::string& python : kInterpreters)
-    if (exit_code_of({python, "-c", kNeeded}, true) == 0) return python;
+/// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
+std::string suitable_python(const std::string& folder) {
+  for (const std::string& python : interpreters())
+    if (access(python.c_str(), X_OK) == 0 && exit_code_of({python, kIsolated, "-c", kNeeded}, folder) == 0)
+      return python;
   throw InputError(
       "pictures need Python with numpy, matplotlib and h5py; none of \"/usr/bin/python3\" and \"python3\" in PATH has "
-      "them (Debian: apt-get install python3-matplotlib python3-h5py)");
+      "them (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do not "
+      "count");
 }
 
 }  // namespace
 
 namespace {
 
-/// Runs a script of the folder plots beside the program on the result files among the arguments, once they are whole.
+/// Runs a script of the folder plots beside the program, which verifies each result file before it reads it.
 int run_script(const Arguments& arguments, const std::string& name) {
   if (arguments.count() < 2)
     throw InputError(std::string("a result file is missing: mixbeam ") + arguments.values[0] + " RESULTS.h5");
-  for (const char* argument : arguments.values)
-    if (std::filesystem::path(argument).extension() == ".h5" && std::filesystem::exists(argument))
-      require_whole(argument);
   const std::filesystem::path script = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "plots" / name;
   if (!std::filesystem::exists(script)) throw InputError("the script " + script.string() + " is missing");
-  std::vector<std::string> words = {suitable_python(), script.string()};
+  setenv("MPLBACKEND", "Agg", 1);
+  const std::string folder = script.parent_path().string();
+  std::vector<std::string> words = {suitable_python(folder), kIsolated, "-c", kStart, folder, script.string()};
   words.insert(words.end(), arguments.values.begin() + 1, arguments.values.end());
-  const int keep_the_users_choice = 0;
-  setenv("MPLBACKEND", "Agg", keep_the_users_choice);
-  const int code = exit_code_of(words, false);
+  const int code = exit_code_of(words);
   return code == 0 ? 0 : kInputErrorExitCode;
 }
 

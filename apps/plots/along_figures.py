@@ -33,7 +33,7 @@ def along_figure(view, step, patterns):
         if i % 3 == 2:
             axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
     draw_borders(panels, row, borders)
-    canvas.suptitle(f"{view.title(step)}: along {', '.join(patterns)[:60]}", fontsize=13)
+    canvas.suptitle(f"{view.title(step)}: along {style.literal(', '.join(patterns)[:60])}", fontsize=13)
     return canvas
 
 

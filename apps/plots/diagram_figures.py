@@ -134,7 +134,7 @@ def on_structure_figure(view, step):
     for axes, name in zip(panels.flat, shown):
         _hedgehog(axes, view, step, values[name], side_of(view, step, name))
         unit = fields.SECTION_FORCES[name].unit(view.run.units)
-        axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]) + f" {unit}".rstrip(), fontsize=11.5)
+        axes.set_title(fields.SECTION_FORCES[name].label + _range(values[name]) + f" {style.literal(unit)}".rstrip(), fontsize=11.5)
     moments = "moments too" if view.look.moments == "left" else f"moments on the {view.look.moments} side"
     caption = (f"blue: positive, orange: negative; positive forces stand left of the direction of $s$, {moments}; "
                f"{view.scale_words()}")

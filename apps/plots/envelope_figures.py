@@ -1,13 +1,12 @@
 """Envelopes over load cases and combinations: quantities at the ends of the runs, section forces along members."""
 
-import h5py
 import numpy as np
 
 import fields
 import style
 from along_figures import draw_borders, path_of, running_length
 from diagram_figures import limits, name_axis, name_extremes
-from results import Run, _text
+from results import Run, lines, open_file
 
 MOST_SHOWN = 40  # quantities of a picture
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
@@ -20,17 +19,19 @@ class Envelope:
 
     def __init__(self, path):
         self.path = path
-        with h5py.File(path, "r") as file:
-            self.names = _text(file["quantities"][()]).splitlines()
-            self.runs = _text(file["runs"][()]).splitlines()
-            group = file["envelope"]
-            self.largest, self.smallest = group["largest"][:], group["smallest"][:]
-            self.largest_in, self.smallest_in = (group[name][:].astype(int) for name in ("largest_in", "smallest_in"))
-            self.values = np.array([group[f"values/{i}"][:] for i in range(len(self.runs))])
+        with open_file(path) as file:
+            self.names, self.runs = lines(file.text("quantities")), lines(file.text("runs"))
+            group, shape = file.group("envelope"), (len(self.names),)
+            self.largest, self.smallest = (group.numbers(name, shape) for name in ("largest", "smallest"))
+            self.largest_in, self.smallest_in = (group.numbers(name, shape) for name in ("largest_in", "smallest_in"))
+            if not all(np.all((0 <= found) & (found < len(self.runs))) for found in (self.largest_in, self.smallest_in)):
+                raise group.refused("", "names a run that is not there")
+            values = group.group("values")
+            self.values = np.array([values.numbers(str(i), shape) for i in range(len(self.runs))])
 
     def case(self, run):
         """The name of the load case of a run, by its number."""
-        return self.runs[run][len(self.path.stem) + 1:]
+        return self.runs[int(run)][len(self.path.stem) + 1:]
 
     def rows(self):
         """(quantity, smallest, in, largest, in)."""
@@ -51,11 +52,10 @@ class Envelope:
 
 def is_envelope(path):
     """Whether a file holds an envelope and no run."""
-    try:
-        with h5py.File(path, "r") as file:
-            return "envelope" in file
-    except OSError:
+    if not path.is_file():
         return False
+    with open_file(path) as file:
+        return "envelope" in file
 
 
 def envelope_beside(run):
@@ -134,5 +134,5 @@ def along_figure(envelope, patterns, look):
         if i % 3 == 2:
             axes.set_xlabel("running length" + fields.times(exponent, view.run.units[0]))
     draw_borders(panels, row, borders / 10.0 ** exponent)
-    canvas.suptitle(f"{style.literal(envelope.path.stem[:60])}: largest and smallest of {len(found)} runs, along {', '.join(patterns)[:60]}", fontsize=13)
+    canvas.suptitle(f"{style.literal(envelope.path.stem[:60])}: largest and smallest of {len(found)} runs, along {style.literal(', '.join(patterns)[:60])}", fontsize=13)
     return canvas

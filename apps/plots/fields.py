@@ -102,7 +102,7 @@ def power_of_ten(largest):
 
 def times(exponent, unit=""):
     """Words behind an axis label for numbers in a unit that were divided by 10^exponent."""
-    words = [rf"$10^{{{exponent}}}$"] * bool(exponent) + [unit] * bool(unit)
+    words = [rf"$10^{{{exponent}}}$"] * bool(exponent) + [style.literal(unit)] * bool(unit)
     return f"  [{' '.join(words)}]" if words else ""
 
 

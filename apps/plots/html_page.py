@@ -4,6 +4,8 @@ import base64
 import html
 import io
 
+from command import InputError, whole_file
+
 MOST_ROWS = 40      # of a table; the result file has all
 DOTS_PER_INCH = 90  # of pictures, so that a page stays below 2 MB
 STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}"
@@ -11,6 +13,7 @@ STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em aut
          "solid #ddd}td:first-child,th:first-child{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
          "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}")
 # A page asks no server for anything, whatever is in it, and runs no script but its own.
+BEGIN = "<!doctype html>"
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:"
 
 
@@ -19,7 +22,7 @@ class Page:
 
     def __init__(self, title, style=STYLE, has_scripts=False):
         policy = POLICY + ("; script-src 'unsafe-inline'" if has_scripts else "")
-        self._parts = [f"<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">"
+        self._parts = [f"{BEGIN}<html lang=\"en\"><head><meta charset=\"utf-8\">"
                        f"<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">"
                        f"<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
                        f"<title>{html.escape(title)}</title><style>{style}</style></head><body>"]
@@ -67,10 +70,11 @@ class Page:
         self._parts.append(markup + (f"<script>\n{script}\n</script>" if script else ""))
 
     def write(self, path):
-        """Only whole pages appear under the name."""
-        unfinished = path.with_name(f".{path.name}.unfinished")
-        unfinished.write_text("\n".join(self._parts) + "\n</body></html>\n", encoding="utf-8")
-        unfinished.replace(path)
+        """Only whole pages appear under the name, and replace nothing but pages."""
+        if path.is_file() and path.stat().st_size and path.open("rb").read(len(BEGIN)) != BEGIN.encode():
+            raise InputError(f"{path}: is there and is no page, and is not written over; allowed: another name")
+        with whole_file(path) as stream:
+            stream.write(("\n".join(self._parts) + "\n</body></html>\n").encode("utf-8", "replace"))
 
 
 def view_beside(result):

@@ -5,6 +5,8 @@ import argparse
 import sys
 from pathlib import Path
 
+from command import finish
+
 KINDS = {"shape": "deformed and undeformed, in space and in the best plane, coloured by --field",
          "fields": "bending, torsion, axial force, shear and strains in the best plane",
          "section_forces": "N, Q2, Q3, T, M2, M3 over the arc length of the members",
@@ -18,7 +20,6 @@ KINDS = {"shape": "deformed and undeformed, in space and in the best plane, colo
          "steps": "several steps side by side"}
 OF_ONE_STEP = ("shape", "fields", "section_forces", "diagrams", "along")
 FEW_STEPS = 5   # points of a curve, the origin among them, that are hardly one
-BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
 def main():
@@ -27,26 +28,15 @@ def main():
         if word == "--view":
             words[i:i + 2] = ["", f"--view={words[i + 1]}"]
     options = options_of([word for word in words if word])
-    try:
-        import style
-        from results import InputError
-    except ImportError as error:
-        return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
-    try:
-        for path in _draw(options, style):
-            print(path, flush=True)
-    except (InputError, OSError, KeyError, ValueError) as error:
-        reason = str(error) if isinstance(error, (InputError, OSError)) else f"unexpected content ({error})"
-        return _fail(reason if str(options.result) in reason else f"{options.result}: {reason}")
-    return 0
+    return finish("plot", options.result, lambda: _draw(options))
 
 
 def options_of(words):
     """What a command line asks for."""
     kinds = "; ".join(f"{name}: {text}" for name, text in KINDS.items())
-    parser = argparse.ArgumentParser(description=__doc__, epilog=f"Pictures: {kinds}.")
+    parser = argparse.ArgumentParser("mixbeam plot", description=__doc__, epilog=f"Pictures: {kinds}.")
     parser.add_argument("result", type=Path, help="result file (.h5)")
-    parser.add_argument("--output", type=Path, metavar="FOLDER", help="default: beside the result file")
+    parser.add_argument("-o", "--output", type=Path, metavar="FOLDER", help="default: beside the result file")
     parser.add_argument("--format", default="png,svg", help="png, svg, pdf, separated by commas (default: png,svg)")
     parser.add_argument("--step", default="last", metavar="N", help="number of a step, last (default) or all")
     parser.add_argument("--field", default="bending", metavar="NAME", help="colour of shape and steps; see below")
@@ -66,9 +56,10 @@ def options_of(words):
     return parser.parse_args(words)
 
 
-def _draw(options, style):
+def _draw(options):
     """Draws what is asked for, and yields the paths of the files."""
     import envelope_figures
+    import style
     from results import InputError, Run
 
     formats = [name.strip() for name in options.format.split(",") if name.strip()]
@@ -193,12 +184,7 @@ def _chosen_steps(run, wanted, path):
 
 
 def _note(text):
-    print(f"plot_result.py: note: {text}", file=sys.stderr)
-
-
-def _fail(text):
-    print(f"plot_result.py: {text}", file=sys.stderr)
-    return BAD_INPUT
+    print(f"mixbeam plot: note: {text}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -9,52 +9,53 @@ from pathlib import Path
 
 import numpy as np
 
+from command import finish, inputs
 from html_page import MOST_ROWS, Page, cell_text, view_beside
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
-BAD_INPUT = 2  # exit code, as of all programs of mixbeam
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser("mixbeam report", description=__doc__)
     parser.add_argument("result", type=Path, help="result file (.h5)")
-    parser.add_argument("--output", type=Path, metavar="FILE.html", help="or a folder; default: beside the result file")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.html", help="or a folder; default: beside the result file")
     parser.add_argument("--summary", type=Path, metavar="FILE.json", help="of mixbeam run --summary: adds its checks")
     options = parser.parse_args()
-    try:
-        from envelope_figures import envelope_beside, is_envelope
-        from results import InputError, Run
-    except ImportError as error:
-        return _fail(f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed")
-    try:
-        if is_envelope(options.result):
-            print(_write_envelope_page(options))
-            return 0
-        with Run(options.result) as run:
-            page = Page(run.title)
-            page.title(run.title)
-            _write_answers(page, run)
-            envelope = envelope_beside(run)
-            if envelope:
-                _write_envelope(page, envelope)
-            _write_structure(page, run)
-            if options.summary:
-                _write_checks(page, json.loads(options.summary.read_text()))
-            else:
-                page.text("Checks and limits: mixbeam run --summary FILE.json writes them, report --summary FILE.json adds them here.")
-            _write_pictures(page, run)
-            page.heading("Input and versions")
-            page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items()) if words])
-            page.folded("The scene, word for word", run.scene_text())
-            path = _page_path(options)
-            view = view_beside(path.parent / options.result.name)
-            if view.exists():
-                page.link("The structure in the browser, to turn and to ask", view.name)
-            page.write(path)
-            print(path)
-    except (InputError, OSError, ValueError, KeyError) as error:
-        return _fail(str(error))
-    return 0
+    return finish("report", options.result, lambda: _write(options))
+
+
+def _write(options):
+    """Writes the page, and yields its path."""
+    from envelope_figures import envelope_beside, is_envelope
+    from results import Run
+
+    if options.summary:
+        inputs.add(options.summary)
+    if is_envelope(options.result):
+        yield _write_envelope_page(options)
+        return
+    with Run(options.result) as run:
+        page = Page(run.title)
+        page.title(run.title)
+        _write_answers(page, run)
+        envelope = envelope_beside(run)
+        if envelope:
+            _write_envelope(page, envelope)
+        _write_structure(page, run)
+        if options.summary:
+            _write_checks(page, json.loads(options.summary.read_text()))
+        else:
+            page.text("Checks and limits: mixbeam run --summary FILE.json writes them, report --summary FILE.json adds them here.")
+        _write_pictures(page, run)
+        page.heading("Input and versions")
+        page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items()) if words])
+        page.folded("The scene, word for word", run.scene_text())
+        path = _page_path(options)
+        view = view_beside(path.parent / options.result.name)
+        if view.exists():
+            page.link("The structure in the browser, to turn and to ask", view.name)
+        page.write(path)
+        yield path
 
 
 def _page_path(options):
@@ -125,7 +126,10 @@ def _write_answers(page, run):
         def place(name):
             if f"{name}.member" not in quantities:
                 return ""
-            return f"{members[int(quantities[f'{name}.member'][-1])]} at s = {quantities[f'{name}.arc_length'][-1]:.4g}"
+            number = quantities[f"{name}.member"][-1]
+            if not 0 <= number < len(members):
+                return ""
+            return f"{members[int(number)]} at s = {quantities[f'{name}.arc_length'][-1]:.4g}"
 
         def extremes(series):
             """Without what is undefined in the state before any load, as a ratio of zeros."""
@@ -147,7 +151,7 @@ def _write_answers(page, run):
 
 def _write_reactions(page, run, step):
     points = run.supported_points()
-    rows = step.rows("reactions", slice(None)).copy()
+    rows = step.reactions(len(points))
     for part in (rows[:, :3], rows[:, 3:]):
         part[np.abs(part) < NOISE * np.abs(part).max(initial=0.0)] = 0.0
     table = [(point, *map(float, row)) for point, row in zip(points, rows)]
@@ -217,11 +221,6 @@ def _write_pictures(page, run):
     page.picture(diagram_figures.on_structure_figure(view, step), "section forces on the structure", style)
     if len(run.steps) > 2:
         page.picture(path_figures.load_displacement_figure(view), "load path", style)
-
-
-def _fail(text):
-    print(f"report.py: {text}", file=sys.stderr)
-    return BAD_INPUT
 
 
 if __name__ == "__main__":

@@ -1,17 +1,199 @@
 """Reads the result files that the applications write (layout: discretization/results/result_file.hpp)."""
 
 import difflib
+import math
+import os
 import re
-from functools import cached_property
+import resource
+import subprocess
+from functools import cached_property, wraps
 from pathlib import Path
 
 import h5py
 import numpy as np
 
-from tables import InputError
+from command import InputError, inputs
 
 
 MANY_MEMBERS = 200
+PROGRAM = Path(os.path.abspath(__file__)).parent.parent / "mixbeam"  # beside which these scripts are installed
+NUMBER, WHOLE = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE
+FIELDS = {**dict.fromkeys(("position", "displacement", "mode", "reference_position"), (3,)), "triad": (4,),
+          **{f"{kind}_{what}": (3,) for kind in ("material", "spatial") for what in ("force", "moment")},
+          **{name: (3,) for name in ("force_strain", "moment_strain", "triad_1", "triad_2", "triad_3")},
+          **dict.fromkeys(("von_mises_stress", "largest_normal_stress", "largest_shear_stress", "utilisation"), ())}
+PLACED = {"place": (2,), "position": (3,), "point": None, "begins": ()}
+ALONG = {"member": (), "begins": ()}
+ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,), "prescribed": (6,)},  # None: texts
+          "joints": {**PLACED, "name": None, "kind": None, "axis": (3,), "stiffness": ()},
+          "point_loads": {**PLACED, "force": (3,), "moment": (3,), "follower": ()},
+          "line_loads": {**ALONG, "force": (27,), "couple": (27,), "follower": ()},
+          "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,)},
+          "sections": {"name": None, "shape": None, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
+JUMP = ("from", "to", "released", "motion", "largest", "place")
+
+
+def require_whole(path):
+    """Of a file that `mixbeam verify` refuses: raises InputError with its words. It works in a process of its own, with
+    limits, for the HDF5 library may crash or grow on a hostile file."""
+    if not PROGRAM.is_file():
+        return
+    size = path.stat().st_size
+    seconds = 10 + size // 50_000_000
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_AS, ((4 << 30) + 2 * size,) * 2)
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds,) * 2)
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+    try:
+        ended = subprocess.run([PROGRAM, "verify", path.absolute()], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               text=True, errors="replace", timeout=8 * seconds, preexec_fn=limit)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{path}: damaged: it cannot be read in {8 * seconds} s") from None
+    if ended.returncode:
+        words = ended.stderr.strip().removeprefix("mixbeam: bad input: ").replace(str(path.absolute()), str(path))
+        raise InputError(words if ended.returncode == 2 else f"{path}: damaged: reading it ended mixbeam verify ({ended.returncode})")
+
+
+def stamp_of(path):
+    """Tells whether a path still names the file that it named before."""
+    now = os.stat(path)
+    return now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns
+
+
+_whole = {}  # stamps of files that were verified
+
+
+def open_file(path):
+    """The root Group of a file, once it is known to be whole. Raises InputError."""
+    inputs.add(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no file")
+    if _whole.get(path) != stamp_of(path):
+        stamp = stamp_of(path)
+        require_whole(path)
+        _whole[path] = stamp
+    try:
+        file = h5py.File(path, "r")
+    except Exception as error:
+        raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
+    return Group(h5py.h5g.open(file.id, b"/"), path, path.stat().st_size, file=file)
+
+
+def _refusing(method):
+    """Whatever the HDF5 library says of an object becomes an InputError that names it."""
+    @wraps(method)
+    def refusing(group, *arguments, **options):
+        try:
+            return method(group, *arguments, **options)
+        except InputError:
+            raise
+        except Exception as error:
+            raise group.refused(arguments[0] if arguments else "", str(error) or type(error).__name__) from None
+    return refusing
+
+
+class Group:
+    """The only reader of HDF5. It follows hard links alone, and before it reads it compares with what is declared: numbers of
+    8 bytes, whole ones of 4, texts of a fixed length, in the shape that the caller names, stored in the file itself and
+    therefore no larger than it."""
+
+    def __init__(self, held, path, size, place="", file=None):
+        self._held, self._path, self._size, self._place, self._file = held, path, size, place, file
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._file.close()
+
+    def refused(self, name, reason):
+        return InputError(f"{self._path}: damaged, or no result file of mixbeam: {self._place}/{name}: {reason}")
+
+    @_refusing
+    def names(self):
+        return sorted(name.decode("utf-8", "replace") for name in self._held)
+
+    @_refusing
+    def __contains__(self, name):
+        return self._held.links.exists(name.encode())
+
+    @_refusing
+    def is_group(self, name):
+        return name in self and isinstance(self._opened(name), h5py.h5g.GroupID)
+
+    @_refusing
+    def group(self, name, optional=False):
+        """None where it is optional and not there."""
+        if optional and name not in self:
+            return None
+        return Group(self._opened(name, h5py.h5g.GroupID), self._path, self._size, f"{self._place}/{name}")
+
+    def _opened(self, name, kind=None):
+        if name not in self:
+            raise self.refused(name, "is not there")
+        if self._held.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+            raise self.refused(name, "a link that may leave the file; allowed: the thing itself")
+        opened = h5py.h5o.open(self._held, name.encode())
+        if kind and not isinstance(opened, kind):
+            raise self.refused(name, f"a {type(opened).__name__}; allowed: a {kind.__name__}")
+        return opened
+
+    def _stored(self, name, kind, *shapes):
+        """A dataset of a kind (None: texts) in one of the shapes, in which None stands for any number."""
+        data = self._opened(name, h5py.h5d.DatasetID)
+        plan, stored, shape = data.get_create_plist(), data.get_type(), data.shape
+        if plan.get_layout() not in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED) or plan.get_external_count() \
+                or plan.get_nfilters():
+            raise self.refused(name, "is stored elsewhere or packed; allowed: numbers in the file itself")
+        if not (isinstance(stored, h5py.h5t.TypeStringID) and not stored.is_variable_str() if kind is None else stored.equal(kind)):
+            raise self.refused(name, "of another type than the declared one")
+        if not any(len(shape) == len(one) and all(b in (None, a) for a, b in zip(shape, one)) for one in shapes):
+            raise self.refused(name, f"of shape {shape}; allowed: {' or '.join(map(str, shapes))}")
+        if math.prod(shape) * stored.get_size() > min(data.get_storage_size(), self._size):
+            raise self.refused(name, "is larger than what the file holds of it")
+        return h5py.Dataset(data)
+
+    @_refusing
+    def numbers(self, name, *shapes, kind=NUMBER, rows=()):
+        return self._stored(name, kind, *shapes)[rows]
+
+    @_refusing
+    def text(self, name):
+        return _text(self._stored(name, None, ())[()])
+
+    @_refusing
+    def texts(self, name, count):
+        return [_text(one) for one in self._stored(name, None, (count,))[:]]
+
+    @_refusing
+    def has_attribute(self, name):
+        return h5py.h5a.exists(self._held, name.encode())
+
+    @_refusing
+    def attribute(self, name, kind=float, default=None):
+        """One float, int or str."""
+        if default is not None and not self.has_attribute(name):
+            return default
+        found = h5py.h5a.open(self._held, name.encode())
+        stored, wanted = found.get_type(), {float: NUMBER, int: WHOLE}.get(kind)
+        fits = stored.equal(wanted) if wanted else isinstance(stored, h5py.h5t.TypeStringID) and not stored.is_variable_str()
+        if not fits or found.get_space().get_simple_extent_type() != h5py.h5s.SCALAR:
+            raise self.refused(name, f"no single {kind.__name__}")
+        value = np.empty((), dtype=stored.dtype)
+        found.read(value)
+        return kind(value) if wanted else _text(value[()])
+
+    @_refusing
+    def texts_of_attributes(self):
+        names = [h5py.h5a.open(self._held, index=i).name.decode("utf-8", "replace") for i in range(h5py.h5a.get_num_attrs(self._held))]
+        return {name: self.attribute(name, str) for name in names}
+
+    @_refusing
+    def numbered(self):
+        """Groups 0, 1, ..."""
+        return [self.group(str(number)) for number in range(len(self.names()))]
 
 
 class Member:
@@ -44,28 +226,47 @@ class Member:
 
 def _members(group):
     """Of a result file, in the order of the scene."""
-    if not isinstance(group.get("names"), h5py.Dataset):  # before format 4 a group for each
-        ordered = sorted(group, key=lambda name: group[name].attrs["index"])
-        return [Member(name, index, int(group[name].attrs["first_sample"]), int(group[name].attrs["samples"]),
-                       lambda field, name=name: group[name][field][:]) for index, name in enumerate(ordered)]
-    whole = {}  # each field is read at once: members are many and short
+    if not group.is_group("names") and "names" in group:
+        count = len(group.numbers("samples", (None,), kind=WHOLE))
+        names = group.texts("names", count)
+        firsts, counts = (group.numbers(name, (count,), kind=WHOLE).tolist() for name in ("first_sample", "samples"))
+        total, whole = sum(counts), {}  # each field is read at once: members are many and short
 
-    def part(field, first, end):
-        if field not in whole:
-            whole[field] = group[field][:]
-        return whole[field][first:end]
+        def read(field, first, end):
+            if field not in whole:
+                whole[field] = _field_of_members(group, field, total)
+            return whole[field][first:end]
 
-    places = zip(group["names"][:], group["first_sample"][:].tolist(), group["samples"][:].tolist())
-    return [Member(_text(name), index, first, count, lambda field, first=first, end=first + count: part(field, first, end))
-            for index, (name, first, count) in enumerate(places)]
+        members = [Member(name, index, first, count, lambda field, first=first, end=first + count: read(field, first, end))
+                   for index, (name, first, count) in enumerate(zip(names, firsts, counts))]
+    else:  # before format 4 a group for each
+        groups = {name: group.group(name) for name in group.names()}
+        ordered = sorted(groups, key=lambda name: groups[name].attribute("index", int))
+        members = [Member(name, index, groups[name].attribute("first_sample", int), groups[name].attribute("samples", int), None)
+                   for index, name in enumerate(ordered)]
+        for one in members:
+            one._read = lambda field, one=one: _field_of_members(groups[one.name], field, one.samples.stop - one.samples.start)
+    expected = 0
+    for one in members:
+        if one.samples.start != expected or one.samples.stop - expected < 2 or 8 * one.samples.stop > group._size:
+            raise group.refused(one.name, "samples that do not follow those before, or are too few or too many")
+        expected = one.samples.stop
+    if not members:
+        raise group.refused("", "no members")
+    return members
+
+
+def _field_of_members(group, name, rows):
+    tail, kind = {"reference_position": ((3,), NUMBER), "element": ((), WHOLE)}.get(name, ((), NUMBER))
+    return group.numbers(name, (rows, *tail), kind=kind)
 
 
 class Selection:
     """The rows of the fields that belong to the members of a run: all of them, or those of chosen members."""
 
-    def __init__(self, members=None):
-        """Gives the chosen members their places among each other."""
-        self._rows = None
+    def __init__(self, samples, members=None):
+        """Gives the chosen members their places among each other; `samples`: of the whole file."""
+        self._rows, self.samples = None, samples
         if members is None:
             return
         self._rows, first = [], 0
@@ -76,8 +277,10 @@ class Selection:
             first += count
         self._rows = np.concatenate(self._rows)
 
-    def of(self, values):
-        return values[:] if self._rows is None else values[:][self._rows]
+    def of(self, group, name):
+        """A field of the group."""
+        values = group.numbers(name, (self.samples, *FIELDS[name]))
+        return values if self._rows is None else values[self._rows]
 
     def numbers(self, numbers):
         return numbers if self._rows is None else self._rows[numbers]
@@ -87,47 +290,48 @@ class CriticalPoint:
     """A limit point or bifurcation between two steps; fields as those of a step, and the critical mode."""
 
     def __init__(self, group, selection):
-        self.kind = _text(group.attrs["kind"])
-        self.load_factor = float(group.attrs["load_factor"])
-        self.negative_before = int(group.attrs["negative_before"])
-        self.negative_after = int(group.attrs["negative_after"])
-        self.modes = int(group.attrs["modes"])
+        self.kind = group.attribute("kind", str)
+        self.load_factor = group.attribute("load_factor")
+        self.load_factor_error = group.attribute("load_factor_error", default=np.nan)
+        self.negative_before = group.attribute("negative_before", int)
+        self.negative_after = group.attribute("negative_after", int)
+        self.modes = group.attribute("modes", int)
         self._group, self._selection = group, selection
 
     def field(self, name):
-        return self._selection.of(self._group[name])
+        return self._selection.of(self._group, name)
 
     def monitored(self, name):
         """Components of a monitored quantity, None where the file has none of that name."""
-        group = self._group.get("monitor", {})
-        return group[name][:] if name in group else None
+        group = self._group.group("monitor", optional=True)
+        return group.numbers(name, (None,)) if group and name in group else None
 
 
 class Step:
     """One converged configuration; `fields[name]` holds a row per sample of all members."""
 
     def __init__(self, group, selection):
-        self.number = int(group.attrs["step"])
-        self.load_factor = float(group.attrs["load_factor"])
-        self.newton_iterations = int(group.attrs.get("newton_iterations", 0))
-        self.negative = int(group.attrs.get("negative_eigenvalues", -1))  # -1: not counted
+        self.number = group.attribute("step", int)
+        self.load_factor = group.attribute("load_factor")
+        self.newton_iterations = group.attribute("newton_iterations", int, 0)
+        self.negative = group.attribute("negative_eigenvalues", int, -1)  # -1: not counted
         told = {-1: "unknown", 0: "true"}.get(self.negative, "false")  # files of versions that only counted
-        self.stable = _text(group.attrs["stable"]) if "stable" in group.attrs else told
+        self.stable = group.attribute("stable", str, told)
         self._group, self._selection = group, selection
 
     def critical_points(self):
         """Those that the path passed since the step before."""
-        group = self._group.get("critical_points", {})
-        return [CriticalPoint(group[name], self._selection) for name in sorted(group, key=int)]
+        group = self._group.group("critical_points", optional=True)
+        return [CriticalPoint(point, self._selection) for point in group.numbered()] if group else []
 
     @property
     def jump(self):
-        """With which the step was made: {"from", "to", "released", "motion", "largest", "place", ...}; None where it was not."""
-        attributes = self._group["jump"].attrs if "jump" in self._group else {}
-        return {**attributes, "place": _text(attributes["place"])} if attributes else None
+        """With which the step was made: {"from", "to", "released", "motion", "largest", "place"}; None where it was not."""
+        group = self._group.group("jump", optional=True)
+        return {name: group.attribute(name, str if name == "place" else float) for name in JUMP} if group else None
 
     def field(self, name, member=None):
-        values = self._selection.of(self._group[name])
+        values = self._selection.of(self._group, name)
         return values[member.samples] if member is not None else values
 
     def has(self, name):
@@ -136,13 +340,17 @@ class Step:
 
     def rows(self, name, numbers):
         """Some rows of a field without reading the others; `numbers` ascending."""
-        return self._group[name][self._selection.numbers(numbers)]
+        return self._group.numbers(name, (self._selection.samples, *FIELDS[name]), rows=self._selection.numbers(numbers))
+
+    def reactions(self, supports):
+        """Forces and moments, (supports, 6)."""
+        return self._group.numbers("reactions", (supports, 6))
 
     def residual_histories(self):
         """Scale-free residuals of every attempt at the step, the successful one last; empty where the file has none."""
         if "residual_history" not in self._group:
             return []
-        rows = self._group["residual_history"][:]
+        rows = self._group.numbers("residual_history", (None, 3), (None,))
         if rows.ndim == 1:
             return [rows]
         return [rows[rows[:, 0] == attempt, -1] for attempt in np.unique(rows[:, 0])]
@@ -167,32 +375,36 @@ class Run:
             beside = ", ".join(sorted(file.name for file in path.parent.glob(f"{path.stem}-*{path.suffix}"))[:6])
             raise InputError(f"{path}: no such file" + (f"; of load cases there are {beside}" if beside else ""))
         self.path = path
+        self._file = open_file(path)
         try:
-            self._file = h5py.File(path, "r")
-        except OSError as error:
-            raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
-        if self._file.attrs.get("format", b"") not in ("mixbeam results", b"mixbeam results"):
+            self._read(case, members)
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def _read(self, case, members):
+        path = self.path
+        if self._file.attribute("format", str, "") != "mixbeam results":
             if "envelope" not in self._file:
                 raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
-            cases = ", ".join(name[len(path.stem) + 1:] for name in _text(self._file["runs"][()]).splitlines())
+            cases = ", ".join(name[len(path.stem) + 1:] for name in lines(self._file.text("runs")))
             raise InputError(f"{path}: the envelope of several load cases, of which --case names one ({cases})"
                              + (f"; there is no {case}" if case else ""))
-        properties = self._file["properties"].attrs if "properties" in self._file else {}
-        self.case = _text(properties.get("load_case", ""))
+        properties, acting = (self._file.group(name, optional=True) for name in ("properties", "acting"))
+        self.case = properties.attribute("load_case", str, "") if properties else ""
         if case and case != self.case:
             what = f"of load case {self.case}" if self.case else "of a scene without load cases"
             raise InputError(f"{path}: the file is {what}, and there is no {file_of_case(path, case).name} beside it")
         self._by_index = None
-        self._units = _text(self._file["acting"].attrs.get("units", "")) if "acting" in self._file else ""
-        self.scene_name = _text(self._file.attrs.get("scene_name", path.stem))
-        try:
-            self.members = _members(self._file["members"])
-            if members is not None:
-                self.members = self.members_meant(members)
-            self._selection = Selection(members and self.members)
-            self.steps = [Step(self._file["steps"][name], self._selection) for name in sorted(self._file["steps"])]
-        except KeyError as error:
-            raise InputError(f"{path}: a result file of mixbeam, but incomplete ({error.args[0]})") from None
+        self._units = acting.attribute("units", str, "") if acting else ""
+        self.scene_name = self._file.attribute("scene_name", str, path.stem)
+        self.members = _members(self._file.group("members"))
+        samples, self._members_in_file = self.members[-1].samples.stop, len(self.members)
+        if members is not None:
+            self.members = self.members_meant(members)
+        self._selection = Selection(samples, members and self.members)
+        steps = self._file.group("steps")
+        self.steps = [Step(steps.group(name), self._selection) for name in sorted(steps.names(), key=lambda name: (len(name), name))]
         if not self.steps:
             raise InputError(f"{path}: holds no steps")
 
@@ -200,7 +412,7 @@ class Run:
         return self
 
     def __exit__(self, *_):
-        self._file.close()
+        self._file.__exit__()
 
     def members_meant(self, patterns, option="--members"):
         """Those of the run whose names match one of the patterns; each pattern must match some."""
@@ -223,8 +435,28 @@ class Run:
 
     def acting(self):
         """What acts on the structure, {"supports", "joints", "point_loads", "line_loads"}: tables by their columns."""
-        group = self._file.get("acting", {})
-        return {name: {column: _column_of(group[name][column]) for column in group[name]} for name in group}
+        group, tables = self._file.group("acting", optional=True), {}
+        for name in ACTING if group else ():
+            table = group.group(name, optional=True)
+            if table:
+                tables[name] = self._table(table, {column: tail for column, tail in ACTING[name].items() if column in table})
+        sections = len(tables.get("sections", {}).get("name", ()))
+        for name, table in tables.items():  # numbers of members, and of sections
+            numbers = [(table[column], self._members_in_file) for column in ("member",) if column in table]
+            numbers += [(table["place"][:, 0], self._members_in_file)] if "place" in table else []
+            numbers += [(table["section"], sections)] if "section" in table else []
+            if not all(np.all((first >= 0) & (first < count)) for first, count in numbers):
+                raise group.refused(name, "names a member or a section that is not there")
+        return tables
+
+    @staticmethod
+    def _table(group, columns):
+        """Numbers, or the lines of a text, each of which ends in a new line; as many of each."""
+        table = {name: lines(group.text(name)) if tail is None else group.numbers(name, (None, *tail))
+                 for name, tail in columns.items()}
+        if len({len(column) for column in table.values()}) > 1:
+            raise group.refused("", "columns of different lengths")
+        return table
 
     @property
     def units(self):
@@ -246,8 +478,8 @@ class Run:
 
     def buckling_modes(self):
         """[(load factor, displacements (n, 3))] of the linear buckling analysis of the undeformed structure."""
-        group = self._file.get("buckling", {})
-        return [(float(group[name].attrs["load_factor"]), self._selection.of(group[name]["mode"])) for name in sorted(group, key=int)]
+        group = self._file.group("buckling", optional=True)
+        return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in group.numbered()] if group else []
 
     def reference(self):
         """Undeformed positions of all samples, (n, 3)."""
@@ -257,19 +489,28 @@ class Run:
 
     def monitor(self):
         """The monitored quantities over the steps: {name: (steps,) or (steps, components)}."""
-        group = self._file.get("monitor", {})
-        return {name: group[name][:] for name in group if name != "quantities"}
+        group = self._file.group("monitor", optional=True)
+        return {name: self._series(group, name, 1, 3) for name in group.names() if name != "quantities"} if group else {}
+
+    def _series(self, group, name, *columns):
+        """Over the steps, a column alone as (steps,)."""
+        values = group.numbers(name, *((None,) if count == 1 else (None, count) for count in columns))
+        if len(values) < len(self.steps):
+            raise group.refused(name, f"{len(values)} rows for {len(self.steps)} steps")
+        return values[:len(self.steps)]
 
     def quantities(self):
         """What the list Quantities of the scene asks for, over the steps: {name: (steps,)}."""
-        asked = self._file.get("monitor/quantities")
-        names = _text(self._file["quantities"][()]).split("\n") if asked is not None else []
-        return {name: asked[:, i] for i, name in enumerate(names) if name}
+        group = self._file.group("monitor", optional=True)
+        names = lines(self._file.text("quantities")) if group and "quantities" in group else []
+        if not names:
+            return {}
+        return dict(zip(names, self._series(group, "quantities", len(names)).reshape(len(self.steps), len(names)).T))
 
     def quantity_units(self):
         """{name: unit} of those that have one, where the scene names units."""
-        lines = _text(self._file["quantity_units"][()]).split("\n") if "quantity_units" in self._file else []
-        return dict(zip(self.quantities(), lines))
+        units = lines(self._file.text("quantity_units")) if "quantity_units" in self._file else []
+        return dict(zip(self.quantities(), units))
 
     def series(self, name):
         """Over the steps: a quantity, a time series of the run, or [force:|moment:|rotation:]POINT.x, .y, .z, .norm
@@ -312,23 +553,22 @@ class Run:
 
     def properties(self):
         """Program, machine, threads, ...: {name: text}, with the version."""
-        words = {name: _text(value) for name, value in self._file["properties"].attrs.items()}
-        return {**words, "version": _text(self._file["version"][()])}
+        return {**self._file.group("properties").texts_of_attributes(), "version": self._file.text("version")}
 
     def supported_points(self):
         """Names, in the order of the rows of reactions."""
-        group = self._file.get("supports", {})
-        return [_text(group[str(i)].attrs["point"]) for i in range(len(group))]
+        group = self._file.group("supports", optional=True)
+        return [support.attribute("point", str) for support in group.numbered()] if group else []
 
     def scene_text(self):
         """The input of the run, word for word."""
-        return _text(self._file["scene"][()])
+        return self._file.text("scene")
 
 
-def _column_of(dataset):
-    """Numbers, or the lines of a text, each of which ends in a new line."""
-    return dataset[:] if dataset.shape else _text(dataset[()]).split("\n")[:-1]
+def lines(text):
+    """Each of which ends in a new line, but for the last one."""
+    return text.removesuffix("\n").split("\n") if text else []
 
 
 def _text(value):
-    return value.decode() if isinstance(value, bytes) else str(value)
+    return bytes(value).decode("utf-8", "replace")

@@ -1,12 +1,23 @@
 """The look that all figures share: fonts, colours that colour-blind readers can tell apart, axes, slope triangles."""
 
+import os
+import re
 import sys
 import textwrap
 
-import matplotlib
-import matplotlib.colors
+from command import whole_file
 
-if "matplotlib.pyplot" not in sys.modules:  # a host that has it draws its own way
+if "matplotlib" not in sys.modules:  # a host that has it draws its own way
+    here = os.open(".", os.O_PATH)
+    os.chdir(os.path.dirname(os.path.abspath(__file__)))  # a matplotlibrc in the user's folder is nobody's choice
+    import matplotlib
+    os.fchdir(here)
+    os.close(here)
+    matplotlib.rcdefaults()
+
+import matplotlib.colors  # noqa: E402
+
+if "matplotlib.pyplot" not in sys.modules:
     matplotlib.use("Agg")  # pictures into files, no display needed
 
 import matplotlib.pyplot as plt  # noqa: E402
@@ -89,7 +100,8 @@ def save_all(canvas, path, formats):
     paths = [path.parent / f"{path.name}.{ending}" for ending in formats]
     with plt.rc_context({"figure.constrained_layout.use": False}):
         for file in paths:
-            canvas.savefig(file, bbox_inches=box)
+            with whole_file(file) as stream:
+                canvas.savefig(stream, format=file.suffix[1:], bbox_inches=box)
     plt.close(canvas)
     return paths
 
@@ -142,8 +154,8 @@ def wrapped(text, letters):
 
 
 def literal(name):
-    """A name from a scene as a label that shows it as it is: what stands between dollars would be a formula."""
-    return name.replace("$", r"\$")
+    """A name from a scene as one line that shows it as it is: what stands between dollars would be a formula."""
+    return re.sub(r"[\x00-\x1f\x7f]", " ", name).replace("$", r"\$")
 
 
 def blend(share, first=RED, last=BLUE):

@@ -5,9 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-
-class InputError(Exception):
-    """An input file is missing or is not what a figure needs; the message names file and reason."""
+from command import InputError
 
 
 class NothingToDraw(InputError):

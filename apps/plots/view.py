@@ -98,4 +98,4 @@ class View:
         scale = self.look.scale
         shown = "displacements to scale" if scale == 1.0 else f"displacements times {scale:.6g}"
         length, force = self.run.units
-        return shown + (f"; lengths in {length}, forces in {force}" if length else "; in the units of the scene")
+        return shown + (f"; lengths in {style.literal(length)}, forces in {style.literal(force)}" if length else "; in the units of the scene")

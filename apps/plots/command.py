@@ -1,0 +1,57 @@
+"""What plot, report and view share: how they end, and how their files appear."""
+
+import os
+import secrets
+import sys
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+BAD_INPUT = 2   # exit code, as of all programs of mixbeam
+inputs = set()  # paths that were read: nothing is written over them
+
+
+class InputError(Exception):
+    """An input file is missing or is not what a figure needs; the message names file and reason."""
+
+
+def finish(name, result, work):
+    """Exit code of `mixbeam NAME` about a result file. Prints the paths of the files that `work()` yields."""
+    try:
+        for path in work():
+            print(path, flush=True)
+        return 0
+    except ImportError as error:
+        reason = (f"{error}; the Debian packages python3-matplotlib and python3-h5py hold what is needed (packages in ~/.local "
+                  "are not looked at)")
+    except (InputError, OSError) as error:
+        reason = str(error)
+    except Exception as error:  # of a file that holds what no run writes
+        reason = f"unexpected content ({type(error).__name__}: {error})"
+    print(f"mixbeam {name}: " + (reason if str(result) in reason else f"{result}: {reason}"), file=sys.stderr)
+    return BAD_INPUT
+
+
+@contextmanager
+def whole_file(path):
+    """The stream of a file that appears under its name once it is whole. What was read is not replaced, nor what is no file,
+    and links are not followed. Raises InputError."""
+    path = Path(path)
+    for other in inputs:
+        with suppress(OSError):
+            if os.path.samefile(other, path):
+                raise InputError(f"{path}: is what was read as {other}, and is not written over; allowed: another name")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is there and is no file; allowed: the name of a file")
+    hidden = path.with_name(f".mixbeam-{secrets.token_hex(8)}")
+    try:
+        descriptor = os.open(hidden, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+        try:
+            with open(descriptor, "wb") as stream:
+                yield stream
+            os.replace(hidden, path)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(hidden)
+            raise
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
