@@ -6,6 +6,7 @@
 #include "kernels/execution/execution_space.hpp"
 
 #include <omp.h>
+#include <pthread.h>
 #include <pybind11/pybind11.h>
 #include <unistd.h>
 
@@ -15,6 +16,7 @@
 #include <mutex>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 namespace mixbeam {
@@ -25,10 +27,27 @@ struct Guest {
   std::atomic<int> visitors{0};     ///< that hold it or wait for it
   std::atomic<pid_t> process{0};    ///< that has called last; 0: none so far
   std::atomic<bool> forked{false};  ///< threads of OpenMP do not live on in a forked child, which works on one
+  std::atomic<int> away{0};         ///< threads that are without the interpreter's lock, and will ask for it
+  std::atomic<bool> ends{false};  ///< the interpreter, in the thread `last`: others must not ask for its lock any more
+  std::thread::id last{};
 
   static Guest& instance() {
     static Guest guest;
+    [[maybe_unused]] static const int once = pthread_atfork(nullptr, nullptr, [] { guest.away = 0; });
     return guest;
+  }
+
+  bool is_over_for_this_thread() const { return ends && std::this_thread::get_id() != last; }
+
+  /// Before the interpreter ends: daemon threads come out of the library, and stay outside of the interpreter, which
+  /// would end them in the midst of C++.
+  void end_of_interpreter() {
+    last = std::this_thread::get_id();
+    ends = true;
+    PyThreadState* const released = PyEval_SaveThread();
+    constexpr int kMostMilliseconds = 30'000;  // a callback may wait for what never comes
+    for (int i = 0; away > 0 && i < kMostMilliseconds; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    PyEval_RestoreThread(released);
   }
 };
 
@@ -42,7 +61,7 @@ class Turn {
     set_number_of_threads(threads_);  // a run may have chosen a number
     guest.mutex.unlock();
     --guest.visitors;
-    if (released_ != nullptr) PyEval_RestoreThread(released_);
+    if (released_ != nullptr) come_back(guest);
   }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
@@ -58,8 +77,15 @@ class Turn {
           "this process was forked while another thread was running mixbeam; allowed: start it by the method spawn or "
           "forkserver of multiprocessing, or fork between runs");
     ++guest.visitors;
-    if (PyGILState_Check() != 0) released_ = PyEval_SaveThread();
+    if (PyGILState_Check() != 0) {
+      ++guest.away;
+      released_ = PyEval_SaveThread();
+    }
     guest.mutex.lock();
+    if (guest.is_over_for_this_thread()) {
+      guest.mutex.unlock();
+      stay_away(guest);
+    }
     threads_ = number_of_threads();
     if (guest.forked) set_number_of_threads(1);
   }
@@ -72,6 +98,18 @@ class Turn {
     guest.forked = true;
     omp_set_num_threads(1);  // for libraries below that use OpenMP on their own
     return true;
+  }
+
+  void come_back(Guest& guest) {
+    if (guest.is_over_for_this_thread()) stay_away(guest);
+    PyEval_RestoreThread(released_);
+    --guest.away;
+  }
+
+  /// Until the process ends.
+  [[noreturn]] static void stay_away(Guest& guest) {
+    --guest.away;
+    for (;;) pause();
   }
 
   PyThreadState* released_ = nullptr;
@@ -102,6 +140,7 @@ class Listener {
     constexpr auto kPatience = std::chrono::milliseconds(50);  // nobody notices, and the lock is asked for seldom
     if (stops_ || Clock::now() - heard_ < kPatience) return stops_;
     heard_ = Clock::now();
+    if (Guest::instance().is_over_for_this_thread()) return stops_ = true;
     const pybind11::gil_scoped_acquire lock;
     keep([] {
       if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set();
@@ -112,7 +151,7 @@ class Listener {
 
   template <class... Arguments>
   void call(const Arguments&... arguments) {
-    if (callback_.is_none() || stops_) return;
+    if (callback_.is_none() || stops_ || Guest::instance().is_over_for_this_thread()) return;
     const pybind11::gil_scoped_acquire lock;
     keep([&] { return pybind11::bool_(callback_(arguments...)).cast<bool>(); });
   }

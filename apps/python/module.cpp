@@ -133,6 +133,11 @@ py::tuple resume(const std::string& file, const std::optional<int>& threads, boo
       });
 }
 
+void verify(const std::string& file) {
+  const FileReport report = in_turn([&] { return verify_results(file); });
+  if (!report.damage.empty()) throw InputError(file + ": damaged: " + report.damage);
+}
+
 Run open(const std::string& file) {
   return in_turn([&] { return Run(SolvedRun::from_file(file, Turn::threads({})).release(), DeleteInTurn()); });
 }
@@ -229,5 +234,7 @@ PYBIND11_MODULE(_core, module) {
   module.def("resume", resume);
   module.def("open", open);
   module.def("batch", batch);
+  module.def("verify", verify);
   bind_run(module);
+  py::module_::import("atexit").attr("register")(py::cpp_function([] { Guest::instance().end_of_interpreter(); }));
 }

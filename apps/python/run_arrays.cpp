@@ -188,6 +188,7 @@ void bind_run(py::module_& module) {
       .def("error_estimate", error_estimate_of)
       .def("checks", checks_of)
       .def("report", &SolvedRun::report)
+      .def("require_same_file", &SolvedRun::require_same_file)
       .def("interrupted", &SolvedRun::interrupted)
       .def("warnings", [](const SolvedRun& run) { return run.app().summary.warnings; })
       .def("load_case", [](const SolvedRun& run) { return run.app().load_case; })

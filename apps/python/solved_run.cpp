@@ -9,6 +9,8 @@
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 
 namespace mixbeam {
@@ -43,7 +45,22 @@ SolvedRun::SolvedRun(XmlParameters parameters, const std::optional<int>& threads
   warn_of_scene(app_);
 }
 
+void FileStamp::require_same() const {
+  if (file.empty() || FileStamp(file).words == words) return;
+  throw InputError(file.string() +
+                   ": is another file than the one that was opened, or has gone on since; allowed: to open it again");
+}
+
+FileStamp::FileStamp(const std::filesystem::path& of) : file(std::filesystem::absolute(of)) {
+  struct stat now {};
+  if (stat(file.c_str(), &now) == 0)
+    words = {static_cast<long long>(now.st_dev), static_cast<long long>(now.st_ino),
+             static_cast<long long>(now.st_size), static_cast<long long>(now.st_mtim.tv_sec),
+             static_cast<long long>(now.st_mtim.tv_nsec)};
+}
+
 std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& file, const std::optional<int>& threads) {
+  const FileStamp stamp(file);
   StoredRun stored(file);
   if (property(stored, "program") != "mixbeam")
     throw InputError(file.string() + ": written by \"" + property(stored, "program") +
@@ -65,6 +82,7 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
     step.stability = stored.stability()[i];
   }
   run->stored_ = std::move(stored);
+  run->stamp_ = stamp;
   return run;
 }
 
@@ -79,6 +97,7 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
     if (!file.empty()) locked.lock = lock_or_warn(app_, file);
     const RunEnd end = run_case(app_, load_case, file, locked, resume);
     if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});
+    if (!file.empty()) stamp_ = FileStamp(file);
     return end;
   });
   interrupted_ = code == kInterruptedExitCode;
@@ -119,7 +138,9 @@ Simulation SolvedRun::at(int step) const {
   const KeptStep& kept = steps_[place];
   if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);
   Simulation simulation = *simulation_;
+  stamp_.require_same();
   simulation.restore(stored_->state(place), kept.report.load_factor, kept.stability);
+  stamp_.require_same();
   return simulation;
 }
 

@@ -7,6 +7,7 @@ import tempfile
 import threading
 from pathlib import Path
 
+from . import _core
 from .errors import InputError, unknown
 
 FOLDER = Path(__file__).parent / "plots"
@@ -28,6 +29,8 @@ class _Plots:
             return function(*arguments)
         except sys.modules["results"].InputError as error:
             raise InputError(str(error)) from None
+        except (KeyError, IndexError, TypeError, ValueError, ArithmeticError) as error:
+            raise InputError(f"options that do not fit, or unexpected content of the result file ({error!r})") from None
 
 
 @contextlib.contextmanager
@@ -43,6 +46,7 @@ def modules():
         try:
             with matplotlib.rc_context():
                 matplotlib.rcParams.update(importlib.import_module("style").SETTINGS)
+                importlib.import_module("results").require_whole = lambda file: _core.verify(str(file))
                 yield _Plots
         finally:
             sys.path.remove(str(FOLDER))

@@ -136,6 +136,7 @@ class Run:
     def __init__(self, core, file=None):
         self._core = self._told = core  # what the states are asked for, and what the program has said of the run
         self.file = Path(file) if file else None  # result file; None: nothing was written
+        self._results = None
         for name, values in core.path().items():
             setattr(self, f"{name}s" if name == "load_factor" else name, values)  # of each step
         self.step_numbers = self.__dict__.pop("step")
@@ -238,7 +239,7 @@ class Run:
             return found
         fields = ("position", "displacement", "mode")
         return [SimpleNamespace(kind=point.kind, load_factor=point.load_factor,
-                                load_factor_error=float(point._group.attrs.get("load_factor_error", np.nan)),
+                                load_factor_error=point.load_factor_error,
                                 negative_before=point.negative_before, negative_after=point.negative_after,
                                 modes=point.modes, **{name: point.field(name) for name in fields})
                 for point in self.results.critical_points()]
@@ -264,9 +265,16 @@ class Run:
         """Writes the result file that `mixbeam run` would have written."""
         self._core.write(os.fspath(file))
 
-    @cached_property
+    @property
     def results(self):
-        """The result file as apps/plots reads it; of a run without one, a file that goes away with this object."""
+        """The result file as apps/plots reads it; of a run without one, a file that goes away with this object. Raises InputError
+        where the file is no longer that of this run."""
+        self._core.require_same_file()
+        if self._results is None:
+            self._results = self._open_results()
+        return self._results
+
+    def _open_results(self):
         file = self.file
         if file is None:
             folder = tempfile.mkdtemp(prefix="mixbeam-")
