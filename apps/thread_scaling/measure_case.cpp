@@ -34,7 +34,6 @@ class IterationTimer {
         state_(problem_.model.reference_state()),
         residual_(problem_.model.create_vector()),
         increment_(problem_.model.create_vector()),
-        sparse_method_(sparse_solver_of(parameters.linear.method)),
         tolerance_(parameters.linear.residual_tolerance) {}
 
   /// Residual, tangent, its factors, solve, recovery of the interior and update at the undeformed state, or the one
@@ -71,11 +70,11 @@ class IterationTimer {
     return phases;
   }
 
-  /// The same iteration's matrix gathered, factorised, solved and checked by the sparse solver alone, which is built
+  /// The same iteration's matrix gathered, factorised, solved and checked by KLU2 alone, which is built
   /// when it is first asked for (memory).
   double time_sparse_solver() {
     if (sparse_solver_ == nullptr)
-      sparse_solver_ = make_direct_tangent_solver(problem_.model, sparse_method_, tolerance_);
+      sparse_solver_ = make_direct_tangent_solver(problem_.model, kKlu, tolerance_);
     DofVector x(problem_.model.map());
     sparse_solver_->forget();
     const RunWatch watch;
@@ -90,7 +89,6 @@ class IterationTimer {
   bool is_beside_ = false;  ///< the state is the one next to the undeformed one
   MixedVector residual_, increment_;
   std::optional<Tangent> tangent_;  ///< of the last time()
-  std::string sparse_method_;
   double tolerance_;
   std::unique_ptr<TangentSolver> sparse_solver_;
 };

@@ -82,7 +82,8 @@ inline constexpr const char* kChains = "chains";
 inline constexpr const char* kSparseSolver = kAutomatic;
 /// Name of the method that iterates: see multilevel/network_solver.hpp.
 inline constexpr const char* kIterative = "iterative";
-/// The direct solver that belongs to a method.
+/// What make_direct_solver() is asked for where a method of tangents meets a whole matrix. (A whole tangent needs a
+/// solver by name: kAutomatic means chains there.)
 inline std::string sparse_solver_of(const std::string& method) {
   return method == kChains || method == kIterative ? kSparseSolver : method;
 }

@@ -62,7 +62,7 @@ class DirectSolver : public LinearSolver {
         times_(times),
         correction_(Teuchos::rcp(new DofVector(matrix->getDomainMap()))),
         residual_(Teuchos::rcp(new DofVector(matrix->getRangeMap()))) {
-    if (method == kAutomatic) method_ = independent_loops(*matrix) < kLeastLoopsOfNetwork ? "KLU2" : kMumps;
+    if (method == kAutomatic) method_ = independent_loops(*matrix) < kLeastLoopsOfNetwork ? kKlu : kMumps;
     if (method_ != kMumps && !Amesos2::query(method_))
       throw LinearSolverError("Amesos2 of this Trilinos has no solver \"" + method + "\"");
     const bool is_shared = method_ == kMumps && matrix->getGlobalNumRows() >= kLeastSharedRows;

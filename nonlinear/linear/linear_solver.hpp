@@ -46,6 +46,7 @@ class LinearSolver {
 /// small networks; MUMPS for networks.
 inline constexpr const char* kAutomatic = "automatic";
 inline constexpr const char* kMumps = "MUMPS";
+inline constexpr const char* kKlu = "KLU2";  ///< Amesos2's own
 
 /// A sparse direct solver for `matrix`, whose structure must not change. `method`: an Amesos2 name ("KLU2"), kMumps or
 /// kAutomatic.
