@@ -15,9 +15,9 @@ inline bool is_out_of_memory(const std::exception& error) {
          std::strstr(error.what(), "insufficient memory") != nullptr;
 }
 
-/// Message of an error: its text, but of std::bad_alloc, which has none.
+/// Message of an error: its text, but of std::bad_alloc itself, which has none.
 inline std::string reason_of(const std::exception& error) {
-  return dynamic_cast<const std::bad_alloc*>(&error) != nullptr ? "not enough memory" : error.what();
+  return std::strcmp(error.what(), std::bad_alloc().what()) == 0 ? "not enough memory" : error.what();
 }
 
 }  // namespace mixbeam

@@ -1,9 +1,14 @@
 #include "nonlinear/linear/blas_setup.hpp"
 
+#include <Kokkos_Core.hpp>
+
 #include <dlfcn.h>
+#include <sys/mman.h>
 
 #include <cstdlib>
+#include <new>
 #include <string>
+#include <vector>
 
 namespace mixbeam {
 
@@ -41,20 +46,58 @@ void choose_kernels() {
 void choose_kernels() {}
 #endif
 
+/// OpenBLAS works in rooms of this size, one for each thread that is inside it, and keeps them. [byte]
+constexpr std::size_t kRoomOfBlas = std::size_t{32} << 22;
+int rooms_taken = 0;
+
+using TakeRoom = void*(int);
+
+/// Makes OpenBLAS take so many rooms, of which it touches nothing before it works there; false: they are not to be had.
+/// It asks the system for one that it does not get again and again, for ever.
+bool take_rooms(int count) {
+  const auto take = found<TakeRoom>("blas_memory_alloc");
+  const auto give_back = found<void(void*)>("blas_memory_free");
+  if (take == nullptr || give_back == nullptr || count <= rooms_taken) return true;
+  const std::size_t more = static_cast<std::size_t>(count - rooms_taken) * kRoomOfBlas;
+  void* const probe = mmap(nullptr, more, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (probe == MAP_FAILED) return false;
+  munmap(probe, more);
+  std::vector<void*> rooms(count);
+  for (void*& room : rooms) room = take(1);
+  for (void* room : rooms) give_back(room);
+  rooms_taken = count;
+  return true;
+}
+
+/// Not among what a factorisation throws, after which others would be tried.
+struct NoRoomForBlas : std::bad_alloc {
+  const char* what() const noexcept override {
+    return "OpenBLAS works in a buffer of 134 MB of addresses, which the limit of memory (ulimit -v or -d) does not "
+           "leave; allowed: a limit that is higher by that";
+  }
+};
+
 }  // namespace
+
+double blas_room_to_come() {
+  return rooms_taken == 0 && found<TakeRoom>("blas_memory_alloc") != nullptr ? static_cast<double>(kRoomOfBlas) : 0.0;
+}
 
 void set_up_blas() {
   for (const char* name : {"openblas_set_num_threads", "MKL_Set_Num_Threads", "bli_thread_set_num_threads"})
     if (const auto set_number = found<void(int)>(name)) set_number(1);
   static std::once_flag once;
-  std::call_once(once, choose_kernels);
+  std::call_once(once, [] {
+    choose_kernels();
+    if (!take_rooms(1)) throw NoRoomForBlas();
+  });
 }
 
 std::unique_lock<std::mutex> turn_for_blas() {
   static std::mutex turn;
   static const bool is_sequential = [] {
     const auto kind = found<int()>("openblas_get_parallel");
-    return kind != nullptr && kind() == 0;
+    return (kind != nullptr && kind() == 0) || !take_rooms(Kokkos::DefaultHostExecutionSpace().concurrency());
   }();
   return is_sequential ? std::unique_lock<std::mutex>(turn) : std::unique_lock<std::mutex>();
 }

@@ -122,6 +122,19 @@ TEST_F(Room, WhatDoesNotFitIsRefusedAtOnce) {
   EXPECT_EQ(forced.err.find("needs about"), std::string::npos) << forced.err;
 }
 
+/// 134 MB of addresses for OpenBLAS, which waited for them for ever.
+TEST_F(Room, ALimitWithoutRoomForOpenBlasEndsTheRun) {
+  const std::string column = scene(cantilever(4, 2, "{-5, 0, 0}"));  // beyond its critical load: eigenvalues are wanted
+  for (const auto& [limit, exit_code] : {std::pair{"280000", kBadInput}, {"3000000", kOk}}) {
+    const std::string limited = "ulimit -v " + std::string(limit) +
+                                "; OMP_NUM_THREADS=1 exec timeout -s KILL 30 \"$0\" run \"$1\" --output \"$2\"";
+    const Ended ended = run_process(
+        "/bin/bash", {"-c", limited, program("mixbeam").string(), column, folder_.path().string()}, folder_);
+    EXPECT_EQ(ended.exit_code, exit_code) << ended.err;
+    EXPECT_EQ(ended.err.find("OpenBLAS") != std::string::npos, exit_code == kBadInput) << ended.err;
+  }
+}
+
 /// How often a thread of a run on two threads went to sleep. Unlike times the same on a busy machine and an idle one.
 long times_asleep(const std::string& scene, const std::string& environment, const fs::path& folder) {
   const pid_t process =

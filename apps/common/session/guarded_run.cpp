@@ -26,8 +26,8 @@ constexpr const char* kNoMemory = "not enough memory";
 
 /// Kokkos tells the view and its size, in several lines.
 std::string what_was_wanted(const std::exception& error) {
-  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return "a part of the program's own data does not fit";
   std::string text = error.what();
+  if (text == std::bad_alloc().what()) return "a part of the program's own data does not fit";
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }

@@ -1,6 +1,7 @@
 #include "apps/common/session/machine_room.hpp"
 
 #include "apps/common/tables/formatted.hpp"
+#include "nonlinear/linear/blas_setup.hpp"
 
 #include <sys/resource.h>
 #include <sys/statvfs.h>
@@ -83,7 +84,9 @@ void lower_by_limit(Room& room, decltype(RLIMIT_AS) resource, Statm place, const
   std::ifstream statm("/proc/self/statm");
   double pages = 0.0;
   for (int i = 0; i <= place; ++i) statm >> pages;
-  lower(room, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)), name);
+  const double buffer = blas_room_to_come();  // all of it counts here; elsewhere the part that is touched
+  lower(room, static_cast<double>(limit.rlim_cur) - pages * static_cast<double>(sysconf(_SC_PAGESIZE)) - buffer,
+        name + (buffer > 0.0 ? ", less " + bytes_text(buffer) + " for the buffer of OpenBLAS" : ""));
 }
 
 }  // namespace
