@@ -180,10 +180,19 @@ auto naming(const std::filesystem::path& path, const Action& action) {
 }  // namespace
 
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable) {
+  replace_file(
+      path, [&](const TextSink& sink) { sink(text); }, durable);
+}
+
+void replace_file(const std::filesystem::path& path, const std::function<void(const TextSink&)>& write, bool durable) {
   naming(path, [&] {
     Replacement replacement(path);
     DiskFile file(replacement.hidden_path(), DiskAccess::create);
-    file.write(0, text.data(), text.size());
+    std::uint64_t size = 0;
+    write([&](const std::string& piece) {
+      file.write(size, piece.data(), piece.size());
+      size += piece.size();
+    });
     file.close();
     replacement.publish(durable);
   });

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -93,6 +94,11 @@ class Replacement {
 
 /// Puts `text` into a file of this name in one indivisible operation. Throws FileError.
 void replace_file(const std::filesystem::path& path, const std::string& text, bool durable);
+
+/// What takes the next piece of a text.
+using TextSink = std::function<void(const std::string&)>;
+/// The same for a text that is too long to be held in memory: `write` hands it over piece by piece.
+void replace_file(const std::filesystem::path& path, const std::function<void(const TextSink&)>& write, bool durable);
 
 /// When a file replaces one that bears its name already.
 enum class Appears { at_once, when_closed };

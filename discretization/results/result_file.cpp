@@ -117,7 +117,7 @@ ResultFile::ResultFile(const StoredRun& run, const Communicator& communicator, W
     ranks_.on_root([&] {
       SealedFile stored(path_);
       const hdf5::File source(stored.content(), hdf5::FileUse::read);
-      for (StepLabel& label : labels_) label.stresses = stored_stresses(source, label.step);
+      for (XdmfStep& label : labels_) label.stresses = stored_stresses(source, label.step);
       file_.begin(stored.is_sealed() ? stored.seal().block : kLargeBlock, [&](GuardedFile& content) {
         hdf5::File target(content, hdf5::FileUse::create);
         copy_steps(source, target, labels_.size(), run.monitor());
@@ -251,13 +251,12 @@ void ResultFile::check_consistent(const StepRecord& record) const {
 }
 
 void ResultFile::write_xdmf() {
-  std::vector<XdmfStep> steps;
-  for (const auto& label : labels_)
-    steps.push_back({"/steps/" + step_group_name(label.step), label.step, label.load_factor, label.stresses});
   const std::size_t members = member_count_, samples = sample_count_;
   const bool durable = false;  // it can be made again from the result file
-  replace_file(xdmf_path_, xdmf_text(path_.filename().string(), steps, members, samples, samples + 2 * members),
-               durable);
+  const auto write = [&](const TextSink& sink) {
+    write_xdmf_text(sink, path_.filename().string(), labels_, members, samples, samples + 2 * members);
+  };
+  replace_file(xdmf_path_, write, durable);
   steps_in_xdmf_ = labels_.size();
 }
 

@@ -61,6 +61,7 @@
 #include "discretization/results/published_file.hpp"
 #include "discretization/results/rank_agreement.hpp"
 #include "discretization/results/result_lock.hpp"
+#include "discretization/results/result_tables.hpp"
 #include "discretization/results/stored_run.hpp"
 #include "discretization/state/member_samples.hpp"
 
@@ -112,12 +113,6 @@ class ResultFile {
   const std::filesystem::path& path() const { return path_; }
 
  private:
-  struct StepLabel {
-    int step = 0;
-    double load_factor = 0.0;
-    std::vector<std::string> stresses{};  ///< known to rank 0
-  };
-
   void take_place();
   void or_give_up(const std::function<void()>& step);
   void check_consistent(const StepRecord& record) const;
@@ -132,7 +127,7 @@ class ResultFile {
   std::vector<SampledMember> members_;  ///< of every step, those of this rank at least
   std::size_t member_count_ = 0, sample_count_ = 0;
   StepSummary previous_;           ///< describes what is monitored
-  std::vector<StepLabel> labels_;  ///< of all published steps
+  std::vector<XdmfStep> labels_;   ///< of all published steps; names of stresses known to rank 0
   std::size_t steps_in_xdmf_ = 0;  ///< known to rank 0
   bool failed_ = false;
   bool closed_ = false;

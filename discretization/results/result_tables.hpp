@@ -2,6 +2,7 @@
 /// that it holds, and their XDMF description. Layout in result_file.hpp.
 #pragma once
 
+#include "discretization/results/disk_file.hpp"
 #include "discretization/results/rank_agreement.hpp"
 #include "discretization/results/seal.hpp"
 #include "discretization/state/member_samples.hpp"
@@ -80,15 +81,14 @@ std::vector<ResultTable> tables_of_step(const StepRecord& record, RankNumber ran
 
 /// What the description needs to know about one step.
 struct XdmfStep {
-  std::string group;  ///< of the step in the HDF5 file, "/steps/000001"
-  int step = 0;       ///< shown as time, because the load factor need not grow
+  int step = 0;  ///< shown as time, because the load factor need not grow
   double load_factor = 0.0;
   std::vector<std::string> stresses{};  ///< names, as stresses_of_step
 };
 
-/// XDMF text for `steps` of the HDF5 file named `data_file` (as seen from the folder of the XDMF file). Every member is
-/// one polyline through its deformed samples; `connectivity` is the length of /polyline/connectivity.
-std::string xdmf_text(const std::string& data_file, const std::vector<XdmfStep>& steps, std::size_t members,
-                      std::size_t samples, std::size_t connectivity);
+/// Writes XDMF text for `steps` of the HDF5 file named `data_file` (as seen from the folder of the XDMF file). Every
+/// member is one polyline through its deformed samples; `connectivity` is the length of /polyline/connectivity.
+void write_xdmf_text(const TextSink& sink, const std::string& data_file, const std::vector<XdmfStep>& steps,
+                     std::size_t members, std::size_t samples, std::size_t connectivity);
 
 }  // namespace mixbeam

@@ -19,7 +19,7 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
                       std::size_t connectivity) {
   const std::string vectors = std::to_string(samples) + " 3";
   const std::string real = "NumberType=\"Float\" Precision=\"8\"";
-  const std::string place = file + ":" + step.group + "/";
+  const std::string place = file + ":/steps/" + step_group_name(step.step) + "/";
   std::string text = "      <Grid Name=\"step " + std::to_string(step.step) + "\" GridType=\"Uniform\">\n";
   text += "        <Time Value=\"" + std::to_string(step.step) + "\"/>\n";
   text +=
@@ -42,14 +42,20 @@ std::string step_grid(const std::string& file, const XdmfStep& step, std::size_t
 
 }  // namespace
 
-std::string xdmf_text(const std::string& data_file, const std::vector<XdmfStep>& steps, std::size_t members,
-                      std::size_t samples, std::size_t connectivity) {
+void write_xdmf_text(const TextSink& sink, const std::string& data_file, const std::vector<XdmfStep>& steps,
+                     std::size_t members, std::size_t samples, std::size_t connectivity) {
+  constexpr std::size_t kPiece = std::size_t{1} << 16;
   const std::string file = xml_escaped(data_file);
   std::string text =
       "<?xml version=\"1.0\" ?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n"
       "    <Grid Name=\"steps\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (const auto& step : steps) text += step_grid(file, step, members, samples, connectivity);
-  return text + "    </Grid>\n  </Domain>\n</Xdmf>\n";
+  for (const auto& step : steps) {
+    text += step_grid(file, step, members, samples, connectivity);
+    if (text.size() < kPiece) continue;
+    sink(text);
+    text.clear();
+  }
+  sink(text + "    </Grid>\n  </Domain>\n</Xdmf>\n");
 }
 
 }  // namespace mixbeam

@@ -135,6 +135,29 @@ TEST_F(Room, ALimitWithoutRoomForOpenBlasEndsTheRun) {
   }
 }
 
+/// The description of all steps was held as one text: 12 kB a step.
+TEST_F(Room, StepsDoNotGrowTheProgram) {
+  constexpr int kFew = 50, kMany = 450;
+  constexpr double kOfStep = 3000.0;  // byte; what is kept of each takes 450, and heaps grow in blocks
+  const auto peak = [&](int steps) {
+    const std::string fixed =
+        "<ParameterList name=\"Solver\"><ParameterList name=\"Load Path\"><Parameter name=\"Method\" type=\"string\" "
+        "value=\"fixed\"/><Parameter name=\"Steps\" type=\"int\" value=\"" +
+        std::to_string(steps) + "\"/></ParameterList></ParameterList>";
+    const std::vector<std::string> words = {"run",
+                                            scene(cantilever(2, 1, "{0, 1, 0}", fixed)),
+                                            "--quiet",
+                                            "--threads",
+                                            "1",
+                                            "--output",
+                                            folder_.path().string()};
+    const Cost cost = wait_for(start_process(program("mixbeam"), words, folder_.path()));
+    EXPECT_TRUE(WIFEXITED(cost.status) && WEXITSTATUS(cost.status) == kOk);
+    return cost.peak;
+  };
+  EXPECT_LT(peak(kMany) - peak(kFew), kOfStep * (kMany - kFew));
+}
+
 /// How often a thread of a run on two threads went to sleep. Unlike times the same on a busy machine and an idle one.
 long times_asleep(const std::string& scene, const std::string& environment, const fs::path& folder) {
   const pid_t process =
