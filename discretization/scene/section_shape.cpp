@@ -14,8 +14,12 @@ namespace {
 
 constexpr double kZeta5 = 1.03692775514336992633;  // Riemann's zeta function at 5
 
+/// Stresses of unit forces go with the third power, and what searches for the largest with the eighth.
+constexpr double kSmallestLength = 1e-30, kLargestLength = 1e30;
+
 void require_length(double value, const std::string& name) {
-  require(std::isfinite(value) && value > 0.0, name + " is " + shortest(value) + "; allowed: a length > 0");
+  require(value >= kSmallestLength && value <= kLargestLength,
+          name + " is " + shortest(value) + "; allowed: a length > 0, from 1e-30 to 1e30 in the unit of the scene");
 }
 
 double square(double x) { return x * x; }

@@ -96,7 +96,7 @@ void climb_inside(SectionPoint p, const SectionPoint& size, const Inside& inside
     }
     double fraction = 1.0;
     for (bool higher = false; !higher; fraction *= 0.5) {
-      if (fraction * std::hypot(s2, s3) <= kEnough) return;
+      if (!(fraction * std::hypot(s2, s3) > kEnough)) return;  // nan, too
       const SectionPoint next = {p[0] + fraction * s2 * size[0], p[1] + fraction * s3 * size[1]};
       if (!inside(next)) continue;
       const PlaneJet there = f.jet(next[0], next[1]);

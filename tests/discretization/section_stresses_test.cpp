@@ -204,6 +204,23 @@ double energy_ratio(const SectionShape& shape, std::size_t component) {
   return by_stresses * stiffness[component];
 }
 
+/// The largest and the smallest that make_section takes: 16 T / (pi d^3) of a torque.
+TEST(SectionStresses, TinyAndHugeCirclesHaveTheirStresses) {
+  constexpr double kRounding = 1e-12, kOfForce = 1e-8;  // 16 / 3 of the force's 1e-9, at most
+  for (const double diameter : {1e-30, 1.0, 1e30}) {
+    SectionShape shape;
+    shape.kind = SectionShapeKind::circle;
+    shape.size2 = diameter;
+    shape.youngs_modulus = 1.0;
+    SectionForces forces{};
+    forces.moment[0] = std::pow(diameter, 3);
+    forces.force[1] = 1e-9 * diameter * diameter;  // the largest one is then looked for
+    EXPECT_NEAR(SectionStresses(shape).largest(forces).shear.value, 16.0 / M_PI, kOfForce) << diameter;
+    forces.force[1] = 0.0;
+    EXPECT_NEAR(SectionStresses(shape).largest(forces).shear.value, 16.0 / M_PI, kRounding * 16.0 / M_PI) << diameter;
+  }
+}
+
 TEST(SectionStresses, EnergyIsThatOfTheSection) {
   for (const NamedShape& s : all_shapes())
     for (const std::size_t component : {0, 4, 5}) EXPECT_NEAR(energy_ratio(s.shape, component), 1.0, kExact) << s.name;
