@@ -9,7 +9,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <sstream>
 
 namespace mixbeam {
 
@@ -23,14 +22,7 @@ constexpr const char* kStart =
     "runpy.run_path(sys.argv[0], run_name='__main__')";
 
 /// Debian's Python has Debian's packages; another one earlier in PATH need not.
-std::vector<std::string> interpreters() {
-  std::vector<std::string> found = {"/usr/bin/python3"};
-  const char* const path = std::getenv("PATH");
-  std::istringstream folders(path == nullptr ? "" : path);
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (!folder.empty() && folder[0] == '/') found.push_back(folder + "/python3");
-  return found;
-}
+const std::vector<std::string> kInterpreters = {"/usr/bin/python3", "python3"};
 
 /// Exit code of a program, -1 when it cannot be started or is killed. `folder`: it works there, and its messages are of
 /// no interest.
@@ -53,7 +45,7 @@ int exit_code_of(std::vector<std::string> words, const std::string& folder = "")
   posix_spawnattr_setsigdefault(&attributes, &as_usual);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t process = 0;
-  const int problem = posix_spawn(&process, argv[0], &actions, &attributes, argv.data(), environ);
+  const int problem = posix_spawnp(&process, argv[0], &actions, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   int status = 0;
@@ -63,9 +55,8 @@ int exit_code_of(std::vector<std::string> words, const std::string& folder = "")
 
 /// `folder`: of the scripts, where matplotlib finds no settings of somebody else.
 std::string suitable_python(const std::string& folder) {
-  for (const std::string& python : interpreters())
-    if (access(python.c_str(), X_OK) == 0 && exit_code_of({python, kIsolated, "-c", kNeeded}, folder) == 0)
-      return python;
+  for (const std::string& python : kInterpreters)
+    if (exit_code_of({python, kIsolated, "-c", kNeeded}, folder) == 0) return python;
   throw InputError(
       "pictures need Python with numpy, matplotlib and h5py; none of \"/usr/bin/python3\" and \"python3\" in PATH has "
       "them (Debian: apt-get install python3-matplotlib python3-h5py); packages in ~/.local and PYTHONPATH do not "

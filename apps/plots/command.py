@@ -44,14 +44,11 @@ def whole_file(path):
         raise InputError(f"{path}: is there and is no file; allowed: the name of a file")
     hidden = path.with_name(f".mixbeam-{secrets.token_hex(8)}")
     try:
-        descriptor = os.open(hidden, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
-        try:
-            with open(descriptor, "wb") as stream:
-                yield stream
-            os.replace(hidden, path)
-        except BaseException:
-            with suppress(OSError):
-                os.unlink(hidden)
-            raise
+        with open(hidden, "xb") as stream:  # O_EXCL: of no link either
+            yield stream
+        os.replace(hidden, path)
     except OSError as error:
         raise InputError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        with suppress(OSError):
+            os.unlink(hidden)

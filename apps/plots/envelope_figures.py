@@ -22,12 +22,12 @@ class Envelope:
         with open_file(path) as file:
             self.names, self.runs = lines(file.text("quantities")), lines(file.text("runs"))
             group, shape = file.group("envelope"), (len(self.names),)
-            self.largest, self.smallest = (group.numbers(name, shape) for name in ("largest", "smallest"))
-            self.largest_in, self.smallest_in = (group.numbers(name, shape) for name in ("largest_in", "smallest_in"))
+            self.largest, self.smallest = (group.read(name, shape) for name in ("largest", "smallest"))
+            self.largest_in, self.smallest_in = (group.read(name, shape) for name in ("largest_in", "smallest_in"))
             if not all(np.all((0 <= found) & (found < len(self.runs))) for found in (self.largest_in, self.smallest_in)):
                 raise group.refused("", "names a run that is not there")
             values = group.group("values")
-            self.values = np.array([values.numbers(str(i), shape) for i in range(len(self.runs))])
+            self.values = np.array([values.read(str(i), shape) for i in range(len(self.runs))])
 
     def case(self, run):
         """The name of the load case of a run, by its number."""

@@ -6,7 +6,7 @@ import os
 import re
 import resource
 import subprocess
-from functools import cached_property, wraps
+from functools import cache, cached_property
 from pathlib import Path
 
 import h5py
@@ -14,93 +14,54 @@ import numpy as np
 
 from command import InputError, inputs
 
-
 MANY_MEMBERS = 200
 PROGRAM = Path(os.path.abspath(__file__)).parent.parent / "mixbeam"  # beside which these scripts are installed
-NUMBER, WHOLE = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE
-FIELDS = {**dict.fromkeys(("position", "displacement", "mode", "reference_position"), (3,)), "triad": (4,),
-          **{f"{kind}_{what}": (3,) for kind in ("material", "spatial") for what in ("force", "moment")},
-          **{name: (3,) for name in ("force_strain", "moment_strain", "triad_1", "triad_2", "triad_3")},
+SLOWEST = 5_000_000  # bytes in a second that it verifies
+NUMBER, WHOLE, TEXT = h5py.h5t.IEEE_F64LE, h5py.h5t.STD_I32LE, None  # what files hold, in the shapes that follow
+VECTORS = "position displacement mode reference_position material_force material_moment force_strain moment_strain triad_1 triad_2 triad_3"
+FIELDS = {**dict.fromkeys(VECTORS.split(), (3,)), "triad": (4,), "arc_length": (), "element": (),
           **dict.fromkeys(("von_mises_stress", "largest_normal_stress", "largest_shear_stress", "utilisation"), ())}
-PLACED = {"place": (2,), "position": (3,), "point": None, "begins": ()}
-ALONG = {"member": (), "begins": ()}
-ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,), "prescribed": (6,)},  # None: texts
-          "joints": {**PLACED, "name": None, "kind": None, "axis": (3,), "stiffness": ()},
+PLACED, ALONG = {"place": (2,), "position": (3,), "point": TEXT, "begins": ()}, {"member": (), "begins": ()}
+ACTING = {"supports": {**PLACED, "axes": (9,), "fixed": (6,), "stiffness": (6,), "prescribed": (6,)},
+          "joints": {**PLACED, "name": TEXT, "kind": TEXT, "axis": (3,), "stiffness": ()},
           "point_loads": {**PLACED, "force": (3,), "moment": (3,), "follower": ()},
           "line_loads": {**ALONG, "force": (27,), "couple": (27,), "follower": ()},
           "eigenstrains": {**ALONG, "strain": (27,), "curvature": (27,)},
-          "sections": {"name": None, "shape": None, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
+          "sections": {"name": TEXT, "shape": TEXT, "dimensions": (36,), "strength": (9,)}, "members": {"section": ()}}
+LAYOUTS = (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED)
 JUMP = ("from", "to", "released", "motion", "largest", "place")
 
 
-def require_whole(path):
-    """Of a file that `mixbeam verify` refuses: raises InputError with its words. It works in a process of its own, with
-    limits, for the HDF5 library may crash or grow on a hostile file."""
-    if not PROGRAM.is_file():
-        return
-    size = path.stat().st_size
-    seconds = 10 + size // 50_000_000
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_AS, ((4 << 30) + 2 * size,) * 2)
-        resource.setrlimit(resource.RLIMIT_CPU, (seconds,) * 2)
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-    try:
+@cache
+def require_whole(path, _inode, size, _changed):
+    """Raises InputError where `mixbeam verify` refuses a file, in a process with limits: HDF5 may crash or grow on hostile ones."""
+    most = lambda: resource.setrlimit(resource.RLIMIT_AS, ((4 << 30) + 2 * size,) * 2)
+    if PROGRAM.is_file():
         ended = subprocess.run([PROGRAM, "verify", path.absolute()], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                               text=True, errors="replace", timeout=8 * seconds, preexec_fn=limit)
-    except subprocess.TimeoutExpired:
-        raise InputError(f"{path}: damaged: it cannot be read in {8 * seconds} s") from None
-    if ended.returncode:
+                               text=True, errors="replace", timeout=80 + size / SLOWEST, preexec_fn=most)
         words = ended.stderr.strip().removeprefix("mixbeam: bad input: ").replace(str(path.absolute()), str(path))
-        raise InputError(words if ended.returncode == 2 else f"{path}: damaged: reading it ended mixbeam verify ({ended.returncode})")
-
-
-def stamp_of(path):
-    """Tells whether a path still names the file that it named before."""
-    now = os.stat(path)
-    return now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns
-
-
-_whole = {}  # stamps of files that were verified
+        if ended.returncode:
+            raise InputError(words if ended.returncode == 2 else f"{path}: damaged: mixbeam verify ended with {ended.returncode}")
 
 
 def open_file(path):
-    """The root Group of a file, once it is known to be whole. Raises InputError."""
+    """The root Group of a file that is whole. Raises InputError."""
     inputs.add(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no file")
-    if _whole.get(path) != stamp_of(path):
-        stamp = stamp_of(path)
-        require_whole(path)
-        _whole[path] = stamp
+    now = path.stat()
     try:
+        require_whole(path, now.st_ino, now.st_size, now.st_mtime_ns)
         file = h5py.File(path, "r")
-    except Exception as error:
+    except (OSError, subprocess.TimeoutExpired) as error:
         raise InputError(f"{path}: not a readable HDF5 file ({error})") from None
-    return Group(h5py.h5g.open(file.id, b"/"), path, path.stat().st_size, file=file)
-
-
-def _refusing(method):
-    """Whatever the HDF5 library says of an object becomes an InputError that names it."""
-    @wraps(method)
-    def refusing(group, *arguments, **options):
-        try:
-            return method(group, *arguments, **options)
-        except InputError:
-            raise
-        except Exception as error:
-            raise group.refused(arguments[0] if arguments else "", str(error) or type(error).__name__) from None
-    return refusing
+    return Group(h5py.h5g.open(file.id, b"/"), path, now.st_size, file=file)
 
 
 class Group:
-    """The only reader of HDF5. It follows hard links alone, and before it reads it compares with what is declared: numbers of
-    8 bytes, whole ones of 4, texts of a fixed length, in the shape that the caller names, stored in the file itself and
-    therefore no larger than it."""
+    """The only reader of HDF5: it follows hard links alone, and compares with what is declared before it reads: numbers of 8
+    bytes, whole ones of 4, texts of fixed length, in the shape that is named, in the file itself and no larger than it."""
 
     def __init__(self, held, path, size, place="", file=None):
-        self._held, self._path, self._size, self._place, self._file = held, path, size, place, file
+        self._held, self._path, self.size, self._place, self._file = held, path, size, place, file
 
     def __enter__(self):
         return self
@@ -111,89 +72,89 @@ class Group:
     def refused(self, name, reason):
         return InputError(f"{self._path}: damaged, or no result file of mixbeam: {self._place}/{name}: {reason}")
 
-    @_refusing
     def names(self):
         return sorted(name.decode("utf-8", "replace") for name in self._held)
 
-    @_refusing
     def __contains__(self, name):
         return self._held.links.exists(name.encode())
 
-    @_refusing
-    def is_group(self, name):
-        return name in self and isinstance(self._opened(name), h5py.h5g.GroupID)
+    def opened(self, name, kind=object):
+        if name not in self or self._held.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+            raise self.refused(name, "is a link, which may leave the file" if name in self else "is not there")
+        found = h5py.h5o.open(self._held, name.encode())
+        if not isinstance(found, kind):
+            raise self.refused(name, f"a {type(found).__name__}; allowed: a {kind.__name__}")
+        return found
 
-    @_refusing
     def group(self, name, optional=False):
         """None where it is optional and not there."""
-        if optional and name not in self:
-            return None
-        return Group(self._opened(name, h5py.h5g.GroupID), self._path, self._size, f"{self._place}/{name}")
+        if not optional or name in self:
+            return Group(self.opened(name, h5py.h5g.GroupID), self._path, self.size, f"{self._place}/{name}")
 
-    def _opened(self, name, kind=None):
-        if name not in self:
-            raise self.refused(name, "is not there")
-        if self._held.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
-            raise self.refused(name, "a link that may leave the file; allowed: the thing itself")
-        opened = h5py.h5o.open(self._held, name.encode())
-        if kind and not isinstance(opened, kind):
-            raise self.refused(name, f"a {type(opened).__name__}; allowed: a {kind.__name__}")
-        return opened
+    def numbered(self, name):
+        """Groups 0, 1, ... in a group of that name, where it is there."""
+        group = self.group(name, optional=True)
+        return [group.group(str(number)) for number in range(len(group.names()))] if group else []
 
-    def _stored(self, name, kind, *shapes):
-        """A dataset of a kind (None: texts) in one of the shapes, in which None stands for any number."""
-        data = self._opened(name, h5py.h5d.DatasetID)
+    def read(self, name, *shapes, kind=NUMBER, rows=()):
+        """In one of the shapes, in which None stands for any number."""
+        data = self.opened(name, h5py.h5d.DatasetID)
         plan, stored, shape = data.get_create_plist(), data.get_type(), data.shape
-        if plan.get_layout() not in (h5py.h5d.COMPACT, h5py.h5d.CONTIGUOUS, h5py.h5d.CHUNKED) or plan.get_external_count() \
-                or plan.get_nfilters():
-            raise self.refused(name, "is stored elsewhere or packed; allowed: numbers in the file itself")
-        if not (isinstance(stored, h5py.h5t.TypeStringID) and not stored.is_variable_str() if kind is None else stored.equal(kind)):
-            raise self.refused(name, "of another type than the declared one")
-        if not any(len(shape) == len(one) and all(b in (None, a) for a, b in zip(shape, one)) for one in shapes):
-            raise self.refused(name, f"of shape {shape}; allowed: {' or '.join(map(str, shapes))}")
-        if math.prod(shape) * stored.get_size() > min(data.get_storage_size(), self._size):
+        if plan.get_layout() not in LAYOUTS or plan.get_external_count() or plan.get_nfilters():
+            raise self.refused(name, "is packed, or stored elsewhere than in the file itself")
+        if not _is_of(stored, kind) or not any(len(shape) == len(one) and all(b in (None, a) for a, b in zip(shape, one)) for one in shapes):
+            raise self.refused(name, f"{stored.dtype} of shape {shape}; allowed: {' or '.join(map(str, shapes))} of the declared type")
+        if math.prod(shape) * stored.get_size() > min(data.get_storage_size(), self.size):
             raise self.refused(name, "is larger than what the file holds of it")
-        return h5py.Dataset(data)
+        return h5py.Dataset(data)[rows]
 
-    @_refusing
-    def numbers(self, name, *shapes, kind=NUMBER, rows=()):
-        return self._stored(name, kind, *shapes)[rows]
-
-    @_refusing
     def text(self, name):
-        return _text(self._stored(name, None, ())[()])
+        return _text(self.read(name, (), kind=TEXT))
 
-    @_refusing
-    def texts(self, name, count):
-        return [_text(one) for one in self._stored(name, None, (count,))[:]]
-
-    @_refusing
-    def has_attribute(self, name):
-        return h5py.h5a.exists(self._held, name.encode())
-
-    @_refusing
     def attribute(self, name, kind=float, default=None):
         """One float, int or str."""
-        if default is not None and not self.has_attribute(name):
+        if default is not None and not h5py.h5a.exists(self._held, name.encode()):
             return default
         found = h5py.h5a.open(self._held, name.encode())
-        stored, wanted = found.get_type(), {float: NUMBER, int: WHOLE}.get(kind)
-        fits = stored.equal(wanted) if wanted else isinstance(stored, h5py.h5t.TypeStringID) and not stored.is_variable_str()
-        if not fits or found.get_space().get_simple_extent_type() != h5py.h5s.SCALAR:
+        value, is_one = np.empty((), found.get_type().dtype), found.get_space().get_simple_extent_type() == h5py.h5s.SCALAR
+        if not is_one or not _is_of(found.get_type(), {float: NUMBER, int: WHOLE, str: TEXT}[kind]):
             raise self.refused(name, f"no single {kind.__name__}")
-        value = np.empty((), dtype=stored.dtype)
         found.read(value)
-        return kind(value) if wanted else _text(value[()])
+        return _text(value[()]) if kind is str else kind(value)
 
-    @_refusing
-    def texts_of_attributes(self):
-        names = [h5py.h5a.open(self._held, index=i).name.decode("utf-8", "replace") for i in range(h5py.h5a.get_num_attrs(self._held))]
-        return {name: self.attribute(name, str) for name in names}
+    def attributes(self):
+        """{name: text}."""
+        count = h5py.h5a.get_num_attrs(self._held)
+        return {name: self.attribute(name, str) for name in (h5py.h5a.open(self._held, index=i).name.decode() for i in range(count))}
 
-    @_refusing
-    def numbered(self):
-        """Groups 0, 1, ..."""
-        return [self.group(str(number)) for number in range(len(self.names()))]
+
+def _refusing(method):
+    """Whatever the HDF5 library says becomes an InputError that names the object."""
+    def refusing(group, *arguments, **options):
+        try:
+            return method(group, *arguments, **options)
+        except InputError:
+            raise
+        except Exception as error:
+            raise group.refused(arguments[0] if arguments else "", error) from None
+    return refusing
+
+
+for _name in ("names", "__contains__", "opened", "group", "numbered", "read", "attribute", "attributes"):
+    setattr(Group, _name, _refusing(getattr(Group, _name)))
+
+
+def _is_of(stored, kind):
+    return isinstance(stored, h5py.h5t.TypeStringID) and not stored.is_variable_str() if kind is TEXT else stored.equal(kind)
+
+
+def lines(text):
+    """Each of which ends in a new line, but for the last one."""
+    return text.removesuffix("\n").split("\n") if text else []
+
+
+def _text(value):
+    return bytes(value).decode("utf-8", "replace")
 
 
 class Member:
@@ -226,39 +187,25 @@ class Member:
 
 def _members(group):
     """Of a result file, in the order of the scene."""
-    if not group.is_group("names") and "names" in group:
-        count = len(group.numbers("samples", (None,), kind=WHOLE))
-        names = group.texts("names", count)
-        firsts, counts = (group.numbers(name, (count,), kind=WHOLE).tolist() for name in ("first_sample", "samples"))
-        total, whole = sum(counts), {}  # each field is read at once: members are many and short
+    old = "names" not in group or isinstance(group.opened("names"), h5py.h5g.GroupID)  # before format 4 a group for each
+    if old:
+        groups = sorted(((name, group.group(name)) for name in group.names()), key=lambda one: one[1].attribute("index", int))
+        names = [name for name, _ in groups]
+        firsts, counts = (np.array([one.attribute(what, int) for _, one in groups]) for what in ("first_sample", "samples"))
+    else:
+        firsts, counts = (group.read(name, (None,), kind=WHOLE).astype(int) for name in ("first_sample", "samples"))
+        names = [_text(name) for name in group.read("names", counts.shape, kind=TEXT)]
+    if not len(counts) or counts.min() < 2 or 8 * counts.sum() > group.size or (firsts != np.cumsum(counts) - counts).any():
+        raise group.refused("", "numbers of samples that do not fit one another or the file")
 
-        def read(field, first, end):
-            if field not in whole:
-                whole[field] = _field_of_members(group, field, total)
-            return whole[field][first:end]
+    @cache  # each field is read at once: members are many and short
+    def whole(name):
+        parts = [(one, count) for (_, one), count in zip(groups, counts)] if old else [(group, counts.sum())]
+        kind = WHOLE if name == "element" else NUMBER
+        return np.concatenate([one.read(name, (count, *FIELDS[name]), kind=kind) for one, count in parts])
 
-        members = [Member(name, index, first, count, lambda field, first=first, end=first + count: read(field, first, end))
-                   for index, (name, first, count) in enumerate(zip(names, firsts, counts))]
-    else:  # before format 4 a group for each
-        groups = {name: group.group(name) for name in group.names()}
-        ordered = sorted(groups, key=lambda name: groups[name].attribute("index", int))
-        members = [Member(name, index, groups[name].attribute("first_sample", int), groups[name].attribute("samples", int), None)
-                   for index, name in enumerate(ordered)]
-        for one in members:
-            one._read = lambda field, one=one: _field_of_members(groups[one.name], field, one.samples.stop - one.samples.start)
-    expected = 0
-    for one in members:
-        if one.samples.start != expected or one.samples.stop - expected < 2 or 8 * one.samples.stop > group._size:
-            raise group.refused(one.name, "samples that do not follow those before, or are too few or too many")
-        expected = one.samples.stop
-    if not members:
-        raise group.refused("", "no members")
-    return members
-
-
-def _field_of_members(group, name, rows):
-    tail, kind = {"reference_position": ((3,), NUMBER), "element": ((), WHOLE)}.get(name, ((), NUMBER))
-    return group.numbers(name, (rows, *tail), kind=kind)
+    return [Member(name, index, first, count, lambda field, own=slice(first, first + count): whole(field)[own])
+            for index, (name, first, count) in enumerate(zip(names, firsts.tolist(), counts.tolist()))]
 
 
 class Selection:
@@ -279,7 +226,7 @@ class Selection:
 
     def of(self, group, name):
         """A field of the group."""
-        values = group.numbers(name, (self.samples, *FIELDS[name]))
+        values = group.read(name, (self.samples, *FIELDS[name]))
         return values if self._rows is None else values[self._rows]
 
     def numbers(self, numbers):
@@ -304,7 +251,7 @@ class CriticalPoint:
     def monitored(self, name):
         """Components of a monitored quantity, None where the file has none of that name."""
         group = self._group.group("monitor", optional=True)
-        return group.numbers(name, (None,)) if group and name in group else None
+        return group.read(name, (None,)) if group and name in group else None
 
 
 class Step:
@@ -321,8 +268,7 @@ class Step:
 
     def critical_points(self):
         """Those that the path passed since the step before."""
-        group = self._group.group("critical_points", optional=True)
-        return [CriticalPoint(point, self._selection) for point in group.numbered()] if group else []
+        return [CriticalPoint(point, self._selection) for point in self._group.numbered("critical_points")]
 
     @property
     def jump(self):
@@ -340,17 +286,17 @@ class Step:
 
     def rows(self, name, numbers):
         """Some rows of a field without reading the others; `numbers` ascending."""
-        return self._group.numbers(name, (self._selection.samples, *FIELDS[name]), rows=self._selection.numbers(numbers))
+        return self._group.read(name, (self._selection.samples, *FIELDS[name]), rows=self._selection.numbers(numbers))
 
     def reactions(self, supports):
         """Forces and moments, (supports, 6)."""
-        return self._group.numbers("reactions", (supports, 6))
+        return self._group.read("reactions", (supports, 6))
 
     def residual_histories(self):
         """Scale-free residuals of every attempt at the step, the successful one last; empty where the file has none."""
         if "residual_history" not in self._group:
             return []
-        rows = self._group.numbers("residual_history", (None, 3), (None,))
+        rows = self._group.read("residual_history", (None, 3), (None,))
         if rows.ndim == 1:
             return [rows]
         return [rows[rows[:, 0] == attempt, -1] for attempt in np.unique(rows[:, 0])]
@@ -376,14 +322,6 @@ class Run:
             raise InputError(f"{path}: no such file" + (f"; of load cases there are {beside}" if beside else ""))
         self.path = path
         self._file = open_file(path)
-        try:
-            self._read(case, members)
-        except BaseException:
-            self.__exit__()
-            raise
-
-    def _read(self, case, members):
-        path = self.path
         if self._file.attribute("format", str, "") != "mixbeam results":
             if "envelope" not in self._file:
                 raise InputError(f"{path}: HDF5, but not a result file of mixbeam")
@@ -436,27 +374,16 @@ class Run:
     def acting(self):
         """What acts on the structure, {"supports", "joints", "point_loads", "line_loads"}: tables by their columns."""
         group, tables = self._file.group("acting", optional=True), {}
-        for name in ACTING if group else ():
-            table = group.group(name, optional=True)
-            if table:
-                tables[name] = self._table(table, {column: tail for column, tail in ACTING[name].items() if column in table})
-        sections = len(tables.get("sections", {}).get("name", ()))
-        for name, table in tables.items():  # numbers of members, and of sections
-            numbers = [(table[column], self._members_in_file) for column in ("member",) if column in table]
-            numbers += [(table["place"][:, 0], self._members_in_file)] if "place" in table else []
-            numbers += [(table["section"], sections)] if "section" in table else []
-            if not all(np.all((first >= 0) & (first < count)) for first, count in numbers):
-                raise group.refused(name, "names a member or a section that is not there")
+        for name in filter(group.__contains__, ACTING) if group else ():
+            held = group.group(name)
+            table = tables[name] = {
+                column: lines(held.text(column)) if tail is TEXT else held.read(column, (None, *tail))
+                for column, tail in ACTING[name].items() if column in held}
+            count = len(tables["sections"]["name"]) if name == "members" else self._members_in_file
+            of = [table[column].reshape(len(table[column]), -1)[:, 0] for column in ("place", "member", "section") if column in table]
+            if len(set(map(len, table.values()))) > 1 or not all(np.all((0 <= numbers) & (numbers < count)) for numbers in of):
+                raise group.refused(name, "columns of different lengths, or numbers of what is not there")
         return tables
-
-    @staticmethod
-    def _table(group, columns):
-        """Numbers, or the lines of a text, each of which ends in a new line; as many of each."""
-        table = {name: lines(group.text(name)) if tail is None else group.numbers(name, (None, *tail))
-                 for name, tail in columns.items()}
-        if len({len(column) for column in table.values()}) > 1:
-            raise group.refused("", "columns of different lengths")
-        return table
 
     @property
     def units(self):
@@ -478,8 +405,7 @@ class Run:
 
     def buckling_modes(self):
         """[(load factor, displacements (n, 3))] of the linear buckling analysis of the undeformed structure."""
-        group = self._file.group("buckling", optional=True)
-        return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in group.numbered()] if group else []
+        return [(mode.attribute("load_factor"), self._selection.of(mode, "mode")) for mode in self._file.numbered("buckling")]
 
     def reference(self):
         """Undeformed positions of all samples, (n, 3)."""
@@ -494,7 +420,7 @@ class Run:
 
     def _series(self, group, name, *columns):
         """Over the steps, a column alone as (steps,)."""
-        values = group.numbers(name, *((None,) if count == 1 else (None, count) for count in columns))
+        values = group.read(name, *((None,) if count == 1 else (None, count) for count in columns))
         if len(values) < len(self.steps):
             raise group.refused(name, f"{len(values)} rows for {len(self.steps)} steps")
         return values[:len(self.steps)]
@@ -553,22 +479,12 @@ class Run:
 
     def properties(self):
         """Program, machine, threads, ...: {name: text}, with the version."""
-        return {**self._file.group("properties").texts_of_attributes(), "version": self._file.text("version")}
+        return {**self._file.group("properties").attributes(), "version": self._file.text("version")}
 
     def supported_points(self):
         """Names, in the order of the rows of reactions."""
-        group = self._file.group("supports", optional=True)
-        return [support.attribute("point", str) for support in group.numbered()] if group else []
+        return [support.attribute("point", str) for support in self._file.numbered("supports")]
 
     def scene_text(self):
         """The input of the run, word for word."""
         return self._file.text("scene")
-
-
-def lines(text):
-    """Each of which ends in a new line, but for the last one."""
-    return text.removesuffix("\n").split("\n") if text else []
-
-
-def _text(value):
-    return bytes(value).decode("utf-8", "replace")

@@ -61,7 +61,10 @@ class Turn {
     set_number_of_threads(threads_);  // a run may have chosen a number
     guest.mutex.unlock();
     --guest.visitors;
-    if (released_ != nullptr) come_back(guest);
+    if (released_ == nullptr) return;
+    if (guest.is_over_for_this_thread()) stay_away(guest);
+    PyEval_RestoreThread(released_);
+    --guest.away;
   }
   Turn(const Turn&) = delete;
   Turn& operator=(const Turn&) = delete;
@@ -98,12 +101,6 @@ class Turn {
     guest.forked = true;
     omp_set_num_threads(1);  // for libraries below that use OpenMP on their own
     return true;
-  }
-
-  void come_back(Guest& guest) {
-    if (guest.is_over_for_this_thread()) stay_away(guest);
-    PyEval_RestoreThread(released_);
-    --guest.away;
   }
 
   /// Until the process ends.

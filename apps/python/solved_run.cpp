@@ -9,9 +9,8 @@
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -45,22 +44,19 @@ SolvedRun::SolvedRun(XmlParameters parameters, const std::optional<int>& threads
   warn_of_scene(app_);
 }
 
-void FileStamp::require_same() const {
-  if (file.empty() || FileStamp(file).words == words) return;
-  throw InputError(file.string() +
-                   ": is another file than the one that was opened, or has gone on since; allowed: to open it again");
-}
-
-FileStamp::FileStamp(const std::filesystem::path& of) : file(std::filesystem::absolute(of)) {
+void SolvedRun::require_same_file() const {
   struct stat now {};
-  if (stat(file.c_str(), &now) == 0)
-    words = {static_cast<long long>(now.st_dev), static_cast<long long>(now.st_ino),
-             static_cast<long long>(now.st_size), static_cast<long long>(now.st_mtim.tv_sec),
-             static_cast<long long>(now.st_mtim.tv_nsec)};
+  const auto stamp = [](const struct stat& of) {
+    return std::make_tuple(of.st_dev, of.st_ino, of.st_size, of.st_mtim.tv_sec, of.st_mtim.tv_nsec);
+  };
+  if (file_.empty() || (stat(file_.c_str(), &now) == 0 && stamp(now) == stamp(opened_))) return;
+  throw InputError(file_.string() +
+                   ": is another file than that of this run, or has gone on since; allowed: to open it again");
 }
 
 std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& file, const std::optional<int>& threads) {
-  const FileStamp stamp(file);
+  struct stat before {};
+  stat(file.c_str(), &before);
   StoredRun stored(file);
   if (property(stored, "program") != "mixbeam")
     throw InputError(file.string() + ": written by \"" + property(stored, "program") +
@@ -82,7 +78,8 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
     step.stability = stored.stability()[i];
   }
   run->stored_ = std::move(stored);
-  run->stamp_ = stamp;
+  run->file_ = std::filesystem::absolute(file);
+  run->opened_ = before;
   return run;
 }
 
@@ -97,7 +94,8 @@ void SolvedRun::solve(const std::string& load_case, const std::filesystem::path&
     if (!file.empty()) locked.lock = lock_or_warn(app_, file);
     const RunEnd end = run_case(app_, load_case, file, locked, resume);
     if (end == RunEnd::arrived) fail_what_was_missed(app_, {load_case});
-    if (!file.empty()) stamp_ = FileStamp(file);
+    file_ = file.empty() ? file : std::filesystem::absolute(file);
+    stat(file_.c_str(), &opened_);
     return end;
   });
   interrupted_ = code == kInterruptedExitCode;
@@ -138,9 +136,9 @@ Simulation SolvedRun::at(int step) const {
   const KeptStep& kept = steps_[place];
   if (!stored_) return simulation_->at(kept.state, kept.report.load_factor, kept.stability);
   Simulation simulation = *simulation_;
-  stamp_.require_same();
+  require_same_file();
   simulation.restore(stored_->state(place), kept.report.load_factor, kept.stability);
-  stamp_.require_same();
+  require_same_file();
   return simulation;
 }
 

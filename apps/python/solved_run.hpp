@@ -3,7 +3,8 @@
 
 #include "apps/common/run/application.hpp"
 
-#include <array>
+#include <sys/stat.h>
+
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,17 +14,6 @@
 #include <vector>
 
 namespace mixbeam {
-
-/// Tells whether a path still names the file that it named before.
-struct FileStamp {
-  FileStamp() = default;
-  explicit FileStamp(const std::filesystem::path& of);
-  /// Throws InputError.
-  void require_same() const;
-
-  std::filesystem::path file{};      ///< none: always the same
-  std::array<long long, 5> words{};  ///< device, inode, size, time of the last change
-};
 
 class SolvedRun {
  public:
@@ -54,7 +44,7 @@ class SolvedRun {
   /// The structure in the state of a step, counted from 0, or from the end from -1 on. Throws InputError.
   Simulation at(int step) const;
   /// Throws InputError where the result file of the run has been replaced.
-  void require_same_file() const { stamp_.require_same(); }
+  void require_same_file() const;
   /// That step with its critical points. Throws InputError.
   const KeptStep& step(int step) const { return steps_[place_of(step)]; }
 
@@ -67,7 +57,8 @@ class SolvedRun {
   std::optional<Simulation> simulation_;  ///< of the last step
   std::vector<KeptStep> steps_;
   std::optional<StoredRun> stored_;  ///< holds the states of the steps, where they come from a file
-  FileStamp stamp_{};                ///< of the result file
+  std::filesystem::path file_{};     ///< of the results, as it was:
+  struct stat opened_ {};
   std::function<void()> on_step_{};
   bool interrupted_ = false;
 };

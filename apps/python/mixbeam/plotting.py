@@ -46,7 +46,7 @@ def modules():
         try:
             with matplotlib.rc_context():
                 matplotlib.rcParams.update(importlib.import_module("style").SETTINGS)
-                importlib.import_module("results").require_whole = lambda file: _core.verify(str(file))
+                importlib.import_module("results").require_whole = lambda file, *_: _core.verify(str(file))
                 yield _Plots
         finally:
             sys.path.remove(str(FOLDER))
