@@ -280,6 +280,24 @@ std::string StepJudge::objection_of_halves(const PathPiece& piece, const StepTes
   return of_first.empty() ? objection({middle, rest, piece.end}, test, depth - 1) : of_first;
 }
 
+namespace {
+
+/// Whether the load factor turns at each limit point: it lies beyond those before and after it, or what was sampled
+/// beside it belongs to two paths.
+bool turns_at_limits(const PathPiece& piece, const std::vector<CriticalPoint>& passed) {
+  const auto load_at = [&](size_t i) { return i < passed.size() ? passed[i].load_factor : piece.end.load_factor; };
+  double before = piece.start.load_factor;
+  for (size_t i = 0; i < passed.size(); before = passed[i++].load_factor) {
+    const double here = passed[i].load_factor, gain = here - before, rest = load_at(i + 1) - here;
+    const double known = passed[i].error + kFlat * std::max(1.0, std::abs(here));
+    const bool passes = gain * rest > 0.0 && std::min(std::abs(gain), std::abs(rest)) > known;
+    if (passes && passed[i].kind == CriticalKind::limit_point) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
   StepFindings findings;
   findings.objection = objection(piece, test);
@@ -288,6 +306,8 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
   if (findings.objection.empty() && changes) {
     try {
       findings.passed = CriticalPointFinder(*this, piece).find();
+      if (!turns_at_limits(piece, findings.passed))
+        findings.objection = "the load factor does not turn at a limit point: the step leads to another path";
     } catch (const NotLocated& error) {
       findings.objection = error.what();
     } catch (const LinearSolverError& error) {
