@@ -36,6 +36,10 @@ class LineFields {
   /// As if there were no field at all.
   void set_zero(const Structure& structure) const;
   LineFieldMagnitude magnitude(double load_factor) const;
+  /// From here on amplitudes run as the clock does.
+  void follow(const std::shared_ptr<const LoadClock>& clock) {
+    for (Field& field : fields_) field.amplitude.follow(clock);
+  }
 
  private:
   /// One vector along the elements of one member on this rank.

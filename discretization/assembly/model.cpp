@@ -14,16 +14,29 @@
 
 namespace mixbeam {
 
+namespace {
+
+Conditions following(const std::shared_ptr<const LoadClock>& clock, Conditions conditions) {
+  if (!clock->have_formulas()) return conditions;
+  for (VertexLoad& load : conditions.loads) load.amplitude.follow(clock);
+  for (VertexSupport& support : conditions.supports) support.amplitude.follow(clock);
+  return conditions;
+}
+
+}  // namespace
+
 Model::Model(std::shared_ptr<const Scene> scene, const Communicator& comm, const ModelOptions& options)
     : scene_(std::move(scene)),
       mesh_(build_mesh(*scene_)),
       structure_(build_structure(*scene_, mesh_, comm->getRank(), comm->getSize())),
+      clock_(std::make_shared<LoadClock>(*scene_)),
       line_fields_(*scene_, mesh_, structure_),
-      conditions_(build_conditions(*scene_, mesh_, structure_)),
+      conditions_(following(clock_, build_conditions(*scene_, mesh_, structure_))),
       constraints_(conditions_),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {
   PhaseTimer timer(times_, "setup");
+  if (clock_->have_formulas()) line_fields_.follow(clock_);
   workspace_->rows = allocate_rows(structure_);
   build_maps(comm);
   fixed_ = KernelView<unsigned char*>("mixbeam::fixed", static_cast<size_t>(kVertexDofs) * structure_.owned_vertices);

@@ -54,6 +54,8 @@ class Model {
   const Conditions& conditions() const { return conditions_; }
   const ConstraintRows& constraints() const { return constraints_; }
   const LineFields& line_fields() const { return line_fields_; }
+  /// With which all amplitudes run; a path sets it.
+  LoadClock& clock() const { return *clock_; }
   const Adjacency& adjacency() const { return adjacency_; }
   /// The plane that the scene keeps to and is solved in, and the blocks of the structure there.
   const std::optional<PlaneAxes>& plane() const { return plane_; }
@@ -97,6 +99,7 @@ class Model {
   std::shared_ptr<const Scene> scene_;
   Mesh mesh_;
   Structure structure_;
+  std::shared_ptr<LoadClock> clock_;
   LineFields line_fields_;
   Conditions conditions_;
   ConstraintRows constraints_;

@@ -113,7 +113,8 @@ namespace {
 // Of each stage: a formula that turns a support at a rate above the one found here only costs load steps.
 constexpr int kSlopeSamples = 64;
 
-double steepest_slope(const Support& support, int stages) {
+double steepest_slope(const Support& support, int stages, const LoadClock& clock) {
+  if (clock.piece()) return clock.largest_rate(support.stage, support.amplitude);
   if (support.amplitude.empty()) return 1.0;
   const Amplitude amplitude(support.stage, stages, support.amplitude);
   double steepest = 0.0;
@@ -126,11 +127,11 @@ double steepest_slope(const Support& support, int stages) {
 
 }  // namespace
 
-double largest_prescribed_rotation(const Scene& scene) {
+double largest_prescribed_rotation(const Scene& scene, const LoadClock& clock) {
   double largest = 0.0;
   for (const Support& s : scene.supports)
     if (!is_zero(s.prescribed_rotation))
-      largest = std::max(largest, steepest_slope(s, scene.stages) * norm(to_vec3(s.prescribed_rotation)));
+      largest = std::max(largest, steepest_slope(s, scene.stages, clock) * norm(to_vec3(s.prescribed_rotation)));
   return largest;
 }
 

@@ -55,8 +55,8 @@ struct Conditions {
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);
 
-/// Largest prescribed rotation of any support per unit of load factor, in radians (whole scene; amplitudes that are
-/// formulas: the steepest slope met at many load factors).
-double largest_prescribed_rotation(const Scene& scene);
+/// Largest prescribed rotation of any support per unit of load factor, or of the parameter of the piece in which the
+/// clock runs, in radians (whole scene; amplitudes that are formulas: the steepest slope met at many load factors).
+double largest_prescribed_rotation(const Scene& scene, const LoadClock& clock);
 
 }  // namespace mixbeam

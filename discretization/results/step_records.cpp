@@ -37,6 +37,8 @@ constexpr std::tuple kFieldsAlongPath = {std::pair{"stage", &PathPoint::stage},
                                          std::pair{"direction", &PathPoint::direction},
                                          std::pair{"negative", &PathPoint::negative},
                                          std::pair{"branched", &PathPoint::branched}};
+constexpr std::tuple kFieldsOfPiece = {std::pair{"piece", &PathPoint::piece},
+                                       std::pair{"parameter", &PathPoint::parameter}};
 constexpr std::tuple kCriticalPointFields = {std::pair{"kind", &RecordedCriticalPoint::kind},
                                              std::pair{"load_factor", &RecordedCriticalPoint::load_factor},
                                              std::pair{"negative_before", &RecordedCriticalPoint::negative_before},
@@ -183,6 +185,7 @@ void write_step(hid_t file, const StepRecord& record) {
     const auto state = write_state(group, record.state);
     visit_fields(record.point, kPointFields, Writing{state});
     visit_fields(record.point, kFieldsAlongPath, Writing{state});
+    if (record.point.piece >= 0.0) visit_fields(record.point, kFieldsOfPiece, Writing{state});
     if (record.point.jumps > 0) hdf5::write_attribute(state, kJumps, record.point.jumps);
   }
   write_monitor(file, record);
@@ -205,6 +208,7 @@ PathPoint read_point(hid_t step, const std::string& name) {
   // What files of versions that followed no path by its length do not tell keeps its default.
   point.stage = static_cast<int>(std::clamp(std::ceil(point.load_factor * (1.0 - kSameLoadFactor)), 1.0, 1e9));
   if (hdf5::has_attribute(state, "path_length")) visit_fields(point, kFieldsAlongPath, Reading{state});
+  if (hdf5::has_attribute(state, "piece")) visit_fields(point, kFieldsOfPiece, Reading{state});
   if (hdf5::has_attribute(state, kJumps)) hdf5::read_attribute(state, kJumps, point.jumps);
   return point;
 }

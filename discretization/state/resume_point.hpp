@@ -101,6 +101,9 @@ struct PathPoint {
   int direction = 1;         ///< sign of the change of the load factor along the path here
   int negative = -1;         ///< eigenvalues of the tangent below zero; -1: not counted
   bool branched = false;     ///< the path has left the primary one at a bifurcation
+  // Where loads have formulas only, see LoadClock:
+  double piece = -1.0;     ///< where the piece of the stage begins; below zero: there is none
+  double parameter = 0.0;  ///< of the step in the piece
 };
 
 /// Scaled maximum norm of the residual after an iteration (0: before the first one) of an attempt at a step.

@@ -53,7 +53,7 @@ NotFinite origin_of(const BeamGroup& group, const BeamGroup* previous, int itera
     origin.source = NotFinite::Source::load_factor;
     return origin;
   }
-  origin.what = load_not_finite(model.scene(), group.load_factor());
+  origin.what = load_not_finite(model.scene(), model.clock().load_factor(group.load_factor()));
   if (!origin.what.empty()) {
     origin.source = NotFinite::Source::load;
     return origin;
@@ -136,7 +136,7 @@ void AttemptLog::iterated(const BeamGroup& group, const BeamGroup* previous, int
 void AttemptLog::failed(const BeamGroup& group, int iterations) {
   const BeamProblem& problem = group.problem();
   present_.step = steps_ + 1;
-  present_.load_factor = group.load_factor();
+  present_.load_factor = problem.model.clock().load_factor(group.load_factor());
   present_.iterations = iterations;
   present_.linear_solver = problem.last_failure;
   const bool has_origin = present_.not_finite && present_.not_finite->source != NotFinite::Source::increment;

@@ -44,7 +44,7 @@ class AutomaticPath {
         range_(range),
         recorder_(recorder),
         goal_(problem->model, parameters.analysis.control, range.to),
-        rule_(step_size_rule(problem->model.scene(), parameters)),
+        rule_(step_size_rule(problem->model, parameters)),
         corrector_(problem, parameters, recorder.record()),
         judge_(problem, parameters, recorder.counts(), range.to),
         measure_(judge_.measure()),
@@ -74,6 +74,7 @@ class AutomaticPath {
   PathDirection increments(const Correction& found) const {
     return {found.moved.clone(true), found.load_factor - here_.load_factor};
   }
+  double load_factor(double parameter) const { return judge_.loads().load_factor(parameter); }
   bool may_try() { return attempts_left_-- > 0; }
   bool arrived() const { return goal_.is_reached(here_.state, here_.load_factor); }
   double goal_now() const { return goal_.at(here_.state, here_.load_factor); }
@@ -155,7 +156,7 @@ class AutomaticPath {
       if (take_branch(point, passed)) return true;
     if (!passed.empty())
       goal_.require_motion(start_of_goal_, next,
-                           "the structure buckles at load factor " + rounded(passed.front().load_factor, 6));
+                           "the structure buckles at load factor " + rounded(load_factor(passed.front().load_factor), 6));
     way_->add(measure_, moved, problem_->model, passed);
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
@@ -219,8 +220,8 @@ class AutomaticPath {
     length_ = spin > 0.0 ? kFirstSpin / spin : 1.0;
     const double to_goal = std::abs((goal_.value() - goal_now()) / rate);
     if (std::isfinite(to_goal)) length_ = std::min(length_, to_goal);
-    // one stage; where loads have formulas not as far as the load step that has failed: it would be tried again
-    const double farthest = judge_.loads().have_formulas() ? size_ / kReach : 1.0;
+    // one stage; where loads are not proportional not as far as the load step that has failed: it would be tried again
+    const double farthest = judge_.loads().is_straight(here_.load_factor, range_.to) ? 1.0 : size_ / kReach;
     length_ = std::min(length_, farthest / std::max(std::abs(here_.tangent.load), 1e-300));
     return true;
   }
@@ -252,7 +253,8 @@ class AutomaticPath {
   void adapt_length(const Correction& found, double length, const PathDirection& before) {
     const PathDirection moved = increments(found);
     const double cosine = std::abs(measure_.cosine(before.x, moved.x));
-    const double angle = 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
+    const bool is_still = measure_.motion(moved.x) < kNoMotion;  // the load alone measures the path: it has no angle
+    const double angle = is_still ? 0.0 : 2.0 * std::acos(std::clamp(cosine, 0.0, 1.0));
     length_ = length * growth_along_path(found.iterations, angle, parameters_.analysis.trace);
   }
 
@@ -297,7 +299,7 @@ class AutomaticPath {
     const std::optional<MixedVector> direction =
         branch_direction(*problem_, parameters_.analysis, measure_, from.eigenspace);
     if (!direction)
-      throw GaveUp{"the mode of the bifurcation at load factor " + rounded(from.load_factor, 6) +
+      throw GaveUp{"the mode of the bifurcation at load factor " + rounded(load_factor(from.load_factor), 6) +
                    " does not move the point that chooses the branch"};
     const auto stays_near = [&](const Correction& found) {
       if (!found.converged) not_converged();
@@ -305,7 +307,7 @@ class AutomaticPath {
              (goal_.is_controlled() || found.load_factor <= range_.to);
     };
     const auto point = first_point_of_branch(*problem_, corrector_, measure_, from, *direction, stays_near);
-    if (!point) throw GaveUp{"the branch at load factor " + rounded(from.load_factor, 6) + " could not be taken"};
+    if (!point) throw GaveUp{"the branch at load factor " + rounded(load_factor(from.load_factor), 6) + " could not be taken"};
     const PathDirection moved{point->found.moved.clone(true), point->found.load_factor - from.load_factor};
     branched_ = along_path_ = true;
     length_ = point->amplitude;

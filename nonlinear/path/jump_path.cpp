@@ -30,7 +30,7 @@ class JumpPath {
         parameters_(parameters),
         range_(range),
         recorder_(recorder),
-        rule_(step_size_rule(problem->model.scene(), parameters)),
+        rule_(step_size_rule(problem->model, parameters)),
         corrector_(problem, parameters, recorder.record()),
         judge_(problem, parameters, recorder.counts(), range.to),
         here_{start, range.from, {problem->model.create_vector(), 0.0}, {}},

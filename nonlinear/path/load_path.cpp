@@ -23,17 +23,27 @@ std::string problem_of_end_angles(const BeamProblem& problem, const State& state
          "\" turns by pi against its vertices, where rotations are no longer unique";
 }
 
-/// What is left of a stage for a path that stands at the end of `result`.
-StageRange range_of_stage(int stage, int stages, const SolverParameters& parameters, const PathControl& control,
+/// Whether a path that was stopped has left a piece behind, or stands in a later one.
+bool is_behind(const LoadPiece& piece, const PathControl& control) {
+  if (!control.resume || control.resume->step == 0) return false;
+  const PathPoint& stopped = *control.resume;
+  if (stopped.piece < 0.0) return !piece.is_plain && stopped.load_factor >= piece.to;
+  return stopped.piece > piece.from || (stopped.piece == piece.from && is_end_of_stage(stopped.parameter, piece.end()));
+}
+
+/// What is left of a piece of a stage for a path that stands at the end of `result`.
+StageRange range_of_stage(int stage, const LoadPiece& piece, const BeamProblem& problem,
+                          const SolverParameters& parameters, const PathControl& control,
                           const LoadPathResult& result) {
   StageRange range;
   range.stage = stage;
-  range.from = stage - 1;
-  range.to = stage;
-  range.attempts = parameters.load_path.most_steps(stages) - result.steps;
+  range.piece = piece;
+  range.from = piece.from;
+  range.to = piece.end();
+  range.attempts = parameters.load_path.most_steps(problem.model.scene().stages) - result.steps;
   const bool inside = control.resume && result.steps == control.resume->step && result.load_factor != range.from;
   if (!inside) return range;
-  range.from = control.resume->load_factor;
+  range.from = control.resume->piece >= 0.0 ? control.resume->parameter : control.resume->load_factor;
   range.attempts = control.resume->attempts_left;
   range.before = control.resume;
   return range;
@@ -43,12 +53,45 @@ StageRange range_of_stage(int stage, int stages, const SolverParameters& paramet
 int finished_stages(const PathControl& control) {
   if (!control.resume) return 0;
   const int stage = control.resume->stage;
-  return control.resume->step > 0 && is_end_of_stage(control.resume->load_factor, stage) ? stage : stage - 1;
+  const double load_factor = control.resume->load_factor;
+  const bool jumps_next = control.resume->piece >= 0.0 && load_factor < stage;
+  return control.resume->step > 0 && is_end_of_stage(load_factor, stage) && !jumps_next ? stage : stage - 1;
+}
+
+/// Where loads turn or jump there is an end; with fixed steps each that is asked for ends a piece too.
+std::vector<LoadPiece> pieces_of_stage(int stage, const BeamProblem& problem, const SolverParameters& parameters) {
+  if (parameters.analysis.control || !problem.model.clock().have_formulas()) {
+    LoadPiece whole{stage - 1.0, 1.0 * stage};
+    whole.is_plain = true;
+    return {whole};
+  }
+  std::vector<LoadPiece> pieces = problem.model.clock().pieces(stage);
+  if (parameters.load_path.method != LoadPathMethod::fixed || pieces.front().is_plain) return pieces;
+  std::vector<LoadPiece> divided;
+  for (LoadPiece piece : pieces) {
+    const double to = piece.to;
+    for (int i = 1; i < parameters.load_path.steps && !piece.is_jump; ++i) {
+      const double end = stage - 1.0 + static_cast<double>(i) / parameters.load_path.steps;
+      if (end <= piece.from * (1.0 + kSameLoadFactor) || end >= to * (1.0 - kSameLoadFactor)) continue;
+      piece.to = end;
+      divided.push_back(piece);
+      piece.from = end;
+    }
+    piece.to = to;
+    divided.push_back(piece);
+  }
+  return divided;
 }
 
 bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
                   const StageRange& range, PathRecorder& recorder) {
   if (range.attempts <= 0) return false;
+  LoadClock& clock = problem->model.clock();
+  const struct Running {
+    LoadClock& clock;
+    ~Running() { clock.run(std::nullopt); }
+  } running{clock};
+  clock.run(range.piece);
   problem->forget_tangents();  // as where a path is resumed
   const bool jumps = parameters.analysis.snap == Snap::jump;
   const bool automatic = parameters.load_path.method == LoadPathMethod::automatic;
@@ -61,7 +104,7 @@ bool follow_stage(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
 
 void give_up(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
              LoadPathResult& result) {
-  const double minimum = step_size_rule(problem->model.scene(), parameters).minimum;
+  const double minimum = step_size_rule(problem->model, parameters).minimum;
   const int most = parameters.load_path.most_steps(problem->model.scene().stages);
   const bool used_up = result.steps + result.failed_steps >= most;
   result.report = report_failure(*problem, parameters, {state, result.steps, result.load_factor, minimum, used_up});
@@ -120,8 +163,12 @@ LoadPathResult follow_load_path(const Teuchos::RCP<BeamProblem>& problem, const 
   bool goes_on = finished == 0 || is_trustworthy(problem, state, recorder);
   for (int stage = finished + 1; goes_on && stage <= stages; ++stage) {
     const int before = problem->work.newton_iterations;
-    const StageRange range = range_of_stage(stage, stages, parameters, control, result);
-    const bool arrived = follow_stage(problem, parameters, state, range, recorder);
+    bool arrived = true;
+    for (const LoadPiece& piece : pieces_of_stage(stage, *problem, parameters)) {
+      if (!arrived || is_behind(piece, control)) continue;
+      arrived = follow_stage(problem, parameters, state,
+                             range_of_stage(stage, piece, *problem, parameters, control, result), recorder);
+    }
     result.iterations_of_stage.push_back(problem->work.newton_iterations - before);
     result.newton_iterations += result.iterations_of_stage.back();
     if (result.interrupted) return result;

@@ -19,9 +19,9 @@ namespace mixbeam {
 
 namespace {
 
-Teuchos::ParameterList loca_list(const Scene& scene, const SolverParameters& parameters, double from, double to,
+Teuchos::ParameterList loca_list(const Model& model, const SolverParameters& parameters, double from, double to,
                                  int steps_left) {
-  const StepSizeRule rule = step_size_rule(scene, parameters);
+  const StepSizeRule rule = step_size_rule(model, parameters);
   Teuchos::ParameterList loca("LOCA");
   Teuchos::ParameterList& stepper = loca.sublist("Stepper");
   stepper.set("Continuation Method", "Natural").set("Continuation Parameter", std::string(kLoadFactor));
@@ -177,11 +177,11 @@ class StepsAreExamined : public NOX::StatusTest::Generic {
 
 bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters,
                             const State& start, const StageRange& range, PathRecorder& recorder) {
-  const Scene& scene = problem->model.scene();
+  const Model& model = problem->model;
   const auto top = Teuchos::rcp(new Teuchos::ParameterList("mixbeam"));
-  top->sublist("LOCA") = loca_list(scene, parameters, range.from, range.to, range.attempts);
+  top->sublist("LOCA") = loca_list(model, parameters, range.from, range.to, range.attempts);
   top->sublist("NOX") = nox_list(problem, parameters, recorder.record());
-  const auto sizes = Teuchos::rcp(new StepSizeFactory(step_size_rule(scene, parameters), range.last_step()));
+  const auto sizes = Teuchos::rcp(new StepSizeFactory(step_size_rule(model, parameters), range.last_step()));
   recorder.enter_stage(range.stage, range.attempts);
   const Teuchos::RCP<LOCA::GlobalData> global = LOCA::createGlobalData(top, sizes);
   bool arrived = false;
@@ -214,7 +214,7 @@ bool follow_stage_with_loca(const Teuchos::RCP<BeamProblem>& problem, const Solv
     throw;
   }
   LOCA::destroyGlobalData(global);
-  return arrived && is_end_of_stage(recorder.load_factor(), range.to);
+  return arrived && is_end_of_stage(recorder.parameter(), range.to);
 }
 
 }  // namespace mixbeam

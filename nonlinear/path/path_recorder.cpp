@@ -1,5 +1,8 @@
 #include "nonlinear/path/path_recorder.hpp"
 
+#include <cmath>
+#include <utility>
+
 namespace mixbeam {
 
 PathRecorder::PathRecorder(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, State& state,
@@ -34,29 +37,65 @@ void PathRecorder::leave_stage() {
   failed_in_stage_ = 0;
 }
 
+/// In load factors, as they are reported.
+void PathRecorder::keep(const ConvergedStep& step) {
+  const LoadClock& clock = problem_->model.clock();
+  if (started_) ++successes_;
+  for (const CriticalPoint& point : step.critical_points) {
+    passed_.push_back(point);
+    if (!clock.piece()) continue;
+    const double low = clock.load_factor(point.load_factor - point.error),
+                 high = clock.load_factor(point.load_factor + point.error);
+    passed_.back().load_factor = clock.load_factor(point.load_factor);
+    passed_.back().error = 0.5 * std::abs(high - low);
+  }
+  if (!step.jump) return;
+  RecordedJump jump = *step.jump;
+  jump.from = clock.load_factor(jump.from);
+  jump.to = clock.load_factor(jump.to);
+  if (jump_) {
+    jump.from = jump_->from;
+    jump.released += jump_->released;
+    jump.motion += jump_->motion;
+    jump.factorizations += jump_->factorizations;
+  }
+  jump_ = std::move(jump);
+}
+
 void PathRecorder::converged(const ConvergedStep& step) {
   if (started_ && step.load_factor == result_.load_factor && step.critical_points.empty() && successes_ == 0) {
     record_.clear();  // the start of a later stage is the end of the one before
     return;
   }
-  state_ = step.state;
-  if (started_) ++successes_;
+  LoadClock& clock = problem_->model.clock();
+  parameter_ = step.load_factor;
+  keep(step);
+  // Where loads are on the way of a jump, or beyond what their formulas reach, no load factor stands for them.
+  if (clock.piece() && clock.at(step.load_factor).beyond != 0.0) return;
   StepReport report;
+  report.load_factor = clock.load_factor(step.load_factor);
+  const std::optional<LoadPiece> piece = clock.run(std::nullopt);
+  state_ = step.state;
   report.step = started_ ? ++result_.steps : 0;
-  report.load_factor = result_.load_factor = step.load_factor;
+  result_.load_factor = report.load_factor;
   report.newton_iterations = problem_->work.newton_iterations - counted_;
   report.residual = step.residual;
   if (reports_stability_) {
     report.stability = step.stability;
     report.held_stability = step.held_stability;
-    report.critical_points = step.critical_points;
-    critical_points_ += static_cast<int>(step.critical_points.size());
+    report.critical_points = std::move(passed_);
+    critical_points_ += static_cast<int>(report.critical_points.size());
   }
-  report.jump = step.jump;
-  jumps_ += step.jump ? 1 : 0;
-  if (looks_at_end_ && is_end_of_stage(step.load_factor, stage_))
-    report.stability = Stability(*problem_).sign_by_iteration(step.state, step.load_factor);
+  passed_.clear();
+  report.jump = std::exchange(jump_, std::nullopt);
+  jumps_ += report.jump ? 1 : 0;
+  if (looks_at_end_ && is_end_of_stage(report.load_factor, stage_))
+    report.stability = Stability(*problem_).sign_by_iteration(step.state, report.load_factor);
   report.point = point(step, report.stability);
+  if (piece) {
+    report.point.piece = piece->from;
+    report.point.parameter = step.load_factor;
+  }
   report.history = record_.history;
   counted_ = problem_->work.newton_iterations;
   started_ = true;
@@ -64,8 +103,9 @@ void PathRecorder::converged(const ConvergedStep& step) {
   record_.clear();
   problem_->attempts.step_completed(result_.steps);
   if (observer_) observer_(report, state_);
-  const bool at_end = !is_controlled_ && step.load_factor >= problem_->model.scene().stages;
+  const bool at_end = !is_controlled_ && report.load_factor >= problem_->model.scene().stages;
   if (!at_end && control_.stop && control_.stop()) throw PathInterrupted();
+  clock.run(piece);
 }
 
 void PathRecorder::rejected(const std::string& cause, int iterations) {

@@ -18,6 +18,7 @@ struct StageRange {
   double from = 0.0, to = 1.0;
   int attempts = 0;                   ///< steps that may be tried
   std::optional<PathPoint> before{};  ///< of `from` when the stage is resumed there
+  LoadPiece piece{};                  ///< of the stage; `from` and `to` are parameters of it
 
   /// The load step that led to `from`.
   std::optional<LastStep> last_step() const {
@@ -50,6 +51,8 @@ class PathRecorder {
 
   SolveRecord& record() { return record_; }
   double load_factor() const { return result_.load_factor; }
+  /// Of the last step, in the piece of the stage that is followed.
+  double parameter() const { return parameter_; }
   /// Counts negative eigenvalues to check steps, whether or not stability is asked for; null where that is not
   /// affordable.
   Stability* counts() { return stability_.get(); }
@@ -74,6 +77,7 @@ class PathRecorder {
   void rejected(const std::string& cause, int iterations);
 
  private:
+  void keep(const ConvergedStep& step);
   PathPoint point(const ConvergedStep& step, const std::optional<StabilityResult>& stability) const;
 
   Teuchos::RCP<BeamProblem> problem_;
@@ -89,6 +93,9 @@ class PathRecorder {
   int attempts_ = 0, attempts_made_ = 0, successes_ = 0, failed_in_stage_ = 0;
   int counted_ = 0;
   int critical_points_ = 0, jumps_ = 0;  ///< on the whole path so far
+  double parameter_ = 0.0;
+  std::vector<CriticalPoint> passed_{};  ///< since the last step that was reported, as jump_
+  std::optional<RecordedJump> jump_{};
   bool started_ = false, branched_ = false;
   bool is_controlled_ = false;  ///< by a displacement: then no load factor is the end of the path
 };

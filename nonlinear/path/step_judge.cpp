@@ -36,10 +36,13 @@ constexpr double kFlat = 1e-5;
 constexpr double kStiffened = 0.1, kEndCosine = 0.5;
 /// Parts that move by a smaller share of what the part that moves farthest does stand still.
 constexpr double kLeastShare = 1e-8;
+/// In which loads are looked at.
+constexpr int kPartsOfStep = 8;
 /// Newton's method half-way starts near the path.
 constexpr int kMostIterationsHalfway = 15;
 
 const char* const kBends = "the path bends too much: another one may have been met";
+const char* const kTurnBack = "the loads turn back within the step";
 const char* const kGoesBack = "the load factor goes back within the step";
 
 /// Whether counts exist at both ends and inside, and agree.
@@ -137,8 +140,19 @@ std::string StepJudge::objection_where_loads_turn(const PathPiece& piece) const 
   end.tangent = secant_tangent(piece.end, from, to);
   if (!start.has_tangent() || !end.has_tangent()) return kBends;
   for (const Part& part : parts_of({start, piece.moved, end}))
-    if (!(std::min(part.first, part.last) >= kStraight)) return "the loads turn back within the step";
+    if (!(std::min(part.first, part.last) >= kStraight)) return kTurnBack;
   return "";
+}
+
+/// Where the ends lie together: whether the loads move nothing on the way either.
+bool StepJudge::loads_move_nothing(const PathPiece& piece) const {
+  const double from = piece.start.load_factor, size = piece.end.load_factor - from;
+  for (int part = 0; part < kPartsOfStep; ++part) {
+    const PathDirection rate =
+        secant_tangent(piece.start, from + size * part / kPartsOfStep, from + size * (part + 1) / kPartsOfStep);
+    if (!(measure_.motion(rate.x) < kNoMotion * std::abs(rate.load))) return false;
+  }
+  return true;
 }
 
 PathDirection StepJudge::cubic(const PathPiece& piece, double at) const {
@@ -212,8 +226,11 @@ std::string StepJudge::objection_to_count(const PathPiece& piece, int negative) 
 }
 
 std::string StepJudge::objection(const PathPiece& piece, const StepTest& test, int depth) {
-  if (measure_.motion(piece.moved.x) < kNoMotion || !piece.start.has_tangent() || !piece.end.has_tangent()) return "";
-  if (!loads_.is_straight(piece.start.load_factor, piece.end.load_factor)) return objection_where_loads_turn(piece);
+  if (!piece.start.has_tangent() || !piece.end.has_tangent()) return "";
+  const bool moves = measure_.motion(piece.moved.x) >= kNoMotion;
+  if (!loads().is_straight(piece.start.load_factor, piece.end.load_factor))
+    return moves ? objection_where_loads_turn(piece) : loads_move_nothing(piece) ? "" : kTurnBack;
+  if (!moves) return "";
   bool looks = test.always_looks, dips = false, is_bent = false;
   for (const Part& part : parts_of(piece)) {
     const bool hardly_moves = test.may_stiffen && part.ends_stiff;
@@ -316,7 +333,8 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
   }
   if (!findings.objection.empty())
     findings.objection +=
-        " (load factor " + rounded(piece.start.load_factor, 6) + " to " + rounded(piece.end.load_factor, 6) + ")";
+        " (load factor " + rounded(loads().load_factor(piece.start.load_factor), 6) + " to " +
+        rounded(loads().load_factor(piece.end.load_factor), 6) + ")";
   return findings;
 }
 

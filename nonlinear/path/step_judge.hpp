@@ -43,20 +43,6 @@ inline constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kExaminedSte
 /// Steps along the path, and where it is traced.
 inline constexpr StepTest kPathStep{0.85, 0.85, true, false}, kTracedStep{0.95, 0.95, true, true};
 
-/// How the loads of a scene run with the load factor: formulas may turn back, and with them the path.
-class LoadHistory {
- public:
-  explicit LoadHistory(const Scene& scene);
-
-  /// Whether all loads, prescribed motions and eigenstrains change in proportion between two load factors, none turning
-  /// back: always where there are no formulas.
-  bool is_straight(double from, double to) const;
-  bool have_formulas() const { return !amplitudes_.empty(); }
-
- private:
-  std::vector<Amplitude> amplitudes_;  ///< different ones; empty: there are no formulas
-};
-
 struct StepFindings {
   std::string objection{};              ///< empty: the step may be taken
   std::vector<CriticalPoint> passed{};  ///< in the order of the path
@@ -71,14 +57,13 @@ class StepJudge {
         stability_(stability),
         stage_end_(stage_end),
         corrector_(problem, parameters, checks_, NewtonPurpose::check),
-        measure_(problem->model),
-        loads_(problem->model.scene()) {}
+        measure_(problem->model) {}
   StepJudge(const StepJudge&) = delete;
   StepJudge& operator=(const StepJudge&) = delete;
 
   const Teuchos::RCP<BeamProblem>& problem() const { return problem_; }
   const PathMeasure& measure() const { return measure_; }
-  const LoadHistory& loads() const { return loads_; }
+  const LoadClock& loads() const { return problem_->model.clock(); }
   /// Of evaluations inside steps: counted separately, and no failed attempts of the path.
   Corrector& corrector() { return corrector_; }
   Stability* stability() const { return stability_; }
@@ -100,6 +85,7 @@ class StepJudge {
   std::string objection(const PathPiece& piece, const StepTest& test);
   std::string objection(const PathPiece& piece, const StepTest& test, int depth);
   std::string objection_where_loads_turn(const PathPiece& piece) const;
+  bool loads_move_nothing(const PathPiece& piece) const;
   /// What the tangent at a state yields: Newton's increment, and that for the load less du/dlambda.
   struct Linear {
     State state;
@@ -123,7 +109,6 @@ class StepJudge {
   SolveRecord checks_;
   Corrector corrector_;
   PathMeasure measure_;
-  LoadHistory loads_;
 };
 
 }  // namespace mixbeam

@@ -30,10 +30,12 @@ double StepSizeRule::after_success(double size, int iterations) const {
   return size * (1.0 + aggressiveness * ease * ease);
 }
 
-StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters) {
+StepSizeRule step_size_rule(const Model& model, const SolverParameters& parameters) {
+  const Scene& scene = model.scene();
   const LoadPathParameters& path = parameters.load_path;
   const bool fixed = path.method == LoadPathMethod::fixed;
-  const double rotation = largest_prescribed_rotation(scene);
+  const LoadClock& clock = model.clock();
+  const double rotation = largest_prescribed_rotation(scene, clock);
   const double allowed = rotation > 0.0 ? std::min(1.0, kLargestPrescribedTurn / rotation) : 1.0;
   // Rounded steps may add up to a little less than the stage, and the rest would cost one more step: each takes more
   // than the rounding error of one addition on top, and LOCA cuts off the last one at the end of the stage.
@@ -44,6 +46,11 @@ StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& paramete
   rule.most_iterations = parameters.newton.maximum_iterations;
   rule.maximum = std::min(fixed ? equal : path.maximum_step, allowed);
   rule.initial = std::min(fixed ? equal : path.initial_step, rule.maximum);
+  if (const std::optional<LoadPiece>& piece = clock.piece()) {  // with fixed steps each of them is a piece
+    const double size = piece->to - piece->from;
+    rule.maximum = std::min(fixed || piece->is_jump ? 1.0 : std::min(1.0, path.maximum_step / size), allowed);
+    rule.initial = std::min(fixed || piece->is_jump ? 1.0 : path.initial_step / size, rule.maximum);
+  }
   rule.minimum = std::min(path.minimum_step, rule.initial);
   return rule;
 }

@@ -2,6 +2,7 @@
 /// same sizes as if it had never stopped.
 #pragma once
 
+#include "discretization/assembly/model.hpp"
 #include "nonlinear/parameters/solver_parameters.hpp"
 
 namespace mixbeam {
@@ -25,8 +26,8 @@ struct LastStep {
   int iterations = 0;
 };
 
-/// Of a scene: fractions of a stage, small enough for prescribed rotations.
-StepSizeRule step_size_rule(const Scene& scene, const SolverParameters& parameters);
+/// Of the present piece of a stage, or of stages: fractions of it, small enough for prescribed rotations.
+StepSizeRule step_size_rule(const Model& model, const SolverParameters& parameters);
 
 /// Factor of the length of the next step along a path. `angle`: between the tangents of the step before and after it
 /// [rad]; `closely`: the path itself is asked for, not only its end.
