@@ -1,5 +1,6 @@
 #include "apps/mixbeam/batch_solver.hpp"
 
+#include "apps/common/run/value_errors.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/mixbeam/case_groups.hpp"
 #include "apps/mixbeam/run_report.hpp"
@@ -134,6 +135,7 @@ bool BatchSolver::solve_together(const Range& range) {
 CaseResult BatchSolver::solved_accurately(const Scene& scene) {
   AccurateRunObserver observer;
   observer.stop = stop_;
+  observer.error_of = error_of_wanted(scene, app_.quantities);
   observer.threads = [this](const Scene& on_mesh) { return app_.threads_for(on_mesh, app_.solver); };
   const AccurateRun run = run_accurately(scene, app_.solver, app_.communicator, false, observer);
   for (const MeshRound& round : run.rounds) {

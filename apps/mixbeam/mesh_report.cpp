@@ -85,14 +85,19 @@ void report_mesh(Application& app, const std::string& run, const AccurateRun& ac
   for (const MeshRound& round : accurate.rounds)
     report.rounds.push_back(
         {round.elements, round.followed, round.steps, round.iterations, round.seconds, round.error, round.remark});
-  app.out() << formatted("  wanted accuracy of displacements %.1e, estimated error %.1e: ", report.wanted,
-                         report.estimated)
-            << report.outcome << "\n";
+  const std::string& of = accurate.simulation.scene().accuracy_of;
+  const std::string name = of.empty() ? "displacements" : "\"" + of + "\"";
+  app.out() << "  wanted accuracy of " << name
+            << formatted(" %.1e, estimated error %.1e: ", report.wanted, report.estimated) << report.outcome << "\n";
   print_members(app.out(), report.members);
   print_rounds(app.out(), report.rounds);
   check_critical_points(app, run, accurate);
   if (accurate.end != AccuracyEnd::interrupted)
-    app.summary.check_upper_bound(run + ": estimated error of displacements", report.estimated, report.wanted,
+    app.summary.check_upper_bound(run + ": estimated error of " + name, report.estimated, report.wanted,
+                                  "accuracy that the scene asks for");
+  if (accurate.end != AccuracyEnd::interrupted && accurate.rounds.back().buckling_error != 0.0)
+    app.summary.check_upper_bound(run + ": estimated error of linear buckling factors",
+                                  accurate.rounds.back().buckling_error, report.wanted,
                                   "accuracy that the scene asks for");
   app.summary.chosen_meshes.push_back(std::move(report));
 }

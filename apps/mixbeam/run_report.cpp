@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <ostream>
+#include <tuple>
 
 namespace mixbeam {
 
@@ -61,6 +62,9 @@ double relative(const RecordedError& error, double scale) {
 
 /// Beyond this share of the largest displacement an estimated error is worth a warning.
 constexpr double kLargeError = 0.01;
+
+/// Share of a value up to which its error is worth to be scaled with it.
+constexpr double kKnown = 0.1;
 
 double length_of(const MonitoredQuantity& vector) {
   return std::hypot(vector.components[0], vector.components[1], vector.components[2]);
@@ -122,7 +126,7 @@ void RunReport::add(const StepRecord& record) {
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   last_ = without_rows(record);
   for (const RecordedBucklingMode& mode : record.buckling)
-    buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed});
+    buckling_.push_back({mode.load_factor, {}, mode.residual, mode.confirmed, mode.error});
   for (const RecordedCriticalPoint& point : record.critical_points) critical_.push_back(without_rows(point));
   if (record.jump) jumps_.push_back(*record.jump);
 }
@@ -149,7 +153,8 @@ void RunReport::print_buckling(std::ostream& out) const {
   if (buckling_.empty()) return;
   out << "  linear buckling of the undeformed structure at load factors";
   for (const RecordedBucklingMode& mode : buckling_)
-    out << formatted(" %.8g (residual %.0e%s)", mode.load_factor, mode.residual,
+    out << formatted(" %.8g (%sresidual %.0e%s)", mode.load_factor,
+                     std::isnan(mode.error) ? "" : formatted("error %.0e, ", mode.error).c_str(), mode.residual,
                      mode.confirmed ? "" : ", not confirmed");
   const auto is_negative = [](const RecordedBucklingMode& mode) { return mode.load_factor < 0.0; };
   out << (std::any_of(buckling_.begin(), buckling_.end(), is_negative) ? "; negative: under the reversed loads\n"
@@ -196,22 +201,31 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
   if (!last_.error_estimate) return;
   const RecordedErrorEstimate& estimate = *last_.error_estimate;
   EstimatedErrors errors{run, estimate.not_estimated, {}};
+  const auto warn = [&](const std::string& warning) {
+    app.summary.warnings.push_back(run + ": " + warning);
+    app.out() << "warning: " << run << ": " << warning << "\n";
+  };
+  if (!estimate.not_estimated.empty()) warn("the discretization error is not estimated: " + estimate.not_estimated);
   if (estimate.not_estimated.empty()) {
     for (const NamedError& quantity : named(estimate, length_, bending_))
       errors.quantities.push_back({quantity.name, quantity.error.error, relative(quantity.error, quantity.scale)});
     const double large = errors.quantities.front().relative;
     if (large > kLargeError) {
-      const std::string warning =
-          run + formatted(": the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
-          "more \"Elements\", a higher \"Order\", or \"Accuracy\" in the scene";
-      app.summary.warnings.push_back(warning);
-      app.out() << "warning: " << warning << "\n";
+      warn(formatted("the estimated error of displacements is %.2g %% of the largest: ", 100.0 * large) +
+           "more \"Elements\", a higher \"Order\", or \"Accuracy\" in the scene");
     }
     for (const MonitoredQuantity& point : estimate.points) {
       const RecordedError error{length_of(point), estimate.largest_displacement.size};
       const double scale = is_without_strain(estimate) ? HUGE_VAL : length_;
       errors.quantities.push_back({"displacement of " + point.name, error.error, relative(error, scale)});
     }
+    for (const EstimatedValue& value : estimate.sections)
+      errors.quantities.push_back({value.name, value.error, value.relative()});
+    const auto is_uncertain = [](const EstimatedValue& value) { return !(value.relative() <= kLargeError); };
+    const auto& [asked, sections] = std::tie(estimate.quantities, estimate.sections);
+    if (!estimate.layers.empty() && (std::any_of(asked.begin(), asked.end(), is_uncertain) ||
+                                     std::any_of(sections.begin(), sections.end(), is_uncertain)))
+      warn(estimate.layers);
   }
   app.summary.estimated_errors.push_back(errors);
 }
@@ -236,6 +250,11 @@ void RunReport::print_errors(std::ostream& out) const {
     out << formatted("    %-34s %9.1e %9s\n", quantity.name, std::abs(quantity.error.error),
                      std::isnan(share) ? "-" : formatted("%.1e", share).c_str());
   }
+  for (const EstimatedValue& value : last_.error_estimate->sections)
+    out << formatted("    %-34s ", value.name.c_str())
+        << (value.is_estimated() ? formatted("%9.1e %9.1e", value.error, value.relative())
+                                 : "not estimated: " + value.not_estimated)
+        << "\n";
 }
 
 /// "beam at s = 1.25, after a vertex" of an extreme along members; empty for others.
@@ -255,13 +274,26 @@ void RunReport::print_quantities(std::ostream& out) const {
   for (std::size_t i = 0; i < followed_.size(); ++i) {
     const QuantitySet::Column& column = quantities_->columns()[i];
     if (!column.is_value || ++lines > kMostQuantities) continue;
-    if (lines == 1) out << formatted("  %-30s %18s %18s\n", "quantity", "at the end", "largest size");
-    out << formatted("  %-30.60s %18.10g %18.10g at load factor %.6g", column.name.c_str(), followed_[i].last,
-                     followed_[i].at_size, followed_[i].load_factor_of_size);
+    if (lines == 1) out << formatted("  %-30s %18s %9s %18s\n", "quantity", "at the end", "error", "largest size");
+    out << formatted("  %-30.60s %18.10g %9s %18.10g at load factor %.6g", column.name.c_str(), followed_[i].last,
+                     error_text(estimate_of(i)).c_str(), followed_[i].at_size, followed_[i].load_factor_of_size);
     const std::string place = place_of(i);
     out << (place.empty() ? "" : "; at the end: " + place) << "\n";
   }
   if (lines > kMostQuantities) out << "  ... and " << lines - kMostQuantities << " more in the files\n";
+}
+
+const EstimatedValue* RunReport::estimate_of(std::size_t column) const {
+  if (!last_.error_estimate || column >= last_.error_estimate->quantities.size()) return nullptr;
+  return &last_.error_estimate->quantities[column];
+}
+
+/// The error is that of the last step; a value that was larger on the way had one that was larger in proportion, unless
+/// little of the last value is known.
+double RunReport::error_of_largest(const Followed& one, const EstimatedValue* estimated) {
+  if (estimated == nullptr) return 0.0;
+  const double last = std::abs(one.last);
+  return estimated->error * (one.size > last && estimated->error < kKnown * last ? one.size / last : 1.0);
 }
 
 void RunReport::add_quantities(Application& app, const std::string& run) const {
@@ -275,9 +307,17 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
       quantity.arc_length = followed_[i + 2].last;
       quantity.side = static_cast<int>(followed_[i + 3].last);
     }
+    const EstimatedValue* const estimated = estimate_of(i);
+    quantity.error = estimated == nullptr ? std::nan("") : estimated->error;
+    if (estimated != nullptr) quantity.not_estimated = estimated->not_estimated;
     app.summary.quantities.push_back(quantity);
-    if (column.limit)
-      app.summary.check_upper_bound(run + ": size of " + column.name + ", every step", one.size, *column.limit,
+    if (!column.limit) continue;
+    const std::string name = run + ": size of " + column.name + ", every step";
+    if (estimated != nullptr && !estimated->is_estimated())
+      app.summary.fail(name, formatted("at most %.10g", *column.limit), "limit of the scene",
+                       formatted("%.10g, with an error that is not known: ", one.size) + estimated->not_estimated);
+    else
+      app.summary.check_upper_bound(name, one.size + error_of_largest(one, estimated), *column.limit,
                                     "limit of the scene");
   }
 }

@@ -57,6 +57,10 @@ class RunReport {
     double at_size = 0.0, load_factor_of_size = 0.0;
     int step_of_size = 0;
   };
+  /// Of a column at the end; null: no estimate was asked for.
+  const EstimatedValue* estimate_of(std::size_t column) const;
+  static double error_of_largest(const Followed& one, const EstimatedValue* estimated);
+
   double length_ = 1.0, bending_ = 0.0;  ///< of the structure; smallest EI: scales of what counts as zero
   const QuantitySet* quantities_ = nullptr;
   std::vector<std::string> member_names_{};
@@ -74,6 +78,9 @@ void print_ends(std::ostream& out, const Summary& summary, bool controlled);
 
 /// The most stressed members with place, point of the section and utilisation; notes on what the fields leave out.
 void print_stresses(std::ostream& out, const StressSummary& stresses);
+
+/// "1.2e-03"; "unknown" where it is not estimated; "-" where that was not asked for (null: likewise).
+std::string error_text(const EstimatedValue* value);
 
 /// Strains that the linear law does not mean, members too curved for linear bending stresses; each without its run.
 std::vector<std::string> stress_warnings(const StressSummary& stresses);

@@ -37,14 +37,20 @@ std::string percent(double value) { return formatted("%.3g %%", 100.0 * value); 
 
 }  // namespace
 
+std::string error_text(const EstimatedValue* value) {
+  if (value != nullptr && value->is_estimated()) return formatted("%.1e", value->error);
+  return value == nullptr || value->not_estimated.empty() ? "-" : "unknown";
+}
+
 void print_stresses(std::ostream& out, const StressSummary& stresses) {
   if (stresses.members.empty() || (stresses.strain.value > 0.0 && stresses.strain.value < kNoStrain)) return;
-  out << formatted("  %-24s %14s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "at s", "s / L",
+  out << formatted("  %-24s %14s %9s %14s %9s   %-24s%s\n", "largest stress in", "von Mises", "error", "at s", "s / L",
                    "point of section x2, x3", any_utilisation(stresses) ? " utilisation" : "");
   for (const StressedMember& m : stresses.members) {
     const LargestStress& s = m.stresses.von_mises;
-    out << formatted("  %-24.60s %14.6g %14.6g %9s   %-24s", m.member.c_str(), s.value, m.arc_length,
-                     share_text(m).c_str(), point_text(s.point).c_str());
+    out << formatted("  %-24.60s %14.6g %9s %14.6g %9s   %-24s", m.member.c_str(), s.value,
+                     error_text(&m.estimated).c_str(), m.arc_length, share_text(m).c_str(),
+                     point_text(s.point).c_str());
     out << (m.utilisation ? formatted(" %11.3g", *m.utilisation) : "") << "\n";
   }
   for (const StressedMember& m : stresses.members)
@@ -58,10 +64,11 @@ void print_stresses(std::ostream& out, const StressSummary& stresses) {
 std::vector<std::string> stress_warnings(const StressSummary& stresses) {
   std::vector<std::string> warnings;
   const LargestAlong &strain = stresses.strain, &curved = stresses.curvature, &used = stresses.utilisation;
-  if (used.value > used.limit)
+  if (used.value + used.error > used.limit)
     warnings.push_back("member \"" + used.member +
                        "\" is stressed beyond the \"Strength\" of its material: utilisation " +
-                       formatted("%.3g at s = %.6g", used.value, used.arc_length));
+                       formatted("%.3g at s = %.6g", used.value, used.arc_length) +
+                       (used.value > used.limit ? "" : formatted(", and an estimated error of %.2g", used.error)));
   if (!strain.member.empty() && strain.value > strain.limit)
     warnings.push_back(
         "member \"" + strain.member + "\" is strained by " + percent(strain.value) +

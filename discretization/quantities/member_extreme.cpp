@@ -98,6 +98,13 @@ class Search {
     if (may_raise_best(bound)) candidates_.push_back({member, element, bound});
   }
 
+  /// What a layer at the end of an element has in closed form.
+  void look_at(const EndLayer& layer) {
+    const bool is_asked = std::count(request_.members.begin(), request_.members.end(), layer.member) > 0;
+    if (is_asked && layer.is_known && model_.mesh().members.keeps(static_cast<std::size_t>(layer.member)))
+      take(request_.sign * request_.field.at(layer.sample, layer.member), layer.member, layer.element, -layer.side);
+  }
+
   MemberExtreme result() {
     std::stable_sort(candidates_.begin(), candidates_.end(),
                      [](const Candidate& a, const Candidate& b) { return a.bound > b.bound; });
@@ -257,7 +264,7 @@ class ElementWalk {
 
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
-                                                 const SampledMembers* samples) {
+                                                 const SampledMembers* samples, const std::vector<EndLayer>* layers) {
   std::vector<Search> searches;
   std::vector<std::size_t> search_of;  // (request)
   std::map<std::tuple<std::string, double, std::vector<int>>, std::size_t> known;
@@ -280,6 +287,7 @@ std::vector<MemberExtreme> largest_along_members(const Model& model, const State
     });
   std::vector<MemberExtreme> found;
   for (Search& search : searches) {
+    for (std::size_t i = 0; layers != nullptr && i < layers->size(); ++i) search.look_at((*layers)[i]);
     found.push_back(best_of_ranks(*model.map()->getComm(), search.result()));
     if (found.back().member < 0) found.back().value = std::numeric_limits<double>::quiet_NaN();
   }

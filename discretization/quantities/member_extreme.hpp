@@ -1,7 +1,7 @@
 /// Largest values of a field along members: of the polynomials of the elements, not of their samples.
 #pragma once
 
-#include "discretization/state/sampling.hpp"
+#include "discretization/quantities/end_layers.hpp"
 
 #include <functional>
 #include <string>
@@ -34,9 +34,10 @@ struct ExtremeRequest {
 
 /// The largest value of each field, times its sign, along its members, to rounding where the field is as smooth as the
 /// polynomials of its elements. `samples`: of all members of this rank as in a record, which spares taking them; null:
-/// there are none. Collective.
+/// there are none. `layers`: whose closed forms count beside the elements; null: none. Collective.
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
-                                                 const SampledMembers* samples = nullptr);
+                                                 const SampledMembers* samples = nullptr,
+                                                 const std::vector<EndLayer>* layers = nullptr);
 
 }  // namespace mixbeam

@@ -36,6 +36,31 @@ bool is_better(Take take, double value, double than) {
   return std::abs(value) > std::abs(than);
 }
 
+/// Share of a member within which a place is meant to be a vertex.
+constexpr double kAtVertex = 1e-9;
+
+/// Null where none ends there on the side that is asked for.
+const EndLayer* layer_at(const QuantityState& at, int member, double arc_length, bool before_vertex) {
+  if (at.layers == nullptr) return nullptr;
+  const double length = at.model.mesh().member_length[static_cast<std::size_t>(member)];
+  const double rounding = kAtVertex * length;
+  const bool ends_there = (before_vertex && arc_length > rounding) || arc_length > length - rounding;
+  for (const EndLayer& layer : *at.layers)
+    if (layer.member == member && (layer.side < 0) == ends_there &&
+        std::abs(layer.vertex_arc_length() - arc_length) <= rounding)
+      return &layer;
+  return nullptr;
+}
+
+/// Whether it is in an element that ends in a layer of which only the end is known, or not even that.
+bool is_hidden_at(const QuantityState& at, int member, double arc_length, bool before_vertex) {
+  if (const EndLayer* const layer = layer_at(at, member, arc_length, before_vertex)) return !layer->is_known;
+  return std::any_of(at.layers->begin(), at.layers->end(), [&](const EndLayer& layer) {
+    const double inside = layer.side * (arc_length - layer.vertex_arc_length());
+    return layer.member == member && inside > 0.0 && inside < layer.length;
+  });
+}
+
 /// "tip load (2)" -> "tip_load__2_"
 std::string identifier(std::string name) {
   for (char& c : name)
@@ -63,6 +88,8 @@ struct QuantitySet::Resolved {
   Numbers field_at(const QuantityState& at, int member, double position, const PointSample& sample) const;
   Numbers whole(const QuantityState& at) const;
   Numbers taken(const QuantityState& at) const;
+  /// See hidden_in_layers().
+  bool is_hidden(const QuantityState& at, std::size_t place) const;
   MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
 };
 
@@ -85,6 +112,8 @@ std::vector<std::string> QuantitySet::names() const {
   for (const Column& column : columns_) all.push_back(column.name);
   return all;
 }
+
+const std::string& QuantitySet::name_of(const Column& column) const { return (*resolved_)[column.quantity].asked.name; }
 
 std::vector<std::string> QuantitySet::units(const std::string& scene_units) const {
   const std::size_t comma = scene_units.find(',');
@@ -214,7 +243,9 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
       if (position > 1.0 + kRoundingOfLength) return not_there();
       position = std::min(1.0, position);
     }
-    const PointSample sample = sample_member(at.model, at.state, member, position, asked.before_vertex);
+    PointSample sample = sample_member(at.model, at.state, member, position, asked.before_vertex);
+    if (const EndLayer* const layer = layer_at(at, member, sample.arc_length, asked.before_vertex))
+      sample = layer->sample;
     if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};
     if (field != nullptr) return field_at(at, member, position, sample);
     return asked.kind == "triad" ? numbers_from(rotation_matrix(sample.triad))
@@ -313,6 +344,51 @@ MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
   return best;
 }
 
+bool QuantitySet::Resolved::is_hidden(const QuantityState& at, std::size_t place) const {
+  const auto is_any = [&](const auto& is_hiding) {
+    return std::any_of(at.layers->begin(), at.layers->end(), is_hiding);
+  };
+  if (asked.kind == "reaction moment")
+    return is_any([&](const EndLayer& layer) {
+      return layer.vertex == vertex_of(at.model.mesh(), at.prefix_of_points + places[place].point);
+    });
+  if (is_along_members())
+    return is_any([&](const EndLayer& layer) {
+      return !layer.is_known && std::count(members.begin(), members.end(), layer.member - at.first_member) > 0;
+    });
+  if (places[place].point.empty()) {
+    const int member = at.first_member + places[place].member;
+    const double length = at.model.mesh().member_length[static_cast<std::size_t>(member)];
+    return is_hidden_at(at, member, places[place].arc_length.value_or(places[place].position * length),
+                        asked.before_vertex);
+  }
+  return false;
+}
+
+std::vector<unsigned char> QuantitySet::hidden_in_layers(const QuantityState& at) const {
+  std::vector<unsigned char> hidden(columns_.size(), 0);
+  if (at.layers == nullptr || at.layers->empty()) return hidden;
+  const auto is_of_section = [](const std::string& kind) {
+    return is_stress(kind) || (field_of(kind) != nullptr && !is_motion(kind));
+  };
+  std::size_t first = 0;
+  for (std::size_t index = 0, next = 0; index < resolved_->size(); ++index, first = next) {
+    while (next < columns_.size() && columns_[next].quantity == index) ++next;
+    const Resolved& one = (*resolved_)[index];
+    if (one.asked.kind == "formula")
+      hidden[first] = std::count(hidden.begin(), hidden.begin() + static_cast<std::ptrdiff_t>(first), 1) > 0;
+    if (!is_of_section(one.asked.kind) && one.asked.kind != "reaction moment") continue;
+    const std::size_t places = std::max<std::size_t>(1, one.places.size());
+    for (std::size_t place = 0; place < places; ++place) {
+      if (!one.is_hidden(at, place)) continue;
+      const bool is_each = one.asked.take == Take::each;
+      const std::size_t numbers = is_each ? (next - first) / places : next - first;
+      std::fill_n(hidden.begin() + static_cast<std::ptrdiff_t>(first + (is_each ? place * numbers : 0)), numbers, 1);
+    }
+  }
+  return hidden;
+}
+
 std::vector<double> QuantitySet::values(const QuantityState& state) const {
   if (empty()) return {};
   QuantityState at = state;
@@ -321,7 +397,7 @@ std::vector<double> QuantitySet::values(const QuantityState& state) const {
   for (const Resolved& one : *resolved_)
     if (one.is_along_members()) ask_for_extremes(at, one.asked, one.members, one.field, one.numbers[0], requests);
   std::vector<MemberExtreme> extremes;
-  if (!requests.empty()) extremes = largest_along_members(at.model, at.state, requests, at.samples);
+  if (!requests.empty()) extremes = largest_along_members(at.model, at.state, requests, at.samples, at.layers);
   auto found = extremes.cbegin();
   std::vector<double> values;
   values.reserve(columns_.size());

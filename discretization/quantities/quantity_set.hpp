@@ -1,6 +1,7 @@
 /// Quantities of a scene, ready to be evaluated in any of its states.
 #pragma once
 
+#include "discretization/quantities/end_layers.hpp"
 #include "discretization/quantities/quantity.hpp"
 #include "discretization/quantities/stress_lookup.hpp"
 #include "discretization/state/sampling.hpp"
@@ -27,6 +28,8 @@ struct QuantityState {
   int first_member = 0;
   std::size_t first_support = 0;
   std::string prefix_of_points{};
+  /// Which section forces and stresses at ends of members, and extremes, take into account; null: none.
+  const std::vector<EndLayer>* layers = nullptr;
   std::shared_ptr<StressLookup> stresses{};  ///< made by QuantitySet::values()
 };
 
@@ -50,12 +53,16 @@ class QuantitySet {
   };
   const std::vector<Column>& columns() const { return columns_; }
   std::vector<std::string> names() const;
+  /// Of the quantity that a column belongs to.
+  const std::string& name_of(const Column& column) const;
   /// Of every column, empty where it has none; `scene_units`: Scene::units, without which nothing is known.
   std::vector<std::string> units(const std::string& scene_units) const;
   bool empty() const { return columns_.empty(); }
 
   /// Of every column. Collective.
   std::vector<double> values(const QuantityState& at) const;
+  /// (column): whether a layer of the state lies where the number is taken, and no closed form tells what it does.
+  std::vector<unsigned char> hidden_in_layers(const QuantityState& at) const;
 
  private:
   struct Resolved;

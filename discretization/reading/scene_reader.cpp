@@ -39,6 +39,10 @@ ListSpec scene_spec() {
   spec.add(real("Accuracy").above(kBestAccuracy).below(1.0),
            "Wanted error of displacements over the largest of them, at the end of the path: order and number of "
            "elements are chosen for every member that does not give them itself.");
+  spec.add(
+      text("Accuracy Of"),
+      "With Accuracy: name of an entry of the list Quantities whose error over its size counts in place of that of "
+      "displacements, or stress: the largest von Mises stress.");
   spec.add(text("Units"),
            "Units of length and force, as \"m, N\": words for the labels of pictures and for reports. Nothing is "
            "converted.");
@@ -58,6 +62,10 @@ SceneReader::SceneReader(const List& list, const InputPlace& place) : list_(list
 Scene SceneReader::read() {
   scene_.name = place_.source().root_name();
   if (list_.isParameter("Accuracy")) scene_.accuracy = list_.get<double>("Accuracy");
+  if (list_.isParameter("Accuracy Of")) {
+    scene_.accuracy_of = list_.get<std::string>("Accuracy Of");
+    if (!scene_.accuracy) throw place_["Accuracy Of"].error("given without \"Accuracy\"; allowed: with it");
+  }
   read_units();
   read_sections();
   read_points();

@@ -147,6 +147,7 @@ void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) 
     hdf5::write_attribute(group, "load_factor", mode.load_factor);
     hdf5::write_attribute(group, "residual", mode.residual);
     hdf5::write_attribute(group, "confirmed", mode.confirmed);
+    if (!std::isnan(mode.error)) hdf5::write_attribute(group, "error", mode.error);
   }
 }
 

@@ -246,6 +246,7 @@ struct Scene {
   /// Wanted error of displacements over the largest one: then orders and elements that members do not keep are to be
   /// chosen (accurate_run.hpp), and those here mean nothing.
   std::optional<double> accuracy{};
+  std::string accuracy_of{};  ///< a quantity, or "stress", whose error counts in place of displacements; empty: those
 };
 
 }  // namespace mixbeam

@@ -9,6 +9,7 @@
 #include "discretization/stresses/section_stresses.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <initializer_list>
 #include <limits>
@@ -192,6 +193,7 @@ struct RecordedBucklingMode {
   std::vector<Vector3> mode{};  ///< displacement at the samples as of a critical point, scaled likewise
   double residual{};            ///< see linear_buckling()
   bool confirmed{};             ///< by the inertia of the tangent on both sides
+  double error = std::numeric_limits<double>::quiet_NaN();  ///< of the mesh, estimated; NaN: not known
 };
 
 /// An estimated error and the size of the quantity that it belongs to.
@@ -199,11 +201,24 @@ struct RecordedError {
   double error = 0.0, size = 0.0;
 };
 
+/// A number and its estimated error.
+struct EstimatedValue {
+  std::string name{};
+  double value = 0.0;
+  double error = std::numeric_limits<double>::quiet_NaN();  ///< of its size; NaN: there is none
+  std::string not_estimated{};                              ///< why, where one was asked for
+  bool is_estimated() const { return !std::isnan(error); }
+  double relative() const { return error == 0.0 ? 0.0 : error / std::abs(value); }
+};
+
 /// See ErrorEstimate (nonlinear/accuracy/error_estimate.hpp).
 struct ErrorSummary {
   std::string not_estimated{};  ///< why there is none; empty where there is one
   RecordedError largest_displacement{}, displacement{}, moment{}, energy{};
-  std::vector<MonitoredQuantity> points{};  ///< error of the displacement of the points that the run follows
+  std::vector<MonitoredQuantity> points{};   ///< error of the displacement of the points that the run follows
+  std::vector<EstimatedValue> quantities{};  ///< (column of the quantities that are asked for)
+  std::vector<EstimatedValue> sections{};    ///< largest section forces, stress and utilisation, of runs with stresses
+  std::string layers{};                      ///< what to know of layers that elements do not see; empty: there are none
 };
 struct RecordedErrorEstimate : ErrorSummary {
   std::vector<Vector3> vertex_displacement{};                    ///< (vertex of the mesh)
@@ -217,6 +232,7 @@ struct StressedMember {
   LargestStresses stresses{};
   std::optional<double> utilisation{};  ///< von Mises stress over the strength of the material, where it is given
   double torsion_share = 0.0;           ///< of an I: share of the von Mises stress that is there for the torque alone
+  EstimatedValue estimated{};           ///< von Mises stress, anywhere along the member
 };
 
 /// A number that is the largest of its kind, and where.
@@ -225,6 +241,7 @@ struct LargestAlong {
   double arc_length = 0.0;
   double value = 0.0;
   double limit = 0.0;  ///< above which it is worth a warning
+  double error = 0.0;  ///< estimated, where that is known
 };
 
 /// What a report says of stresses and strains.

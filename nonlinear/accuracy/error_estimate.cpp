@@ -246,10 +246,44 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
   if (solve.residual() > std::max(first, parameters.newton.residual_tolerance))
     throw NotEstimated{"Newton's method does not converge with one order more; the mesh is too coarse"};
   estimate.corrections = solve.corrections();
+  estimate.richer = problem;
+  estimate.richer_state = solve.state();
+  problem->model.release_idle_arrays();
   return estimate;
 }
 
 }  // namespace
+
+Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
+  const Model& model = problem.model;
+  return Teuchos::rcp(new BeamProblem(richer_scene(model).scene, model.map()->getComm(), parameters));
+}
+
+State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+                  double load_factor, const std::vector<EndLayer>& layers) {
+  const Model& model = problem->model;
+  SolveRecord record;
+  const Corrector corrector(problem, parameters, record);
+  BeamGroup group(corrector.global(), problem, state, load_factor, {});
+  group.computeF();
+  group.computeJacobian();
+  BeamVector rows(model.create_vector()), response(model.create_vector());
+  const std::vector<int>& vertices = model.structure().local_vertex_to_global;
+  const auto owned = vertices.begin() + model.structure().owned_vertices;
+  for (const EndLayer& layer : layers) {
+    const auto vertex = std::find(vertices.begin(), owned, layer.vertex);
+    if (vertex == owned || !layer.is_known) continue;
+    const size_t first = kVertexDofs * static_cast<size_t>(vertex - vertices.begin()) + 3;
+    for (size_t i = 0; i < 3; ++i) rows.values().vertex()(first + i) -= layer.side * layer.surplus[i];
+  }
+  model.project_on_free_motions(state, rows.values().vertex());
+  scale_rows(model, group.scales(), rows.values());
+  Teuchos::ParameterList none;
+  group.applyJacobianInverse(none, rows, response);
+  BeamGroup moved(group, NOX::ShapeCopy);
+  moved.computeX(group, response, -1.0);
+  return moved.state();
+}
 
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor) {

@@ -1,6 +1,7 @@
 /// How far a converged state is from the solution of the continuous equations.
 #pragma once
 
+#include "discretization/quantities/end_layers.hpp"
 #include "nonlinear/newton/beam_problem.hpp"
 
 #include <string>
@@ -27,6 +28,9 @@ struct ErrorEstimate {
   EstimatedError moment{};                ///< the same of M, material components
   EstimatedError energy{};                ///< strain energy, the error with its sign
   int corrections = 0;                    ///< linear systems solved
+  /// The richer space with its state, from which any other number can be estimated; null where there is no estimate.
+  Teuchos::RCP<BeamProblem> richer{};
+  State richer_state{};
 
   bool exists() const { return not_estimated.empty(); }
 };
@@ -45,5 +49,13 @@ struct ErrorEstimate {
 /// `problem`: of the state. What it keeps of its last tangent serves that of the richer space.
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor);
+
+/// The same scene in the richer space. Throws InputError.
+Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters);
+
+/// `state` after one Newton step in which the closed forms of layers (end_layers.hpp) turn the vertices in place of
+/// what the elements there make of them. Throws LinearSolverError. Collective.
+State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+                  double load_factor, const std::vector<EndLayer>& layers);
 
 }  // namespace mixbeam

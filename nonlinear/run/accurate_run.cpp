@@ -229,9 +229,25 @@ class AccurateSolver {
     else
       estimate = simulation_->estimate_error();
     estimate_ = with_least_displacement(estimate, least_displacement_);
-    if (estimate.exists()) rounds_.back().error = judged_error(estimate_);
+    if (estimate.exists())
+      rounds_.back().error = observer_.error_of ? observer_.error_of(*simulation_, estimate_) : judged_error(estimate_);
+    if (is_reached(rounds_.back().error)) estimate_buckling();
     finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
     if (observer_.end) observer_.end(*simulation_, report_, estimate);
+    estimate_.richer = Teuchos::null;
+    estimate_.richer_state = {};
+  }
+
+  void estimate_buckling() {
+    const int count = parameters_.analysis.buckling_modes;
+    // without a path on this mesh nobody is told of them
+    if (!keeps_path_ || !estimates_error(parameters_.analysis, simulation_->model().mesh().elements.size())) return;
+    if (count == 0) return;
+    double& largest = rounds_.back().buckling_error;
+    for (const RecordedBucklingMode& mode : simulation_->buckling_modes(count, 2)) {
+      const double relative = mode.error / std::abs(mode.load_factor);
+      if (!(relative <= largest)) largest = relative;  // keeps what is not a number
+    }
   }
 
   /// Whether a finer mesh did not make a small error smaller.
@@ -244,9 +260,10 @@ class AccurateSolver {
   /// Whether the estimates end the run.
   std::optional<AccuracyEnd> judge() {
     const MeshRound& round = rounds_.back();
-    const bool is_known = is_reached(round.critical_error) || !compares_;
+    const bool is_known = (is_reached(round.critical_error) || !compares_) && is_reached(round.buckling_error);
     if (is_reached(round.error) && is_known) return AccuracyEnd::reached;
-    if (estimate_.exists() && !is_reached(error_of_kept(scene_, *simulation_->model().whole_mesh(), estimate_)))
+    if (estimate_.exists() && !observer_.error_of &&
+        !is_reached(error_of_kept(scene_, *simulation_->model().whole_mesh(), estimate_)))
       return AccuracyEnd::kept_meshes;
     if (shows_rounding(&MeshRound::error) || shows_rounding(&MeshRound::critical_error)) return AccuracyEnd::rounding;
     if (estimated_ >= kMostMeshes) return estimate_.exists() ? AccuracyEnd::too_many : AccuracyEnd::not_estimated;
@@ -268,9 +285,28 @@ class AccurateSolver {
       choice_ = richer(scene_, choice_);
       return !(choice_ == before);
     }
-    choice_ = next_mesh(scene_, *simulation_->model().whole_mesh(), choice_, estimate_, aim_ * accuracy_);
+    // what counts in place of displacements may be taken to fall with them
+    const double moved = judged_error(estimate_), error = observer_.error_of ? rounds_.back().error : moved;
+    if (error > 0.0)
+      choice_ = next_mesh(scene_, *simulation_->model().whole_mesh(), choice_, estimate_,
+                          aim_ * accuracy_ * std::min(1.0, moved / error));
     aim_ *= kNextAim;
+    if (!observer_.error_of) return !(choice_ == before);
+    divide_layers();
+    if (choice_ == before || contains(before, choice_)) choice_ = richer(scene_, before);
     return !(choice_ == before);
+  }
+
+  /// Elements short enough for the layers at their ends.
+  void divide_layers() {
+    for (const EndLayer& layer : end_layers(simulation_->model(), simulation_->state())) {
+      const size_t m = static_cast<size_t>(layer.member);
+      if (scene_.members[m].keeps_elements) continue;
+      const double present = simulation_->model().mesh().elements_of(layer.member);
+      const double wanted = present * layer.length / (kLayersPerOrder * (choice_[m].order + 1) * layer.thickness);
+      choice_[m].elements =
+          std::max(choice_[m].elements, static_cast<int>(std::ceil(std::min(wanted, kLargestRefinement * present))));
+    }
   }
 
   const Scene& scene_;

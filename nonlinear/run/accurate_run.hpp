@@ -23,11 +23,13 @@ struct MeshRound {
   bool followed = false;  ///< the whole path; else corrected from the mesh before
   int steps = 0, failed_steps = 0, iterations = 0;
   double seconds = 0.0;     ///< wall time, error estimate included
-  double error = 0.0;       ///< estimated, relative, see judged_error(); not a number: none
+  double error = 0.0;       ///< estimated, relative, see judged_error() or what counts in its place; not a number: none
   int critical_points = 0;  ///< of the path that was followed, multiple ones as often
   /// Largest relative difference of their load factors from those of the mesh before, which this one contains: the
   /// error there, and more than the error here. Zero without critical points; not a number: not known.
   double critical_error = 0.0;
+  double buckling_error =
+      0.0;               ///< estimated, of linear buckling factors, where they are asked for, and known if they count
   std::string remark{};  ///< why it was left, where that is not the estimate
 };
 
@@ -47,6 +49,9 @@ std::string text_of(AccuracyEnd end);
 /// What watches a run. `begin`: a mesh is about to be solved; `step`: of its path, all but the last; `end`: its last
 /// step with the estimated error.
 struct AccurateRunObserver {
+  /// Relative error that counts in place of displacements, NaN where it is not known.
+  using ErrorOf = std::function<double(const Simulation& simulation, const ErrorEstimate& estimate)>;
+  ErrorOf error_of{};
   std::function<void(const Simulation& simulation)> begin{};
   std::function<void(const Simulation& simulation, const StepReport& report)> step{};
   std::function<void(const Simulation& simulation, const StepReport& report, const ErrorEstimate& estimate)> end{};

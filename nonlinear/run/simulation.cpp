@@ -7,6 +7,7 @@
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/stability/linear_buckling.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace mixbeam {
@@ -100,6 +101,19 @@ Simulation Simulation::at(const State& state, double load_factor, const Recorded
   other.state_ = state;
   other.load_factor_ = load_factor;
   other.stability_ = known;
+  return other;
+}
+
+Simulation Simulation::richer(const ErrorEstimate& estimate, std::vector<EndLayer>& layers) const {
+  Simulation other = at(estimate.richer_state, load_factor_, stability_);
+  other.problem_ = estimate.richer;
+  layers = end_layers(other.model(), other.state());
+  if (layers.empty()) return other;
+  try {
+    other.state_ = with_layers(other.problem_, parameters_, other.state_, load_factor_, layers);
+    layers = end_layers(other.model(), other.state());
+  } catch (const LinearSolverError&) {  // the layers count where they are
+  }
   return other;
 }
 
@@ -214,8 +228,11 @@ std::vector<RecordedBucklingMode> Simulation::buckling_modes(int count, int poin
     for (const EigenMode& mode : linear_buckling(*problem_, count))
       recorded.push_back({mode.eigenvalue, undeformed.displacement_of_mode(mode.mode, points_per_element), mode.error,
                           mode.converged});
-  } catch (const LinearSolverError&) {
-    return {};
+    if (recorded.empty() || !estimates_error(parameters_.analysis, model().mesh().elements.size())) return recorded;
+    const std::vector<EigenMode> finer = linear_buckling(*richer_problem(*problem_, parameters_), count);
+    for (size_t i = 0; i < std::min(finer.size(), recorded.size()); ++i)
+      recorded[i].error = std::abs(finer[i].eigenvalue - recorded[i].load_factor);
+  } catch (const LinearSolverError&) {  // of the first, or of the richer space: no factors, or no errors
   }
   return recorded;
 }

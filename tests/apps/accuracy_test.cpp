@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <regex>
+#include <utility>
 
 namespace mixbeam {
 namespace {
@@ -91,6 +93,115 @@ TEST_F(AccuracyOfAScene, IsForMixbeamOnly) {
   const Ended ended = run_process(program("fork"), {(folder_ / "fork.xml").string(), "--single"}, folder_);
   EXPECT_EQ(ended.exit_code, kRefused);
   expect_in(ended.err, {"fork.xml:", "\"Scene / Accuracy\"", "mixbeam run"});
+}
+
+/// A wire of 20 mm that a force bends at its clamp within 0.2 m.
+constexpr double kPull = 38000.0, kAcross = 2400.0, kYoung = 160e9, kPoisson = 0.3, kRadius = 0.01, kLengthOfWire = 2.0;
+
+std::string wire_with(const std::string& mesh, const std::string& limit = "", const std::string& scene = "") {
+  return "Scene:\n" + scene + R"(  Sections:
+    rod: {Shape: circle, Diameter: 0.02, Material: {E: 160e9, nu: 0.3, Strength: 1.5e9}}
+  Points: {a: [0, 0, 0], b: [2, 0, 0]}
+  Members:
+    rod: {Start: a, End: b)" +
+         mesh + R"(}
+  Supports:
+    a: {Point: a}
+  Point Loads:
+    p: {Point: b, Force: [38000, 0, -2400]}
+Quantities:
+  stress: {Quantity: von Mises stress, Member: rod, Take: largest)" +
+         limit + "}\n";
+}
+
+/// At the clamp. Along a beam without line loads M^2/2EI + N + N^2/2EA + Q^2/2GA is constant (theory (69)); at the free
+/// end of one that is ten layers long M = 0 and it points along the force, to exp(-20) of the moment.
+double stress_of_wire() {
+  const double area = M_PI * kRadius * kRadius, bending = kYoung * 0.25 * area * kRadius * kRadius;
+  const double shear_factor = 6.0 * (1.0 + kPoisson) / (7.0 + 6.0 * kPoisson);
+  const double shear = shear_factor * kYoung / (2.0 * (1.0 + kPoisson)) * area;
+  const auto without_moment = [&](double n, double q) {
+    return n + 0.5 * n * n / (kYoung * area) + 0.5 * q * q / shear;
+  };
+  const double difference = without_moment(std::hypot(kPull, kAcross), 0.0) - without_moment(kPull, kAcross);
+  const double moment = std::sqrt(2.0 * bending * difference);
+  return kPull / area + moment * kRadius / (0.25 * area * kRadius * kRadius);
+}
+
+class StressWithAnError : public AccuracyOfAScene {
+ protected:
+  /// Value and error.
+  std::pair<double, double> stress(const std::string& scene) {
+    write_text(folder_ / "scene.yaml", scene);
+    ended_ = run_process(program("mixbeam"), {"run", (folder_ / "scene.yaml").string(), "--summary", summary_file()},
+                         folder_);
+    const nlohmann::json quantity = nlohmann::json::parse(text_of(summary_file()))["quantities"][0];
+    return {quantity["value"], quantity.value("error", std::nan(""))};
+  }
+  Ended ended_{};
+};
+
+// One element cannot bend within a twelfth of its length, whatever its order; the closed form of the layer tells.
+TEST_F(StressWithAnError, OfAWireInOneElement) {
+  const double exact = stress_of_wire();
+  const auto [coarse, error] = stress(wire_with(", Order: 3, Elements: 1"));
+  const double missed = exact - coarse;
+  EXPECT_GT(missed, 0.05 * exact);
+  EXPECT_LE(missed, error);
+  EXPECT_LE(error, 2.0 * missed);  // 1.5 times the difference, and what the formula leaves out
+  expect_in(ended_.out, {"bends within sqrt(EI/N) = 0.18", "closed form"});
+  // twin: what sees the layer has no such warning, and a small error
+  const auto [fine, small] = stress(wire_with(", Order: 6, Elements: 8"));
+  EXPECT_NEAR(fine, exact, 1e-6 * exact);
+  EXPECT_LE(small, 1e-3 * exact);
+  EXPECT_EQ(ended_.out.find("bends within"), std::string::npos);
+}
+
+TEST_F(StressWithAnError, CountsInALimit) {
+  const auto [coarse, error] = stress(wire_with(", Order: 3, Elements: 1"));
+  for (const double share : {0.5, 1.01}) {
+    stress(wire_with(", Order: 3, Elements: 1", ", Limit: " + std::to_string(coarse + share * error)));
+    EXPECT_EQ(ended_.exit_code, share < 1.0 ? kMissed : kFine) << ended_.out;
+  }
+}
+
+TEST_F(StressWithAnError, IsMadeSmallWhereTheAccuracyIsOfIt) {
+  const double exact = stress_of_wire(), wanted = 1e-4;
+  const auto [value, error] = stress(wire_with("", "", "  Accuracy: 1e-4\n  Accuracy Of: stress\n"));
+  EXPECT_EQ(ended_.exit_code, kFine) << ended_.err << ended_.out;
+  EXPECT_NEAR(value, exact, wanted * exact);
+  EXPECT_LE(error, wanted * exact);
+  expect_in(ended_.out, {"wanted accuracy of \"stress\" 1.0e-04"});
+  EXPECT_EQ(
+      run("run", elastica_with("1e-4\"/><Parameter name=\"Accuracy Of\" type=\"string\" value=\"strss")).exit_code,
+      kRefused);
+}
+
+// Two guided ends: P_n = (n pi)^2 EI / L^2.
+TEST_F(AccuracyOfAScene, ReachesFactorsOfLinearBuckling) {
+  const std::string scene = R"(Scene:
+  Accuracy: 1e-4
+  Sections:
+    rod: {Inextensible: true, Shear Rigid: true, GIt: 200, EI2: 1, EI3: 200}
+  Points: {foot: [0, 0, 0], head: [1, 0, 0]}
+  Members:
+    column: {Start: foot, End: head, Second Axis: [0, 0, 1]}
+  Supports:
+    foot: {Point: foot, Fixed Rotation: [x, y]}
+    head: {Point: head, Fixed Displacement: [y, z], Fixed Rotation: [x, y]}
+  Point Loads:
+    load: {Point: head, Force: [-1, 0, 0]}
+Analysis: {Buckling Modes: 3}
+)";
+  write_text(folder_ / "scene.yaml", scene);
+  const Ended ended = run_process(program("mixbeam"), {"run", (folder_ / "scene.yaml").string()}, folder_);
+  EXPECT_EQ(ended.exit_code, kFine) << ended.err << ended.out;
+  std::smatch found;
+  ASSERT_TRUE(
+      std::regex_search(ended.out, found, std::regex(R"(load factors \S+ \([^)]*\) \S+ \([^)]*\) (\S+) \(error)")))
+      << ended.out;
+  const double third = 9.0 * M_PI * M_PI;
+  EXPECT_NEAR(std::stod(found[1]), third, 1e-4 * third);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "apps/common/run/followed_points.hpp"
 #include "apps/common/run/monitor_table.hpp"
 #include "apps/common/run/room_check.hpp"
+#include "apps/common/run/value_errors.hpp"
 #include "apps/common/session/progress.hpp"
 #include "discretization/text/result_names.hpp"
 #include "discretization/text/text_file.hpp"
@@ -92,10 +93,10 @@ class Application::Recorder {
     if (report.step == 0 && parameters_.analysis.buckling_modes > 0)
       step.buckling = running.buckling_modes(parameters_.analysis.buckling_modes, recording_.points_per_element);
     if (estimate != nullptr)
-      step.error_estimate = running.record_error(*estimate, points_);
+      add_errors(running, *estimate, step);
     else if (running.is_end_of_path(running.load_factor()) &&
              estimates_error(parameters_.analysis, running.model().mesh().elements.size()))
-      step.error_estimate = running.record_error(running.estimate_error(), points_);
+      add_errors(running, running.estimate_error(), step);
     return step;
   }
   void close() {
@@ -104,6 +105,10 @@ class Application::Recorder {
   }
 
  private:
+  void add_errors(const Simulation& running, const ErrorEstimate& estimate, StepRecord& step) const {
+    step.error_estimate = running.record_error(estimate, points_);
+    add_value_errors(recording_.quantities, running, estimate, step);
+  }
   void follow_quantities(const Simulation& running, const StepReport& report, StepRecord& step) const {
     step.monitored.push_back({kQuantitySeries, values_of(*recording_.quantities, running, step)});
     for (std::size_t i = 0; i < step.critical_points.size(); ++i) {
@@ -182,6 +187,7 @@ AccurateRun Application::record_accurately(const Scene& solved, const SolverPara
     progress->report(report, running.share_done());
     recorder->keep(running, report, &estimate);
   };
+  observer.error_of = error_of_wanted(solved, quantities);
   observer.stop = recording.stop;
   observer.step_failed = [&](const StepFailure& failure) { progress->report(failure); };
   observer.threads = [&](const Scene& on_mesh) {

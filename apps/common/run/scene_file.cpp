@@ -104,6 +104,23 @@ void check_jumps(const Application& app) {
   }
 }
 
+/// Of a quantity, or of stresses that are there.
+void check_accuracy_of(const Application& app) {
+  const std::string& name = app.scene.accuracy_of;
+  const auto place = [&app](const std::string& why) { return app.xml.source.error({"Scene", "Accuracy Of"}, why); };
+  if (name.empty()) return;
+  std::vector<std::string> known = {"stress"};
+  for (const QuantitySet::Column& column : app.quantities.columns()) known.push_back(app.quantities.name_of(column));
+  known.erase(std::unique(known.begin(), known.end()), known.end());
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    throw place("value \"" + excerpt(name) + "\"; allowed: " + quoted_list(known));
+  const auto is_known = [&app](const Member& member) { return has_stress(app.scene, member, "von Mises stress"); };
+  if (name == "stress" && std::none_of(app.scene.members.begin(), app.scene.members.end(), is_known))
+    throw place(
+        "value \"stress\", but no member has a section of known shape; allowed: sections given by \"Shape\" "
+        "and \"Material\", or with \"Stress Points\"");
+}
+
 void read_quantities_of(Application& app) {
   const ParameterPath path = {"Quantities"};
   const std::vector<Quantity> quantities = read_quantities(app.xml.list->sublist("Quantities"), app.xml.source, path);
@@ -138,6 +155,7 @@ void read_scene_file(Application& app, XmlParameters xml, const ApplicationDefin
   app.scene = with_mode_shapes(app.scene, app.solver, app.communicator, {app.xml.source, {"Scene"}});
   app.solver.analysis = read_analysis_parameters(app.xml.list->sublist("Analysis"), app.scene, app.xml.source);
   if (app.xml.list->isSublist("Quantities")) read_quantities_of(app);
+  check_accuracy_of(app);
   app.expected = read_expected_values(app.xml.list->sublist("Expected"), app.xml.source, definition.own_quantities,
                                       {"Expected"}, app.quantities.names());
   check_expected_values(app.expected, app.scene, app.xml.source);

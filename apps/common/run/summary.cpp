@@ -104,6 +104,8 @@ nlohmann::ordered_json json_quantity(const FollowedQuantity& quantity) {
                                  {"at_largest_size", json_number(quantity.at_largest_size)},
                                  {"load_factor_of_largest_size", json_number(quantity.load_factor_of_largest_size)},
                                  {"step_of_largest_size", quantity.step_of_largest_size}};
+  if (!std::isnan(quantity.error)) json["error"] = json_number(quantity.error);
+  if (!quantity.not_estimated.empty()) json["not_estimated"] = quantity.not_estimated;
   if (quantity.member.empty()) return json;
   json["member"] = quantity.member;
   json["arc_length"] = json_number(quantity.arc_length);

@@ -1,0 +1,33 @@
+/// Layers of bending at the ends of stretched members that are too thin for the polynomials of an element: theory (69).
+#pragma once
+
+#include "discretization/state/sampling.hpp"
+
+#include <vector>
+
+namespace mixbeam {
+
+/// An element of order k with 2 (k + 1) layers in its length has, of what it misses of exp(-s / l), less than half left
+/// with one order more: ratio of the modified Bessel functions that are the coefficients of the exponential.
+inline constexpr double kLayersPerOrder = 2.0;
+
+/// At one end of an element that is longer than its layer sqrt(EI / N) allows for its order, where a member ends or
+/// something is attached to it. There the member has to turn from the direction of its vertex into that of its force.
+struct EndLayer {
+  int member = 0, element = 0;  ///< in the scene of the model; within the member
+  int side = 1;                 ///< of the vertex: 1 at the start of the element, -1 at its end
+  int vertex = 0;               ///< of the mesh
+  double thickness = 0.0;       ///< sqrt(EI / N), of the softer axis [length]
+  double length = 0.0;          ///< of the element
+  PointSample sample{};         ///< at the vertex, in closed form
+  Vec3<double> surplus{};       ///< of its moment over that of the polynomial, spatial
+  /// False: the formula does not hold (compression, coupled sections, a turn by more than two radian).
+  bool is_known = true;
+
+  double vertex_arc_length() const { return sample.arc_length; }
+};
+
+/// Of all elements, on every rank. Hinged ends have none: no moment, no layer. Collective.
+std::vector<EndLayer> end_layers(const Model& model, const State& state);
+
+}  // namespace mixbeam
