@@ -128,6 +128,7 @@ void require_whole(const std::filesystem::path& results, std::optional<int> last
   std::vector<std::string> words = {"mixbeam", "verify"};
   if (last_step) words.insert(words.end(), {"--from", std::to_string(*last_step)});
   words.push_back(results.string());
+  if (words.back()[0] == '-') words.back().insert(0, "./");  // no option
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);

@@ -66,6 +66,8 @@ void require_result_file(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path, ignored)) throw InputError(path.string() + ": no such file");
   if (std::filesystem::is_directory(path, ignored))
     throw InputError(path.string() + ": is a directory; allowed: a result file (.h5)");
+  if (!std::filesystem::is_regular_file(path, ignored))
+    throw InputError(path.string() + ": is a pipe or a device, not a file; allowed: a result file (.h5)");
   try {
     const DiskFile file(path, DiskAccess::read);
     if (read_seal(file)) return;

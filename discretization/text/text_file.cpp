@@ -1,7 +1,11 @@
 #include "discretization/text/text_file.hpp"
 
 #include "discretization/text/errors.hpp"
+#include "discretization/text/message_text.hpp"
 
+#include <libxml/xmlstring.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -42,6 +46,15 @@ void remember_input(const std::string& path) {
   inputs().names[key_of(path)] = name;
 }
 
+/// Results and their pages bear the name of the scene.
+void require_text(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  const bool has_control = std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' ' || c == 127; });
+  if (has_control || xmlCheckUTF8(reinterpret_cast<const xmlChar*>(name.c_str())) == 0)
+    throw InputError("\"" + excerpt(path) +
+                     "\": the name of this file; allowed: text in UTF-8 without control characters");
+}
+
 }  // namespace
 
 std::string text_of_file(const std::string& path, const std::string& kind) {
@@ -51,6 +64,7 @@ std::string text_of_file(const std::string& path, const std::string& kind) {
   if (std::filesystem::is_directory(status)) throw InputError(path + ": is a directory; allowed: " + kind);
   if (!std::filesystem::is_regular_file(status))
     throw InputError(path + ": is a pipe or a device, not a file; allowed: " + kind);
+  require_text(path);
   remember_input(path);
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
