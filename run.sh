@@ -14,7 +14,7 @@ readonly default_names=("${default_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly all_names=("${all_benchmarks[@]}" "${all_scene_groups[@]}")
 readonly results=results
 # Debian's Python has the packages installed above; another one earlier in PATH need not.
-readonly python=/usr/bin/python3
+readonly python=(/usr/bin/python3 -E -s) # what lies in PYTHONPATH or ~/.local does not count
 
 usage() {
   cat <<END
@@ -55,7 +55,7 @@ run_scenes() { # run_scenes <group>
 
 draw_scenes() { # draw_scenes <group>
   find "$results/$1" -name '*.h5' -print0 |
-    MPLBACKEND=Agg xargs -0 -r -n 1 -P "$(nproc)" "$python" "$build_directory/bin/plots/plot_result.py" \
+    MPLBACKEND=Agg xargs -0 -r -n 1 -P "$(nproc)" "${python[@]}" "$build_directory/bin/plots/plot_result.py" \
       --picture shape envelope --format png >"$results/$1/pictures.txt" || failed+=("pictures of $1")
 }
 
@@ -111,7 +111,7 @@ if [[ -f $plot_script ]]; then
     [[ " ${names[*]} " == *" $benchmark "* ]] && drawn+=("$benchmark")
   done
   [[ ${#drawn[@]} -eq 0 ]] ||
-    MPLBACKEND=Agg "$python" "$plot_script" "$results" --only "${drawn[@]}" || failed+=("figures")
+    MPLBACKEND=Agg "${python[@]}" "$plot_script" "$results" --only "${drawn[@]}" || failed+=("figures")
   for group in "${all_scene_groups[@]}"; do
     [[ " ${names[*]} " != *" $group "* ]] || draw_scenes "$group"
   done
@@ -120,7 +120,7 @@ fi
 table_script=$build_directory/bin/plots/verification_table.py
 if [[ -f $table_script && $verified == yes ]]; then
   say "Verification"
-  "$python" "$table_script" "$results" || failed+=("verification table")
+  "${python[@]}" "$table_script" "$results" || failed+=("verification table")
 fi
 
 say "Results"

@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """The picture of apps/docs/verification.md: four figures of the benchmarks, two in a row.
 
     benchmarks_picture.py RESULTS OUTPUT.png

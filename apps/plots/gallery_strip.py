@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """The README's strip of the gallery: scenes of apps/gallery, deformed (blue) and undeformed (grey), without axes.
 
     gallery_strip.py RESULTS OUTPUT.png     reads RESULTS/gallery/<scene>/<scene>.h5, as run.sh leaves them

@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """The performance table of apps/docs/performance.md from the results of thread_scaling.
 
     performance_table.py RESULTS/thread_scaling [--update apps/docs/performance.md]

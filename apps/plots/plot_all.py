@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """Draws the figures and writes the pages of every benchmark whose results are in a folder, beside the results."""
 
 import argparse

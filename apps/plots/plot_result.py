@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """Draws the pictures of one result file: shapes, section forces, load path, iterations."""
 
 import argparse

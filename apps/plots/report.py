@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """One page about a run, to attach to a project: scene, loads, path, answers, pictures, versions. One HTML file that
 needs nothing else; where mixbeam view has written its file, a link leads there."""
 

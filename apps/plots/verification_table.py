@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """The verification table: what benchmarks and scenes checked, against what, and how well it agrees. Read from the
 summaries RESULTS/<benchmark>/summary.json, RESULTS/verification/<scene>/summary.json and the same for the gallery;
 printed as text or as Markdown, or written between the two marker lines of a file: apps/docs/verification.md."""

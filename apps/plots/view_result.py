@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/python3 -Es
 """One HTML file that shows a result in a browser: the structure to turn, colour and step through, its path and modes. It
 needs no network."""
 

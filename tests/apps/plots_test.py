@@ -387,6 +387,43 @@ class Plots(unittest.TestCase):
         self.assertEqual(mixbeam("run", "two.xml", "--output", ".", "--quiet", "--case", "up").returncode, 0)
         self.assertIsNone(envelope_figures.envelope_beside(Run(folder / "two-up.h5")))
 
+    def test_nothing_foreign_and_nothing_over_an_input(self):
+        """Modules of the current folder are not executed, inputs are not replaced, one number of Quantities and dollars are drawn."""
+        of = listed("b$a", entry("Quantity", "string", "displacement"), entry("Point", "string", "b"), entry("Component", "string", "z"))
+        text = with_list(cantilever("{0, -1, 0}").replace("m, kN", "$m$x, $$"), listed("Quantities", of))
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            result = solve(PROGRAM, folder, "one", text)
+            for module in ("numpy", "h5py", "matplotlib", "results"):
+                (folder / f"{module}.py").write_text(f"open({str(folder / 'executed')!r}, 'w')")
+            (folder / "matplotlibrc").write_text("savefig.dpi: 7\nno.such.thing: 1\n")
+            run = lambda *words: subprocess.run([PROGRAM, *words], cwd=folder, capture_output=True, text=True, check=False)
+            for words in (("report",), ("view", "-o", "v.html"), ("plot", "-o", "pictures", "--format", "png", "--picture", "shape", "diagrams")):
+                ended = run(words[0], "one.h5", *words[1:])
+                self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+            self.assertFalse((folder / "executed").exists())
+            subprocess.run(["/usr/bin/python3", "-c", "import numpy"], cwd=folder, check=False)
+            self.assertTrue((folder / "executed").exists())  # which Python otherwise does
+            self.assertGreater((folder / "pictures" / "one_shape.png").stat().st_size, 20000)  # not of 7 dots per inch
+            (folder / "link.html").symlink_to("one.h5")
+            before = result.read_bytes()
+            for words in (("report", "-o", "one.h5"), ("view", "-o", "one.xml"), ("view", "--output", "link.html")):
+                ended = run(words[0], "one.h5", *words[1:])
+                self.assertEqual(ended.returncode, 2, ended.stdout)
+                self.assertIn(words[-1], ended.stderr)
+                self.assertIn("one.h5", ended.stderr)
+            self.assertEqual((result.read_bytes(), (folder / "one.xml").read_text()), (before, text))
+            damaged = bytearray(before)
+            with Run(result) as intact:
+                place = before.index(intact.steps[-1].field("displacement").tobytes())
+            damaged[place + 102] ^= 0x55
+            (folder / "other.hdf5").write_bytes(damaged)  # whatever its ending
+            for words in (("report",), ("view",), ("plot", "--picture", "shape")):
+                ended = run(words[0], "other.hdf5", *words[1:])
+                self.assertEqual(ended.returncode, 2, ended.stdout)
+                self.assertIn("damaged", ended.stderr)
+            self.assertEqual([file for file in folder.rglob(".*")], [])  # nothing half written
+
     def test_jumps(self):
         folder = Path(self.folder.name)
         arch = Path(__file__).resolve().parents[2] / "apps" / "gallery" / "snapping_arch.xml"

@@ -446,6 +446,36 @@ class Guest(InFolder):
                 """)
             self.assertEqual(said, "True True")
 
+    def test_a_run_knows_its_file(self):
+        """Numbers of another run that has replaced the file are no answer; a file that is touched by nobody is one."""
+        said = in_python(f"""
+            import sys
+            sys.path.insert(0, {str(Path(__file__).parent)!r})
+            import mixbeam, python_test
+            run = mixbeam.run(python_test.cantilever(), output="run.h5")
+            opened = mixbeam.open("run.h5")
+            told = [bool(abs(opened.displacement("tip")[2] - run.displacement("tip")[2]) < 1e-9), len(run.results.steps) == len(run)]
+            mixbeam.run(python_test.cantilever(), output="run.h5")
+            for ask in (lambda: opened.displacement("tip"), lambda: opened.results, lambda: run.results, lambda: run.plot("shape")):
+                try: told.append(bool(ask()))
+                except mixbeam.InputError as error: told.append("run.h5" in str(error))
+            print(*told, run.displacement("tip").shape)
+            """)
+        self.assertEqual(said, "True True True True True True (3,)")
+
+    def test_a_daemon_thread_in_a_run_at_the_end(self):
+        said = in_python(f"""
+            import sys, threading, time
+            sys.path.insert(0, {str(Path(__file__).parent)!r})
+            import mixbeam, python_test
+            scene = python_test.cantilever()
+            threads = [threading.Thread(target=lambda: [mixbeam.run(scene) for _ in range(100000)], daemon=True) for _ in range(2)]
+            [thread.start() for thread in threads]
+            time.sleep(0.5)
+            print("ends")
+            """)
+        self.assertEqual(said, "ends")  # and with exit code 0, which in_python asserts
+
     def test_processes_after_a_run_work(self):
         want = [deflection(-force) for force in (1.0, 2.0, 3.0)]
         for method in ("fork", "spawn", "forkserver"):

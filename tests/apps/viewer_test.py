@@ -166,6 +166,20 @@ class Viewer(unittest.TestCase):
 
     # what is said
 
+    def test_members_of_extremes_by_name(self):
+        """Of 90 cantilevers side by side one is loaded most: numbers of members come back as 19.0000076 from packing."""
+        rods = range(90)
+        points = [(f"{end}{i}", (x, i, 0)) for i in rods for end, x in (("a", 0), ("b", 1))]
+        load = lambda i: listed(f"f{i}", entry("Point", "string", f"b{i}"), entry("Force", NUMBERS, f"{{0, 0, {-1 if i == 19 else -0.5}}}"))
+        text = scene(listed("Members", *(member(f"rod {i}", f"a{i}", f"b{i}") for i in rods)),
+                     listed("Supports", support("clamp", "a*")), listed("Point Loads", *map(load, (0, 19, 89))), points=points)
+        most = listed("most", entry("Quantity", "string", "material moment"), entry("Member", "string", "*"),
+                      entry("Component", "string", "norm"), entry("Take", "string", "largest"))
+        text = text[:-len("</ParameterList>")] + listed("Quantities", most) + "</ParameterList>"
+        page = self.view(solve(PROGRAM, self.folder, "rods", text))
+        words, = self.values(page, "probe.app.panel.placeWords('most', 1)")
+        self.assertEqual(words, " (rod 19, s = 0)")  # statics: the clamp of the rod with twice the load
+
     def test_hover_tells_member_and_values(self):
         text, nothing = self.values(self.page, "probe.hover(...probe.pixel(10))", "probe.hover(20, 700)")
         with Run(self.bent) as run:
