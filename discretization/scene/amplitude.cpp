@@ -47,7 +47,8 @@ class CourseFinder {
     sample(0.0, stages_, kSamples * stages_);
     if (!all_finite(nodes_)) return {};  // told where the scene is read, or where the path meets it
     double low = nodes_.front().value, high = low;
-    for (const Node& node : nodes_) std::tie(low, high) = std::pair{std::min(low, node.value), std::max(high, node.value)};
+    for (const Node& node : nodes_)
+      std::tie(low, high) = std::pair{std::min(low, node.value), std::max(high, node.value)};
     course_.range = high - low;
     tiny_ = std::max(kLeastSwing * course_.range, kRounding * std::max(std::abs(low), std::abs(high)));
     std::vector<Node> inside = std::move(nodes_), before, after;

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace mixbeam {
 
@@ -32,6 +33,8 @@ constexpr double kReach = 2.0;
 constexpr double kShortestStep = 1e-9;
 /// A path that runs away from the end of its stage is followed this far, in load factors of one stage.
 constexpr double kLargestDetour = 100.0;
+/// A controlled displacement is not sought beyond this multiple of the first critical load, or of the first step's.
+constexpr double kLargestLoad = 1e6;
 /// A rest of the stage that exceeds the step by no more than this share of it is rounding, and not worth a step.
 constexpr double kRoundedSteps = 1e-12;
 
@@ -55,6 +58,7 @@ class AutomaticPath {
     try {
       if (!begin()) return false;
       const bool goes_along = parameters_.analysis.trace || !moves_at_first();
+      if (!moves_at_first() && !range_.before) start_ = here_;
       if (goes_along && !along_path_ && !arrived() && !start_along_path()) return false;
       while (!arrived()) {
         if (!may_try()) return false;
@@ -153,10 +157,12 @@ class AutomaticPath {
     }
     std::vector<CriticalPoint>& passed = findings.passed;
     for (const CriticalPoint& point : passed)
-      if (take_branch(point, passed)) return true;
+      if (take_branch(point, passed)) return !leads_away() || set_out_backwards();
+    if (!passed.empty() && critical_load_ == 0.0) critical_load_ = std::abs(passed.front().load_factor);
     if (!passed.empty())
-      goal_.require_motion(start_of_goal_, next,
-                           "the structure buckles at load factor " + rounded(load_factor(passed.front().load_factor), 6));
+      goal_.require_motion(
+          start_of_goal_, next,
+          "the structure buckles at load factor " + rounded(load_factor(passed.front().load_factor), 6));
     way_->add(measure_, moved, problem_->model, passed);
     if (problem_->iterates() && problem_->work.factorizations > tangents) next = station_at(found, along);
     accept(std::move(next), found.residual, std::move(passed));
@@ -268,12 +274,46 @@ class AutomaticPath {
     }
     adapt_length(found, length, here_.tangent);
     if (!take(found, parameters_.analysis.trace ? kTracedStep : kPathStep)) return shorten(length);
+    if (goal_.is_controlled()) return stays_in_reach() || set_out_backwards();
     if (std::abs(here_.load_factor - range_.to) < kLargestDetour) return true;
-    // Under control the load factor has no end, and a number of any size, as long as the displacement moves.
-    goal_.require_motion(start_of_goal_, here_, "load factor " + rounded(here_.load_factor, 6));
-    if (goal_.is_controlled()) return true;
     recorder_.rejected("the path leads away from the end of the stage", 0);
     return false;
+  }
+
+  bool has_passed_goal(const State& state, double load_factor) const {
+    return goal_.is_controlled() &&
+           (goal_.value() - goal_.at(state, load_factor)) * (goal_.value() - start_of_goal_) < 0.0;
+  }
+
+  /// Whether the first point of a branch is farther from a controlled goal than the start.
+  bool leads_away() const {
+    return start_ &&
+           std::abs(goal_.value() - goal_now()) > std::abs(goal_.value() - goal_.at(start_->state, 0.0)) + kStill;
+  }
+
+  /// Under control the load factor has no end, but beyond some size nothing is to be expected.
+  bool stays_in_reach() {
+    if (has_passed_goal(here_.state, here_.load_factor))
+      throw GaveUp{"the controlled displacement has passed its target"};
+    if (first_load_ == 0.0) first_load_ = std::max(1.0, std::abs(here_.load_factor));
+    return std::abs(here_.load_factor) <= kLargestLoad * (critical_load_ > 0.0 ? critical_load_ : first_load_);
+  }
+
+  /// Where a displacement is controlled that does not move at first, nothing tells in which sense the load moves it:
+  /// what a growing one does not reach a falling one may.
+  bool set_out_backwards() {
+    const std::string where = "load factor " + rounded(here_.load_factor, 6);
+    if (!start_) {
+      goal_.require_motion(start_of_goal_, here_, where);
+      throw GaveUp{"the controlled displacement does not reach its target up to " + where};
+    }
+    recorder_.rejected("the target lies elsewhere: the load sets out once more, falling", 0);
+    here_ = *std::exchange(start_, std::nullopt);
+    here_.tangent = scaled(here_.tangent, -1.0);
+    branched_ = false;
+    first_load_ = critical_load_ = 0.0;
+    begin_way();
+    return start_along_path();
   }
 
   /// Steps to where a path leads that leaves its start infinitely steep, as rods do that cannot stretch.
@@ -304,10 +344,12 @@ class AutomaticPath {
     const auto stays_near = [&](const Correction& found) {
       if (!found.converged) not_converged();
       return found.converged && std::abs(found.load_factor - from.load_factor) <= rule_.maximum &&
-             (goal_.is_controlled() || found.load_factor <= range_.to);
+             (goal_.is_controlled() ? !has_passed_goal(found.state, found.load_factor)
+                                    : found.load_factor <= range_.to);
     };
     const auto point = first_point_of_branch(*problem_, corrector_, measure_, from, *direction, stays_near);
-    if (!point) throw GaveUp{"the branch at load factor " + rounded(load_factor(from.load_factor), 6) + " could not be taken"};
+    if (!point)
+      throw GaveUp{"the branch at load factor " + rounded(load_factor(from.load_factor), 6) + " could not be taken"};
     const PathDirection moved{point->found.moved.clone(true), point->found.load_factor - from.load_factor};
     branched_ = along_path_ = true;
     length_ = point->amplitude;
@@ -329,9 +371,11 @@ class AutomaticPath {
   Station here_;              ///< where the path stands
   std::optional<Way> way_{};  ///< since the stage, a branch or a resumed path began, as start_of_goal_
   double start_of_goal_ = 0.0;
-  bool along_path_ = false;  ///< steps along the path; else to the goal
-  double size_ = 0.0;        ///< of the next step to the goal
-  double length_ = 0.0;      ///< of the next step along the path
+  std::optional<Station> start_{};                 ///< of a path under control that has not tried falling loads
+  double first_load_ = 0.0, critical_load_ = 0.0;  ///< sizes of load factors; 0: not known yet
+  bool along_path_ = false;                        ///< steps along the path; else to the goal
+  double size_ = 0.0;                              ///< of the next step to the goal
+  double length_ = 0.0;                            ///< of the next step along the path
   bool branched_ = false;
   int attempts_left_ = 0;
   int failures_in_a_row_ = 0;

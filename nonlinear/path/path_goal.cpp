@@ -33,7 +33,8 @@ bool PathGoal::is_reached(const State& state, double load_factor) const {
 }
 
 bool PathGoal::is_moved_by(const PathMeasure& measure, const PathDirection& direction) const {
-  return std::abs(rate(direction)) > kStill * std::max(measure.motion(direction.x), kNoMotion);
+  const double rounding = std::max(kStill * measure.motion(direction.x), kNoMotion * std::abs(direction.load));
+  return std::abs(rate(direction)) > rounding;
 }
 
 Correction PathGoal::correct(Corrector& corrector, const Station& from, double value, const PathDirection* way,

@@ -332,9 +332,8 @@ StepFindings StepJudge::examine(const PathPiece& piece, const StepTest& test) {
     }
   }
   if (!findings.objection.empty())
-    findings.objection +=
-        " (load factor " + rounded(loads().load_factor(piece.start.load_factor), 6) + " to " +
-        rounded(loads().load_factor(piece.end.load_factor), 6) + ")";
+    findings.objection += " (load factor " + rounded(loads().load_factor(piece.start.load_factor), 6) + " to " +
+                          rounded(loads().load_factor(piece.end.load_factor), 6) + ")";
   return findings;
 }
 
