@@ -1,5 +1,7 @@
 #include "discretization/assembly/line_fields.hpp"
 
+#include "discretization/mesh/reference_element.hpp"
+#include "discretization/scene/formula_pieces.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
@@ -13,15 +15,13 @@ namespace mixbeam {
 
 namespace {
 
-/// Places xi of the points of a field in an element of a block.
-std::vector<double> places(LineField kind, const ElementBlock& block) {
-  std::vector<double> xi(line_field_points(kind, block.order, block.interior.force_points)), weight(xi.size());
-  const int axial = axial_points(block.order, block.force_integration);
-  const int first = kind == LineField::eigenstrain ? axial : static_cast<int>(xi.size());
-  gauss_rule(first, xi.data(), weight.data());
-  const int rest = static_cast<int>(xi.size()) - first;  // the shear part has points of its own
-  if (rest > 0) gauss_rule(rest, xi.data() + first, weight.data());
-  return xi;
+/// One or two Gauss rules of a field in an element of a block: the shear part may have points of its own.
+std::vector<GaussPoints> rules_of(LineField kind, const ElementBlock& block) {
+  const int points = line_field_points(kind, block.order, block.interior.force_points);
+  const int first = kind == LineField::eigenstrain ? axial_points(block.order, block.force_integration) : points;
+  std::vector<GaussPoints> rules{gauss_points(first)};
+  if (points > first) rules.push_back(gauss_points(points - first));
+  return rules;
 }
 
 /// Elements of a member on this rank: their block (-1: none) and their indices in it. A member has one order,
@@ -64,6 +64,12 @@ class LineFields::Profile {
     for (int i = 0; i < 3; ++i)
       if (!formula[i].empty()) formula_[i].emplace(formula[i], std::vector<std::string>{"s", "x"});
   }
+  FormulaVector pieces(double length) const {
+    std::array<std::string, 3> text;
+    for (int i = 0; i < 3; ++i)
+      if (formula_[i]) text[i] = formula_[i]->text();
+    return pieces_of(text, length);
+  }
   bool is_zero() const {
     for (int i = 0; i < 3; ++i)
       if (formula_[i] || constant_[i] != 0.0) return false;
@@ -91,7 +97,8 @@ struct LineFields::Source {
   int member;
   Profile profile;
   Amplitude amplitude;
-  const DistributedLoad* load = nullptr;  ///< where it is more than a profile: a part, projected, or a weight
+  const DistributedLoad* load = nullptr;         ///< where it is more than a profile: a part, projected, or a weight
+  std::shared_ptr<const FormulaPieces> taper{};  ///< of a weight
 };
 
 namespace {
@@ -126,7 +133,8 @@ LineFields::LineFields(const Scene& scene, const Mesh& mesh, Structure& structur
     const bool follower = load.frame == LoadFrame::follower;
     add_source(mesh, structure,
                {follower ? LineField::follower_force : LineField::dead_force, member,
-                Profile(load.force, load.force_formula, load.member), amplitude, is_plain(load) ? nullptr : &load});
+                Profile(load.force, load.force_formula, load.member), amplitude, is_plain(load) ? nullptr : &load,
+                load.is_weight ? pieces_of_taper(scene, scene.members[member]) : nullptr});
     add_source(mesh, structure,
                {follower ? LineField::follower_couple : LineField::dead_couple, member,
                 Profile(load.couple, load.couple_formula, load.member), amplitude, is_plain(load) ? nullptr : &load});
@@ -150,27 +158,42 @@ void LineFields::add_source(const Mesh& mesh, Structure& structure, const Source
   const LocalElements local = local_elements(mesh, structure, source.member);
   if (local.block < 0) return;
   ElementBlock& block = structure.blocks[local.block];
-  const std::vector<double> xi = places(source.kind, block);
+  const std::vector<GaussPoints> rules = rules_of(source.kind, block);
   Field field{source.kind, local.block, source.amplitude};
-  field.length = member.curve.length;
-  field.points = static_cast<int>(xi.size());
+  const double length = field.length = member.curve.length;
+  field.points = line_field_points(source.kind, block.order, block.interior.force_points);
   field.elements = KernelView<int*>("mixbeam::field_elements", local.elements.size());
-  field.value = KernelView<double* [3]>("mixbeam::field_source", local.elements.size() * xi.size());
+  field.value = KernelView<double* [3]>("mixbeam::field_source", local.elements.size() * field.points);
+  FormulaVector pieces = source.profile.pieces(length);
+  if (source.taper) pieces.component.fill(source.taper);
   ensure_rows(block);
+  std::vector<double> value;
   for (size_t i = 0; i < local.elements.size(); ++i) {
     const int e = field.elements(i) = local.elements[i];
     block.field_row(e, static_cast<int>(source.kind)) = 0;  // allocate_values gives the true row
     const MeshElement& element = mesh.elements[structure.local_element_to_mesh[block.first_element + e]];
-    for (size_t q = 0; q < xi.size(); ++q)
+    const double middle = mesh.arc_length(element, 0.0);
+    const double first = mesh.arc_length(element, -1.0) / length, last = mesh.arc_length(element, 1.0) / length;
+    size_t row = i * field.points;
+    for (const GaussPoints& rule : rules) {
       for (int c = 0; c < 3; ++c) {
-        const double s = mesh.arc_length(element, xi[q]);
-        double value = source.profile.at(c, s, field.length);
-        if (source.load != nullptr)
-          value *= factor_of(*source.load, member, structure.member_laws[source.member].get(), s,
-                             mesh.arc_length(element, 0.0));
-        field.value(i * xi.size() + q, c) = value;
-        field.largest = std::max(field.largest, std::abs(value));
+        const auto at = [&](double s) {
+          const double here = source.profile.at(c, s, length);
+          if (source.load == nullptr) return here;
+          return here * factor_of(*source.load, member, structure.member_laws[source.member].get(), s, middle);
+        };
+        value.clear();
+        for (const double xi : rule.xi) value.push_back(at(mesh.arc_length(element, xi)));
+        if (pieces.component[c])
+          integrate_at_points(
+              *pieces.component[c], [&](double x) { return at(x * length); }, first, last, rule.xi, rule.weight, value);
+        for (size_t q = 0; q < value.size(); ++q) {
+          field.value(row + q, c) = value[q];
+          field.largest = std::max(field.largest, std::abs(value[q]));
+        }
       }
+      row += rule.xi.size();
+    }
   }
   fields_.push_back(field);
 }

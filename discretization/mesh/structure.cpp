@@ -1,11 +1,13 @@
 #include "discretization/mesh/structure.hpp"
 
 #include "discretization/mesh/reference_element.hpp"
+#include "discretization/scene/formula_pieces.hpp"
 #include "discretization/text/member_error.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -75,18 +77,64 @@ void store_block(const Matrix6& compliance, int first_row, int first_column, dou
     for (int j = 0; j < 3; ++j) out[3 * i + j] = compliance[first_row + i][first_column + j];
 }
 
-/// `compliance_at(xi)` of one element, written as GeneralSectionLayout has it.
-template <class ComplianceAt>
-void fill_element(const GeneralSectionLayout& layout, const ComplianceAt& compliance_at, double* row) {
-  double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1];
-  gauss_rule(layout.force_points, xi, weight);
-  for (int q = 0; q < layout.force_points; ++q) {
-    const Matrix6 compliance = compliance_at(xi[q]);
-    store_block(compliance, 0, 0, row + layout.force_force(q));
-    store_block(compliance, 0, 3, row + layout.force_moment(q));
+Matrix6 weighted(const Matrix6& a, double weight, const Matrix6& b) {
+  Matrix6 sum = a;
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) sum[i][j] += weight * b[i][j];
+  return sum;
+}
+
+/// Where the sum over points misses more of the compliance of an element than this, means take the place of values:
+/// smooth tapers stay far below it.
+constexpr double kMissedCompliance = 1e-4;
+
+/// Compliance of a member along one of its elements.
+struct ElementCompliance {
+  const SectionLaw& law;
+  std::function<double(double)> place;  ///< x of xi
+  const FormulaPieces* pieces;          ///< null: no formula
+
+  Matrix6 integral(double from, double to) const {
+    Matrix6 sum{};
+    for (const auto& [x, weight] : pieces->points(from, to)) sum = weighted(sum, weight, law.compliance(x));
+    return sum;
   }
-  gauss_rule(layout.order + 1, xi, weight);
-  for (int q = 0; q <= layout.order; ++q) store_block(compliance_at(xi[q]), 3, 3, row + layout.moment_moment(q));
+
+  /// Values at the points of a rule; or, where their sum misses what a narrow taper does, means over cells around them
+  /// that are as long as their weights: then the sum is the integral, and each is positive, which no polynomial with
+  /// higher moments could promise.
+  std::vector<Matrix6> at(const GaussPoints& rule) const {
+    std::vector<Matrix6> values;
+    for (const double xi : rule.xi) values.push_back(law.compliance(place(xi)));
+    if (pieces == nullptr || pieces->points(place(-1.0), place(1.0)).empty()) return values;
+    const Matrix6 exact = integral(place(-1.0), place(1.0));
+    const double half = 0.5 * (place(1.0) - place(-1.0));
+    Matrix6 sum{};
+    for (size_t q = 0; q < values.size(); ++q) sum = weighted(sum, half * rule.weight[q], values[q]);
+    bool misses = false;
+    for (int i = 0; i < 6; ++i) misses = misses || std::abs(sum[i][i] - exact[i][i]) > kMissedCompliance * exact[i][i];
+    double from = place(-1.0);
+    for (size_t q = 0; q < values.size() && misses; ++q) {
+      const double cell = half * rule.weight[q];
+      if (!pieces->points(from, from + cell).empty())
+        values[q] = weighted({}, 1.0 / cell, integral(from, from + cell));
+      else
+        values[q] = law.compliance(from + 0.5 * cell);
+      from += cell;
+    }
+    return values;
+  }
+};
+
+/// Compliances of one element, written as GeneralSectionLayout has it.
+void fill_element(const GeneralSectionLayout& layout, const ElementCompliance& compliance, double* row) {
+  const std::vector<Matrix6> force = compliance.at(gauss_points(layout.force_points));
+  for (int q = 0; q < layout.force_points; ++q) {
+    store_block(force[q], 0, 0, row + layout.force_force(q));
+    store_block(force[q], 0, 3, row + layout.force_moment(q));
+  }
+  const std::vector<Matrix6> moment = compliance.at(gauss_points(layout.order + 1));
+  for (int q = 0; q <= layout.order; ++q) store_block(moment[q], 3, 3, row + layout.moment_moment(q));
 }
 
 [[noreturn]] void refuse_member(const Member& member, const std::string& what) {
@@ -113,14 +161,16 @@ void fill_compliance(const Scene& scene, const Mesh& mesh, const MemberLaws& law
                      ElementBlock& block) {
   const GeneralSectionLayout layout{block.order, block.interior.force_points};
   block.compliance = KernelView<double**>("mixbeam::compliance", block.count, layout.size());
+  std::shared_ptr<const FormulaPieces> pieces;
   for (int e = 0; e < block.count; ++e) {
     const MeshElement& element = mesh.elements[mesh_element[e]];
+    if (e == 0 || mesh.elements[mesh_element[e - 1]].member != element.member)
+      pieces = pieces_of_taper(scene, scene.members[element.member]);
     const double length = mesh.members[element.member].curve.length;
     const SectionLaw& law = *laws[element.member];
     try {
-      fill_element(
-          layout, [&](double xi) { return law.compliance(mesh.arc_length(element, xi) / length); },
-          &block.compliance(e, 0));
+      const auto place = [&](double xi) { return mesh.arc_length(element, xi) / length; };
+      fill_element(layout, {law, place, pieces.get()}, &block.compliance(e, 0));
     } catch (const std::invalid_argument& error) {
       refuse_member(scene.members[element.member], error.what());
     }

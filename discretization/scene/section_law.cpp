@@ -250,6 +250,11 @@ Section SectionLaw::section(double x) const {
   if (!std::isfinite(weight))
     throw std::invalid_argument("taper \"" + weight_.text() + "\" is not a finite number at x = " + shortest(x) +
                                 "; allowed: a formula that is finite from x = 0 to 1");
+  return section_of_weight(weight);
+}
+
+Section SectionLaw::section_of_weight(double weight) const {
+  if (!tapered_) return start_;
   return by_shape_ ? mixed_shape(weight, start_, end_) : mixed_stiffness(weight, start_, end_);
 }
 

@@ -34,6 +34,8 @@ class SectionLaw {
   /// (1 - w) start + w end where both sections come from shapes of one kind, otherwise the stiffness matrix in that
   /// way. Throws std::invalid_argument where the weight is not finite.
   Section section(double x) const;
+  /// The same for a weight; of members without end section their only one.
+  Section section_of_weight(double weight) const;
 
   /// section_compliance(section(x)), with the place in the text of an error.
   Matrix6 compliance(double x) const;

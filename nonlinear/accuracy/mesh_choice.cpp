@@ -1,5 +1,7 @@
 #include "nonlinear/accuracy/mesh_choice.hpp"
 
+#include "discretization/scene/division.hpp"
+#include "discretization/scene/formula_pieces.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "kernels/element/layout.hpp"
 #include "nonlinear/accuracy/bending_loads.hpp"
@@ -8,10 +10,68 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace mixbeam {
 
 namespace {
+
+/// (member): with inner points also where its formulas need vertices, as far as they are not there; none for members
+/// that keep their elements. Only the positions of these members count. Empty where no formula needs any.
+std::vector<Member> members_with_places(const Scene& scene) {
+  std::vector<Member> members;
+  const auto add = [&](size_t m, const FormulaPieces* pieces) {
+    if (pieces == nullptr || pieces->places.empty() || scene.members[m].keeps_elements) return;
+    if (members.empty()) members = scene.members;
+    std::vector<InnerPoint>& inner = members[m].inner_points;
+    for (const double place : pieces->places) {
+      const auto after =
+          std::find_if(inner.begin(), inner.end(), [&](const InnerPoint& p) { return p.position > place; });
+      const double before = after == inner.begin() ? 0.0 : (after - 1)->position;
+      const double next = after == inner.end() ? 1.0 : after->position;
+      if (std::min(place - before, next - place) > kNearestPlaces) inner.insert(after, {"", place});
+    }
+  };
+  std::optional<Mesh> mesh;
+  const auto add_vector = [&](const std::string& member, const std::array<std::string, 3>& formula) {
+    if (formula[0].empty() && formula[1].empty() && formula[2].empty()) return;
+    if (!mesh) mesh = build_mesh(scene);
+    const int m = member_index(scene, member);
+    const FormulaVector pieces = pieces_of(formula, mesh->members[m].curve.length);
+    for (const auto& component : pieces.component) add(m, component.get());
+  };
+  for (const DistributedLoad& load : scene.distributed_loads) {
+    add_vector(load.member, load.force_formula);
+    add_vector(load.member, load.couple_formula);
+  }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    add_vector(strain.member, strain.strain_formula);
+    add_vector(strain.member, strain.curvature_formula);
+  }
+  for (size_t m = 0; m < scene.members.size(); ++m) add(m, pieces_of_taper(scene, scene.members[m]).get());
+  return members;
+}
+
+/// Divides a member at all its places: each piece between two of them into as many elements as any other, and what is
+/// left of them where they are longest.
+void divide_at_places(const Member& with_places, Member& member) {
+  Member finer = with_places;
+  finer.stations.clear();
+  finer.inner_points.clear();
+  const int pieces = static_cast<int>(with_places.inner_points.size()) + 1,
+            parts = std::max(1, member.elements / pieces);
+  double from = 0.0;
+  for (int piece = 0; piece < pieces; ++piece) {
+    const double to = piece + 1 < pieces ? with_places.inner_points[piece].position : 1.0;
+    for (int i = 1; i <= parts; ++i)
+      if (piece + 1 < pieces || i < parts)
+        finer.inner_points.push_back({"", i < parts ? from + (to - from) * i / parts : to});
+    from = to;
+  }
+  finer.elements = member.elements;
+  member.stations = divide(finer).station;
+  member.elements = static_cast<int>(member.stations.size()) - 1;
+}
 
 /// Errors of meshes of 16 scenes: an element of order k that turns by theta has a relative error of (theta / c)^(k+1)
 /// with c from 14 (order 4) to 20 (order 8). [radian]
@@ -42,7 +102,7 @@ constexpr double kRoundedDisplacement = 1e-11, kSmallDisplacement = 1e-3;
 /// An error that has not begun to fall does so with this q h at best.
 constexpr double kUnresolved = 0.7;
 
-int pieces_of(const Member& member) { return static_cast<int>(member.inner_points.size()) + 1; }
+int pieces_between(const Member& member) { return static_cast<int>(member.inner_points.size()) + 1; }
 
 using OrderCosts = std::array<double, kMaximumOrder + 1>;  ///< of one element
 
@@ -126,7 +186,7 @@ struct Candidate {
 std::vector<int> element_numbers(const Member& member, int present) {
   if (member.keeps_elements) return {present};
   std::vector<int> numbers;
-  int n = std::max(pieces_of(member), (present + kLargestCoarsening - 1) / kLargestCoarsening);
+  int n = std::max(pieces_between(member), (present + kLargestCoarsening - 1) / kLargestCoarsening);
   for (; n <= kLargestRefinement * present; n = std::max(n + 1, static_cast<int>(n * kElementRatio)))
     numbers.push_back(n);
   return numbers;
@@ -183,10 +243,13 @@ MeshChoice choose(const Candidates& members, double price, double aim, double& e
 
 Scene on_mesh(const Scene& scene, const MeshChoice& choice) {
   Scene changed = scene;
+  const std::vector<Member> with_places = members_with_places(scene);
   for (size_t m = 0; m < choice.size(); ++m) {
     Member& member = changed.members[m];
     if (!member.keeps_order) member.order = choice[m].order;
     if (!member.keeps_elements) member.elements = choice[m].elements;
+    if (m < with_places.size() && with_places[m].inner_points.size() > member.inner_points.size())
+      divide_at_places(with_places[m], member);
   }
   return changed;
 }
@@ -213,14 +276,15 @@ MeshChoice start_mesh(const Scene& scene, double accuracy) {
   const Mesh mesh = build_mesh(scene);
   const std::vector<double> by_load = turning_by_loads(scene, mesh);
   const int pack = std::max(1, kPack / static_cast<int>(scene.members.size()));
+  const std::vector<Member> with_places = members_with_places(scene);
   MeshChoice choice;
   for (size_t m = 0; m < scene.members.size(); ++m) {
-    const Member& member = scene.members[m];
+    const Member& member = with_places.empty() ? scene.members[m] : with_places[m];
     const double turning = reference_turning(mesh.members[m].curve) + by_load[m];
     const int first = member.keeps_order ? member.order : kLeastStartOrder;
     const int last = member.keeps_order ? member.order : kMaximumOrder;
     const OrderCosts& costs = costs_of(scene, member);
-    const int least_elements = std::max(pieces_of(member), has_general_section(scene, member) ? 1 : pack);
+    const int least_elements = std::max(pieces_between(member), has_general_section(scene, member) ? 1 : pack);
     MemberMesh best;
     double least = std::numeric_limits<double>::infinity();
     for (int k = first; k <= last; ++k) {
@@ -306,9 +370,11 @@ double error_of_kept(const Scene& scene, const Mesh& mesh, const ErrorEstimate& 
 MeshChoice next_mesh(const Scene& scene, const Mesh& mesh, const MeshChoice& present, const ErrorEstimate& estimate,
                      double aim) {
   const std::vector<MemberError> errors = errors_of_members(scene, mesh, estimate);
+  const std::vector<Member> with_places = members_with_places(scene);
   Candidates members;
   for (size_t m = 0; m < present.size(); ++m)
-    members.push_back(candidates_of(scene, scene.members[m], {present[m].order, mesh.members[m].elements}, errors[m]));
+    members.push_back(candidates_of(scene, with_places.empty() ? scene.members[m] : with_places[m],
+                                    {present[m].order, mesh.members[m].elements}, errors[m]));
   // Prices from that of a single coarse element to one that leaves no error; a factor of 4 tells neighbours apart.
   constexpr double kFirstPrice = 1e-3, kLastPrice = 1e30, kPriceRatio = 4.0;
   MeshChoice choice;

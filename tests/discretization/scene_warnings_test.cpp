@@ -259,6 +259,17 @@ TEST(SceneWarnings, OfDensitiesInOtherUnits) {
   EXPECT_EQ(told(206e9, 7.85, 9.81, 7850), 0) << "one alone may be meant to be rigid";
 }
 
+TEST(SceneWarnings, OfFormulasBetweenGaussPoints) {
+  const auto with_load = [](const std::string& formula) {
+    return frame_with([&](Scene& s) {
+      s.distributed_loads = {{"arm", {}, {}}};
+      s.distributed_loads[0].force_formula[2] = formula;
+    });
+  };
+  expect_only(with_load("-1e3 * exp(-((x - 0.503) / 0.001)^2)"), {"arm", "misses", "x = 0.5 to 0.75", "Stations"});
+  EXPECT_TRUE(warnings(with_load("-1e3 * exp(-((x - 0.503) / 0.3)^2)")).empty());  // wide enough
+}
+
 TEST(SceneWarnings, OfPointsThatNoMemberTouches) {
   expect_only(frame_with([](Scene& scene) {
                 scene.points.push_back({"far", {9, 9, 9}});

@@ -1,4 +1,5 @@
 // Cantilevers under loads per length: closed forms and equilibrium.
+#include "kernels/math/constants.hpp"
 #include "kernels/math/gauss.hpp"
 #include "kernels/math/rotation.hpp"
 #include "tests/support/solve.hpp"
@@ -118,6 +119,31 @@ TEST(LineLoads, SmallTriangularForceFollowsTimoshenko) {
   scene.distributed_loads[0].force_formula[1] = "1e-6 * (1 - x)";
   const double deflection = q * L * L * L * L / (30.0 * kBending) + q * L * L / (6.0 * kShear);
   EXPECT_NEAR(solved(scene).displacement("tip")[1], deflection, kLinear * deflection);
+}
+
+/// Point loads spread over less than the distance of Gauss points: F at a, with the variance of where it acts. In
+/// linear theory the tip moves by F (a^2 (3 L - a) + 3 variance (L - a)) / 6 EI + F a / GA. Sums over Gauss points
+/// alone are zero or twice as much.
+TEST(LineLoads, NarrowFormulasCarryTheirIntegral) {
+  constexpr double kNarrow = 1e-7;  // formulas are resolved to 1e-9
+  const double L = kLength, a = 0.503 * L, w = 1e-4 * L;
+  struct Case {
+    std::string formula;
+    double force, variance;
+  };
+  const std::vector<Case> cases = {{"exp(-((x - 0.503) / 1e-4)^2)", w * std::sqrt(kPi), w * w / 2.0},
+                                   {"abs(x - 0.503) < 0.5e-4 ? 1 : 0", w, w * w / 12.0},
+                                   {"max(0, 1 - abs(s - 1.006) / 1e-4)", w / 2.0, w * w / 24.0}};
+  for (const Case& narrow : cases) {
+    const double F = kSmallLoad * narrow.force;
+    const double deflection =
+        F * (a * a * (3.0 * L - a) + 3.0 * narrow.variance * (L - a)) / (6.0 * kBending) + F * a / kShear;
+    for (const int order : {3, 5}) {
+      Scene scene = line_loaded({}, {}, order);
+      scene.distributed_loads[0].force_formula[1] = "1e-6 * (" + narrow.formula + ")";
+      EXPECT_NEAR(solved(scene).displacement("tip")[1], deflection, kNarrow * deflection) << narrow.formula;
+    }
+  }
 }
 
 TEST(LineLoads, FormulaThatIsNotFiniteIsAnError) {
