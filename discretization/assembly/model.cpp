@@ -161,6 +161,7 @@ State Model::apply(const State& from, const MixedVector& increment, double step)
   for (const ElementBlock& block : structure_.blocks)
     apply_interior_increment(block, from.views, increment.interior(), step, to.views);
   to.in_plane = from.in_plane && is_in_plane(increment);
+  constraints_.follow(from, to);
   return to;
 }
 
@@ -178,6 +179,7 @@ VertexMatrix whole_matrix(const Model& model) {
 State Model::reference_state() const {
   State state = mixbeam::reference_state(structure_, mesh_);
   state.in_plane = plane_.has_value();
+  state.turns.assign(constraints_.counted_angles(), 0);
   return state;
 }
 

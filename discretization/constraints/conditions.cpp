@@ -2,6 +2,7 @@
 
 #include "discretization/geometry/vector_algebra.hpp"
 #include "kernels/element/layout.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,15 +41,23 @@ Mat matrix_of(const Axes& axes) {
   return rows;
 }
 
+bool has_rotation_spring(const Support& support) {
+  for (int i = 0; i < 3; ++i)
+    if (!support.rotation_fixed[i] && support.rotation_stiffness[i] != 0.0) return true;
+  return false;
+}
+
 SupportRotation rotation_kind(const Support& support) {
   const int fixed = support.rotation_fixed[0] + support.rotation_fixed[1] + support.rotation_fixed[2];
-  bool has_spring = false;
-  for (int i = 0; i < 3; ++i)
-    has_spring = has_spring || (!support.rotation_fixed[i] && support.rotation_stiffness[i] != 0.0);
   if (fixed == 3) return SupportRotation::fixed;
-  if (fixed == 1 || has_spring) return SupportRotation::vector;
-  return fixed == 2 ? SupportRotation::hinge : SupportRotation::free;
+  if (fixed == 2) return SupportRotation::hinge;
+  return fixed == 1 || has_rotation_spring(support) ? SupportRotation::vector : SupportRotation::free;
 }
+
+bool is_counted(const Support& support) {
+  return rotation_kind(support) == SupportRotation::hinge && has_rotation_spring(support);
+}
+bool is_counted(const Joint& joint) { return joint.kind == JointKind::hinge && joint.stiffness != 0.0; }
 
 VertexSupport vertex_support(const Support& support, int stages, int index, int local) {
   VertexSupport result;
@@ -60,6 +69,7 @@ VertexSupport vertex_support(const Support& support, int stages, int index, int 
   result.displacement = to_vec3(support.prescribed_displacement);
   result.rotation = transpose_times(result.axes, to_vec3(support.prescribed_rotation));
   result.rotation_kind = rotation_kind(support);
+  if (is_counted(support)) result.angle.place = index;
   for (int i = 0; i < 3; ++i) {
     result.fixed[i] = support.displacement_fixed[i];
     result.fixed[3 + i] = support.rotation_fixed[i];
@@ -86,6 +96,15 @@ Mat joint_frame(const Joint& joint) {
 
 }  // namespace
 
+double CountedAngle::operator()(double angle, const State& state) const {
+  return place < 0 ? angle : angle + 4.0 * kPi * state.turns[place];
+}
+
+void CountedAngle::follow(double angle_before, const State& from, double angle, State& to) const {
+  if (place < 0) return;
+  to.turns[place] = from.turns[place] + static_cast<int>(std::lround((angle_before - angle) / (4.0 * kPi)));
+}
+
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure) {
   Conditions conditions;
   const VertexPartition& partition = structure.partition;
@@ -98,13 +117,19 @@ Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structur
     if (local >= 0)
       conditions.supports.push_back(vertex_support(scene.supports[i], scene.stages, static_cast<int>(i), local));
   }
-  for (const MeshJoint& joint : mesh.joints) {
+  bool counts =
+      std::any_of(scene.supports.begin(), scene.supports.end(), [](const Support& s) { return is_counted(s); });
+  for (size_t i = 0; i < mesh.joints.size(); ++i) {
+    const MeshJoint& joint = mesh.joints[i];
+    const Joint& described = scene.joints[joint.joint];
+    counts = counts || is_counted(described);
     const int master = partition.place(joint.master);
     if (master < 0) continue;
-    const Joint& described = scene.joints[joint.joint];
     conditions.joints.push_back(
         {master, partition.place(joint.slave), described.kind, joint_frame(described), described.stiffness});
+    if (is_counted(described)) conditions.joints.back().angle.place = static_cast<int>(scene.supports.size() + i);
   }
+  if (counts) conditions.counted_angles = static_cast<int>(scene.supports.size() + mesh.joints.size());
   return conditions;
 }
 

@@ -19,6 +19,15 @@ struct VertexLoad {
 /// How a support holds rotations: see constraint_rows.hpp.
 enum class SupportRotation { free, fixed, hinge, vector };
 
+/// Angle about one axis against which a spring acts, over any number of turns.
+struct CountedAngle {
+  int place = -1;  ///< among State::turns, the same on every rank; -1: not counted, no spring
+  /// `angle` in (-2 pi, 2 pi], of the quaternion as it is now.
+  double operator()(double angle, const State& state) const;
+  /// Turns after `from` has moved to `to`, by less than a full turn.
+  void follow(double angle_before, const State& from, double angle, State& to) const;
+};
+
 struct VertexSupport {
   int vertex = 0;  ///< owned local vertex
   int index = 0;   ///< in Scene::supports
@@ -29,6 +38,7 @@ struct VertexSupport {
   Vec3<double> rotation{};      ///< all three rotations fixed: the triad follows exp(amplitude * rotation); spatial
   SupportRotation rotation_kind = SupportRotation::free;
   Vec3<double> displacement_stiffness{}, rotation_stiffness{};  ///< of free components, zero elsewhere
+  CountedAngle angle{};                                         ///< of a hinge
   Amplitude amplitude{};
 };
 
@@ -38,6 +48,7 @@ struct VertexJoint {
   JointKind kind = JointKind::hinge;
   Mat3<double> frame{};  ///< rows b1, b2, a in the undeformed structure, orthonormal and right-handed
   double stiffness = 0.0;
+  CountedAngle angle{};  ///< of a hinge
 
   /// Whether row `component` of the slave is a constraint.
   bool holds(int component) const {
@@ -51,6 +62,7 @@ struct Conditions {
   std::vector<VertexLoad> loads;
   std::vector<VertexSupport> supports;
   std::vector<VertexJoint> joints;
+  int counted_angles = 0;  ///< places in State::turns, of the whole scene
 };
 
 Conditions build_conditions(const Scene& scene, const Mesh& mesh, const Structure& structure);

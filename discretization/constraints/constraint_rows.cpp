@@ -1,8 +1,10 @@
 #include "discretization/constraints/constraint_rows.hpp"
 
 #include "discretization/constraints/swing.hpp"
+#include "kernels/math/constants.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -109,6 +111,14 @@ SwingTwist hinge_swing(const VertexSupport& support, const State& state, Mat& fr
   return SwingTwist(triad_of(support, state), frame);
 }
 
+/// About its axes: none but that of the free one, counted.
+Vec hinge_angles(const VertexSupport& support, const State& state) {
+  Mat frame;
+  Vec angles{{0.0, 0.0, 0.0}};
+  angles[hinge_axis(support)] = support.angle(hinge_swing(support, state, frame).angle, state);
+  return angles;
+}
+
 /// What the moment rows are multiplied by: row i is e_i, or T(theta) e_i.
 Mat moment_directions(const VertexSupport& support, const State& state) {
   if (support.rotation_kind == SupportRotation::hinge) return support.axes;
@@ -153,7 +163,10 @@ void set_support_rows(const VertexSupport& support, const State& state, double l
     case SupportRotation::hinge: {
       Mat frame;
       const SwingTwist swing = hinge_swing(support, state, frame);
-      for (int i = 0; i < 2; ++i) rows(vertex_row(v, 3 + (hinge_axis(support) + 1 + i) % 3)) = swing.swing[i];
+      const int last = hinge_axis(support);
+      for (int i = 0; i < 2; ++i) rows(vertex_row(v, 3 + (last + 1 + i) % 3)) = swing.swing[i];
+      if (support.angle.place >= 0)
+        rows(vertex_row(v, 3 + last)) += support.rotation_stiffness[last] * support.angle(swing.angle, state);
       break;
     }
     case SupportRotation::vector: {
@@ -192,7 +205,7 @@ void turn_force_rows(const VertexSupport& support, const MatrixRows& matrix) {
   }
 }
 
-/// The two swings in the rows of the fixed axes.
+/// The two swings in the rows of the fixed axes, the spring in that of the free one.
 void set_hinge_rows(const VertexSupport& support, const State& state, const MatrixRows& matrix) {
   Mat frame;
   const SwingTwist swing = hinge_swing(support, state, frame);
@@ -201,6 +214,10 @@ void set_hinge_rows(const VertexSupport& support, const State& state, const Matr
     matrix.clear(support.vertex, row);
     matrix.add(support.vertex, row, support.vertex, kMomentPart, transpose_times(frame, swing.swing_slope[i]));
   }
+  const int last = hinge_axis(support);
+  if (support.angle.place >= 0)
+    matrix.add(support.vertex, 3 + last, support.vertex, kMomentPart,
+               support.rotation_stiffness[last] * transpose_times(frame, swing.angle_slope));
 }
 
 /// d theta = T^-1 dtheta_V; the free rows (T e_i) . m also change with T.
@@ -252,7 +269,9 @@ SpatialLoad support_reaction(const VertexSupport& support, const State& state, c
   if (support.rotation_kind == SupportRotation::free) result.moment = Vec{{0.0, 0.0, 0.0}};
   if (!turns_moment_rows(support)) return result;
   const Vec m = moment_directions(support, state) * moment;
-  const Vec theta = continued_log(triad_of(support, state)), components = support.axes * theta;
+  const Vec theta = continued_log(triad_of(support, state));
+  const Vec components =
+      support.rotation_kind == SupportRotation::hinge ? hinge_angles(support, state) : support.axes * theta;
   for (int i = 0; i < 3; ++i) turning[i] = support.fixed[3 + i] ? m[i] : -support.rotation_stiffness[i] * components[i];
   result.moment = transpose_times(support.axes, turning);
   if (support.rotation_kind == SupportRotation::vector)
@@ -264,14 +283,55 @@ double stored_energy(const VertexSupport& support, const State& state) {
   const Vec u = support.axes * displacement_of(support, state);
   double energy = 0.0;
   for (int i = 0; i < 3; ++i) energy += 0.5 * support.displacement_stiffness[i] * u[i] * u[i];
-  if (support.rotation_kind != SupportRotation::vector) return energy;
-  const Vec theta = support.axes * continued_log(triad_of(support, state));
+  if (support.rotation_kind != SupportRotation::vector && support.angle.place < 0) return energy;
+  const Vec theta = support.rotation_kind == SupportRotation::hinge
+                        ? hinge_angles(support, state)
+                        : support.axes * continued_log(triad_of(support, state));
   for (int i = 0; i < 3; ++i) energy += 0.5 * support.rotation_stiffness[i] * theta[i] * theta[i];
   return energy;
 }
 
+/// What is not a whole number of turns is no equilibrium, and tells nothing.
+constexpr double kWholeTurn = 1e-3;
+
+void follow_turns(const VertexSupport& support, const State& from, State& to) {
+  Mat frame;
+  if (support.angle.place >= 0)
+    support.angle.follow(hinge_swing(support, from, frame).angle, from, hinge_swing(support, to, frame).angle, to);
+}
+
+void ConstraintRows::follow(const State& from, State& to) const {
+  to.turns.assign(counted_angles_, 0);
+  if (counted_angles_ == 0) return;
+  for (const VertexSupport& support : supports_) follow_turns(support, from, to);
+  for (const VertexJoint& joint : joints_) follow_turns(joint, from, to);
+}
+
+void ConstraintRows::count(const KernelView<double*>& rows, State& state) const {
+  const auto add = [&](const CountedAngle& angle, double row, double stiffness) {
+    if (angle.place < 0) return;
+    const double turns = row / (4.0 * kPi * stiffness);
+    if (std::abs(turns - std::round(turns)) < kWholeTurn)
+      state.turns[angle.place] -= static_cast<int>(std::lround(turns));
+  };
+  for (const VertexSupport& support : supports_) {
+    const int last = hinge_axis(support);
+    add(support.angle, rows(vertex_row(support.vertex, 3 + last)), support.rotation_stiffness[last]);
+  }
+  for (const VertexJoint& joint : joints_) add(joint.angle, rows(vertex_row(joint.slave, 5)), joint.stiffness);
+}
+
+void ConstraintRows::keep_turns(const State& from, State& to) const {
+  to.turns.assign(counted_angles_, 0);
+  const auto keep = [&](const CountedAngle& angle) {
+    if (angle.place >= 0) to.turns[angle.place] = from.turns[angle.place];
+  };
+  for (const VertexSupport& support : supports_) keep(support.angle);
+  for (const VertexJoint& joint : joints_) keep(joint.angle);
+}
+
 ConstraintRows::ConstraintRows(const Conditions& conditions)
-    : supports_(conditions.supports), joints_(conditions.joints) {
+    : supports_(conditions.supports), joints_(conditions.joints), counted_angles_(conditions.counted_angles) {
   std::set<int> vertices;
   for (const VertexSupport& support : supports_)
     if (turns_moment_rows(support)) vertices.insert(support.vertex);

@@ -66,8 +66,9 @@ void subtract_point_loads(const Conditions& conditions, const State& state, doub
 //   - free: the moment rows stay as they are;
 //   - all fixed: the rotation vector from the prescribed to the present triad;
 //   - two fixed (a hinge about the third axis, any number of turns): the swings of Lambda_V (swing.hpp), and the moment
-//     about the third axis;
-//   - one fixed, or springs: with theta the rotation vector of Lambda_V in the axes, a fixed one becomes theta_i, a
+//     about the third axis, with a spring there + k angle (State::turns);
+//   - one fixed, or springs and less than two: with theta the rotation vector of Lambda_V in the axes, a fixed one
+//   becomes theta_i, a
 //     free one (T(theta) e_i) . m + k_i theta_i, the derivative of the energy with respect to theta_i; |theta| < 2 pi.
 
 /// Marks the rows that hold a constraint in place of an equilibrium.
@@ -128,6 +129,10 @@ void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& f
 /// In the spring of a joint.
 double stored_energy(const VertexJoint& joint, const State& state);
 
+/// See ConstraintRows::follow.
+void follow_turns(const VertexSupport& support, const State& from, State& to);
+void follow_turns(const VertexJoint& joint, const State& from, State& to);
+
 /// A vertex whose forces and moments are balanced by more than loads, by supports or joints.
 struct CarriedForce {
   int vertex = 0;
@@ -157,12 +162,23 @@ class ConstraintRows {
   /// The derivative of the equations from that of the spatial rows.
   void project(const State& state, const CarriedForces& carried, const MatrixRows& rows) const;
 
+  /// State::turns of `to`, to which `from` has moved by less than a turn; those of this rank.
+  void follow(const State& from, State& to) const;
+  /// The same of another state, all others zero.
+  void keep_turns(const State& from, State& to) const;
+  /// Those of a state in equilibrium whose turns are zero so far: what is missing in the rows of its springs, unscaled
+  /// rows as set() leaves them, is stiffness times whole turns.
+  void count(const KernelView<double*>& rows, State& state) const;
+  bool counts() const { return counted_angles_ > 0; }
+  int counted_angles() const { return counted_angles_; }
+
  private:
   int index_of(int vertex) const;
 
   std::vector<VertexSupport> supports_;
   std::vector<VertexJoint> joints_;
   CarriedForces unloaded_;  ///< the vertices, without forces
+  int counted_angles_ = 0;
 };
 
 }  // namespace mixbeam

@@ -63,7 +63,7 @@ void set_joint_rows(const VertexJoint& joint, const State& state, const KernelVi
   if (joint.kind == JointKind::hinge) {
     const SwingTwist swing = at.swing(joint);
     for (int i = 0; i < 2; ++i) rows(vertex_row(s, 3 + i)) = swing.swing[i];
-    rows(vertex_row(s, 5)) += joint.stiffness * swing.angle;
+    rows(vertex_row(s, 5)) += joint.stiffness * joint.angle(swing.angle, state);
   }
   if (joint.kind == JointKind::slider) {
     for (int i = 0; i < 2; ++i) rows(vertex_row(s, i)) = dot(at.direction(i), at.offset);
@@ -139,8 +139,14 @@ void join_matrix_rows(const VertexJoint& joint, const State& state, const Vec& f
 double stored_energy(const VertexJoint& joint, const State& state) {
   if (joint.kind == JointKind::ball || joint.stiffness == 0.0) return 0.0;
   const JointState at(joint, state);
-  const double moved = joint.kind == JointKind::hinge ? at.swing(joint).angle : dot(at.direction(2), at.offset);
+  const double moved =
+      joint.kind == JointKind::hinge ? joint.angle(at.swing(joint).angle, state) : dot(at.direction(2), at.offset);
   return 0.5 * joint.stiffness * moved * moved;
+}
+
+void follow_turns(const VertexJoint& joint, const State& from, State& to) {
+  if (joint.angle.place >= 0)
+    joint.angle.follow(JointState(joint, from).swing(joint).angle, from, JointState(joint, to).swing(joint).angle, to);
 }
 
 }  // namespace mixbeam

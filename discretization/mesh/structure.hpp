@@ -23,6 +23,9 @@ struct State {
   StateViews views;
   /// Known to lie in the plane of the scene (Model::plane()): only its in-plane part is used.
   bool in_plane = false;
+  /// (counted angle, Conditions): full turns of its quaternion, 4 pi each, that are not seen in it; empty where no
+  /// angle is counted.
+  std::vector<int> turns{};
 };
 
 /// Arrays of states that are not in use.

@@ -234,6 +234,7 @@ State with_recovered_rotations(const Model& model, const State& state, const std
   Kokkos::deep_copy(recovered.views.element_triad, state.views.element_triad);
   Kokkos::deep_copy(recovered.views.interior, state.views.interior);
   recovered.in_plane = state.in_plane;
+  recovered.turns = state.turns;
   const Structure& structure = model.structure();
   const KernelView<unsigned char*> marks("mixbeam::raised", structure.local_elements());
   for (int e = 0; e < structure.local_elements(); ++e) marks(e) = raised[structure.member_of(model.mesh(), e)];

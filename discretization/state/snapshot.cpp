@@ -1,5 +1,7 @@
 #include "discretization/state/snapshot.hpp"
 
+#include "discretization/assembly/residual.hpp"
+
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
 
@@ -228,6 +230,7 @@ State restore(const Model& model, const StateSnapshot& snapshot) {
   int in_plane = snapshot.in_plane ? 1 : 0;
   Teuchos::broadcast(*model.map()->getComm(), kRoot, &in_plane);
   state.in_plane = in_plane == 1 && model.plane().has_value();
+  state.turns.assign(model.constraints().counted_angles(), 0);
   auto next = numbers.begin();
   const auto take = [&next](double* to, size_t count) {
     std::copy_n(next, count, to);
@@ -243,6 +246,16 @@ State restore(const Model& model, const StateSnapshot& snapshot) {
       take(&state.views.element_triad(block.first_element + e, 0), 4);
       take(state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns, unknowns);
     }
+  return state;
+}
+
+State restore(const Model& model, const StateSnapshot& snapshot, double load_factor) {
+  State state = restore(model, snapshot);
+  if (!model.constraints().counts()) return state;
+  MixedVector rows = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, rows);
+  unscale_rows(model, point.scales, rows);
+  model.constraints().count(rows.vertex(), state);
   return state;
 }
 

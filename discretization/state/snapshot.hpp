@@ -18,5 +18,7 @@ StateSnapshot snapshot_of(const Model& model, const State& state);
 /// The state that a snapshot was made of, on as many ranks as there are now; `snapshot` counts on rank 0 only. Throws
 /// std::invalid_argument on every rank when its sizes are not those of the mesh. Collective.
 State restore(const Model& model, const StateSnapshot& snapshot);
+/// The same, of an equilibrium at a load factor: with its full turns (State::turns), which the moments of springs tell.
+State restore(const Model& model, const StateSnapshot& snapshot, double load_factor);
 
 }  // namespace mixbeam

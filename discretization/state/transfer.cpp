@@ -334,6 +334,11 @@ State transfer(const Model& from, const State& state, const Model& to) {
     throw std::invalid_argument(problem.empty() ? "the state cannot be carried over to the other mesh" : problem);
   if (!is_by_shares) carried = restore(to, result);
   carried.in_plane = state.in_plane && to.plane().has_value();
+  if (from.constraints().counts()) {  // the ranks may share out supports and joints in another way
+    from.constraints().keep_turns(state, carried);
+    const std::vector<int> mine = carried.turns;
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), carried.turns.data());
+  }
   return carried;
 }
 

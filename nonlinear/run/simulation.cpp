@@ -91,7 +91,7 @@ bool Simulation::is_end_of_path(double load_factor) const {
 
 void Simulation::restore(const StateSnapshot& snapshot, double load_factor, const RecordedStability& known, int jumps) {
   jumps_ = jumps;
-  state_ = mixbeam::restore(model(), snapshot);
+  state_ = mixbeam::restore(model(), snapshot, load_factor);
   load_factor_ = load_factor;
   stability_ = known;
 }

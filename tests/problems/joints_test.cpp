@@ -86,6 +86,37 @@ TEST(Joints, BarOnAHingeWithASpring) {
     }
 }
 
+/// A rod of EI = L = 1 on a spring k under a moment M at its end is a circle of curvature M whose start has turned by
+/// M / k: by 7 and 100 radians, where the quaternion of the start has begun anew. What a file keeps tells the turns.
+TEST(Joints, SpringsCountTurns) {
+  constexpr double kTolerance = 1e-8, kMoment = 14.0;
+  for (const double angle : {7.0, -100.0}) {
+    const double moment = std::copysign(kMoment, angle);
+    Scene by_support = cantilever(section(1e12, 1e12, 1.0, 1.0), 1.0, 5, 8);
+    by_support.supports = {hinged("clamp")};
+    by_support.supports[0].rotation_stiffness = {0, 0, kMoment / std::abs(angle)};
+    by_support.point_loads = {{"tip", {}, {0, 0, moment}}};
+    Scene by_joint = by_support;
+    by_joint.points.push_back({"wall", {-1, 0, 0}});
+    by_joint.members.push_back(line("stub", "wall", "clamp", 2, 1));
+    by_joint.sections.push_back(section(1e12, 1e12, 1e10, 1e10));
+    by_joint.sections[1].name = by_joint.members[1].section = "rigid";
+    by_joint.joints = {joint(JointKind::hinge, "clamp", {"beam"}, {0, 0, 1}, kMoment / std::abs(angle))};
+    by_joint.supports = {clamp("wall")};
+    const Vector3 tip = {(std::sin(angle + moment) - std::sin(angle)) / moment,
+                         (std::cos(angle) - std::cos(angle + moment)) / moment, 0};
+    for (const Scene& scene : {by_support, by_joint}) {
+      const Simulation rod = solved(scene);
+      EXPECT_TRUE(agrees(rod.position("tip"), tip, kTolerance)) << angle;
+      expect_balanced(rod);
+      Simulation again(std::make_shared<Scene>(scene), {}, this_rank());
+      again.restore(snapshot_of(rod.model(), rod.state()), rod.load_factor());
+      EXPECT_EQ(again.state().turns, rod.state().turns) << angle;
+      expect_balanced(again);
+    }
+  }
+}
+
 /// The slave moves along the axis, which turns with the master: k q = F . a, whatever the bending.
 TEST(Joints, SliderOnABentBeam) {
   constexpr double kStiffness = 20.0;
