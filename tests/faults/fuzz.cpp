@@ -295,13 +295,15 @@ void change_values(hid_t file, const Thing& thing, Choices& choose) {
     thing.is_attribute ? H5Awrite(id, H5T_NATIVE_DOUBLE, numbers.data())
                        : H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data());
   }
-  const hsize_t rows[2] = {choose.below(4) == 0 ? hsize_t{1} << choose.below(62) : choose.below(30), 1};
+  const hsize_t rows[3] = {choose.below(4) == 0 ? hsize_t{1} << choose.below(62) : choose.below(30), 1, 1};
   if (!thing.is_attribute && choose.below(3) == 0) H5Dset_extent(id, rows);
   thing.is_attribute ? H5Aclose(id) : H5Dclose(id);
 }
 
 void forge(const std::string& path, Choices& choose, const std::string& foreign) {
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make properties");
+  H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);  // with all types that were left open
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
   if (file < 0) throw std::runtime_error("cannot open " + path);
   const std::vector<Thing> things = things_in(file);
   for (std::size_t changes = 1 + choose.below(3); changes > 0; --changes) {
