@@ -85,7 +85,8 @@ void require_no_input(const std::string& output) {
   const auto status = std::filesystem::status(output, unreadable);
   if (!std::filesystem::exists(status)) return;
   if (!std::filesystem::is_regular_file(status))
-    throw InputError(output + ": cannot be written: a folder, a pipe or a device has this name");
+    throw InputError(output + ": cannot be written: it is a " +
+                     (std::filesystem::is_directory(status) ? "directory" : "pipe or a device"));
   const FileKey key = key_of(output);
   const std::lock_guard<std::mutex> lock(inputs().mutex);
   const auto found = inputs().names.find(key);

@@ -68,9 +68,9 @@ TEST_F(CsvTableTest, ErrorsNameThePath) {
   }
   try {
     CsvTable table("/dev/full", {"a"});
-    FAIL() << "a full disk went unnoticed";
+    FAIL() << "a device was replaced by a file";
   } catch (const std::runtime_error& error) {
-    EXPECT_NE(std::string(error.what()).find("No space left"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("a device"), std::string::npos) << error.what();
   }
 }
 
