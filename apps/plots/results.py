@@ -380,7 +380,7 @@ class Run:
                 column: lines(held.text(column)) if tail is TEXT else held.read(column, (None, *tail))
                 for column, tail in ACTING[name].items() if column in held}
             count = len(tables.get("sections", {}).get("name", ())) if name == "members" else self._members_in_file
-            of = [table[column].reshape(len(table[column]), -1)[:, 0] for column in ("place", "member", "section") if column in table]
+            of = [np.atleast_2d(table[column].T)[0] for column in ("place", "member", "section") if column in table]
             if len(set(map(len, table.values()))) > 1 or not all(np.all((0 <= numbers) & (numbers < count)) for numbers in of):
                 raise group.refused(name, "columns of different lengths, or numbers of what is not there")
         return tables

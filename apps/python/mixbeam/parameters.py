@@ -132,6 +132,8 @@ class Parameters(MutableMapping):
         return self._entries[xml]
 
     def __setitem__(self, name, value):
+        if not isinstance(name, str):
+            raise InputError(f"{self._place()}: {name!r}; allowed: a text as a name")
         declaration = self._declaration
         xml = declaration.xml_name(name) or name
         inner, parameter = declaration.inner(xml), declaration.parameter(xml)
@@ -248,7 +250,7 @@ def convert(value, parameter, place):
         return "string", str(value).lower() if isinstance(value, bool) else value
     try:
         return kind, CONVERSIONS[kind](value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{place}: {value!r}; allowed: {kind}") from None
 
 

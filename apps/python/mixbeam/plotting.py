@@ -29,7 +29,7 @@ class _Plots:
             return function(*arguments)
         except sys.modules["results"].InputError as error:
             raise InputError(str(error)) from None
-        except (KeyError, IndexError, TypeError, ValueError, ArithmeticError) as error:
+        except (KeyError, IndexError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
             raise InputError(f"options that do not fit, or unexpected content of the result file ({error!r})") from None
 
 
@@ -64,7 +64,7 @@ class Picture:
         """Writes it in the format that the ending says: .png, .svg, .pdf."""
         file = Path(file)
         with modules() as plots:
-            plots.load("style").save_all(self.figure, file.with_suffix(""), [file.suffix[1:]])
+            plots.call(plots.load("style").save_all, self.figure, file.with_suffix(""), [file.suffix[1:]])
 
     def _repr_png_(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,5 +1,6 @@
 """Runs: solving scenes, and asking for what came out."""
 
+import operator
 import os
 import shutil
 import sys
@@ -20,6 +21,7 @@ from .scene import Scene, text_and_file, without_lines, xml_path
 Check = namedtuple("Check", "name value reference source passed")
 Extreme = namedtuple("Extreme", "value member arc_length side")  # member: its name
 SceneCheck = namedtuple("SceneCheck", "text warnings")
+MOST_THREADS = 1024  # as of the program
 AT_ENDS = 1e-12  # an arc length may be rounded so far, over the length of its member, and belongs to it still
 
 
@@ -34,13 +36,13 @@ def run(scene, case=None, *, output=None, threads=None, durable=False, force=Fal
     """
     text, file = text_and_file(scene)
     with without_lines(scene):
-        return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), threads, durable, force, listener),
+        return _watched(lambda listener: _core.run(text, file, case, os.fspath(output or ""), _threads(threads), durable, force, listener),
                         output, progress, on_step)
 
 
 def resume(file, *, threads=None, durable=False, progress=False, on_step=None):
     """Continues after the last step of a result file, in that file, to the bits of a run that was never stopped."""
-    rest = _watched(lambda listener: _core.resume(os.fspath(file), threads, durable, listener), file, progress, on_step)
+    rest = _watched(lambda listener: _core.resume(os.fspath(file), _threads(threads), durable, listener), file, progress, on_step)
     whole = open_results(file)
     whole._told = rest._core
     return whole
@@ -69,16 +71,19 @@ def batch(scene, table, case=None, *, output="followed", threads=None, progress=
     outputs = root().lists["Batch"].parameters["Output"]["choices"]
     if output not in outputs:
         raise unknown("output of a batch", output, outputs)
-    if not isinstance(table, dict):
-        table = {name: table[name] for name in table.dtype.names}
-    columns = dict(zip(table, np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in table.values()))))
+    try:
+        table = table if isinstance(table, dict) else {name: table[name] for name in table.dtype.names}
+        columns = dict(zip(table, np.broadcast_arrays(*(np.atleast_1d(np.asarray(v, float)) for v in table.values()))))
+        paths = [xml_path(name) for name in columns]
+    except (AttributeError, TypeError, ValueError) as error:
+        raise InputError(f"table of a batch: {error}; allowed: {{parameter: numbers}}, or a structured array") from None
     if any(column.ndim != 1 for column in columns.values()):
         raise InputError("table of a batch: columns of more than one dimension; allowed: one number for each case")
     values = np.stack(list(columns.values()), axis=1) if columns else np.empty((0, 0))
     say = (lambda done, cases: _say(f"{done} of {cases} cases")) if progress else None
     with without_lines(scene):
-        found = _core.batch(*text_and_file(scene), case, [xml_path(name) for name in columns], values,
-                            outputs.index(output), threads, say)
+        found = _core.batch(*text_and_file(scene), case, paths, values,
+                            outputs.index(output), _threads(threads), say)
     numbers = {**columns, **dict(zip(found["names"], found["values"].T)), "residual": found["residual"]}
     causes = np.array(found["cause"], dtype=str)
     kinds = [(name, float) for name in numbers]
@@ -106,6 +111,12 @@ def _watched(start, output, progress, on_step):
     if failure is not None:
         raise ConvergenceError(failure, Run(core))
     return Run(core, output)
+
+
+def _threads(number):
+    if number is not None and not 1 <= operator.index(number) <= MOST_THREADS:
+        raise InputError(f"threads: {number}; allowed: 1 to {MOST_THREADS}")
+    return number
 
 
 def _say(text):
@@ -210,7 +221,7 @@ class Run:
         wanted = Parameters(root().lists["Quantities"])
         for name, parameters in entries.items():
             wanted[name] = parameters
-        steps = list(range(len(self))) if step is None else [step]
+        steps = list(range(len(self))) if step is None else [operator.index(step)]
         return self._core.evaluate("".join(wanted._xml("quantities", "")), steps)
 
     # --- along members -------------------------------------------------------------------------------------------------
@@ -247,6 +258,8 @@ class Run:
     def buckling_modes(self, count=1):
         """The first modes of linear buckling of the undeformed structure: load_factor, mode (samples, 3), residual,
         confirmed."""
+        if operator.index(count) < 1:
+            raise InputError(f"buckling modes: {count}; allowed: 1, 2, ...")
         return [SimpleNamespace(**one) for one in self._core.buckling_modes(count)]
 
     def error_estimate(self, step=-1):
@@ -308,8 +321,8 @@ class MemberResults:
         share = s.ravel() / self.length
         if not np.all((share >= -AT_ENDS) & (share <= 1 + AT_ENDS)):
             raise InputError(f"member {self.name!r}: arc length {s}; allowed: 0 to {self.length:.10g}")
-        found = self._run._core.sample(self.name, np.clip(share, 0.0, 1.0).tolist(), step, before_vertex)
-        return found[name].reshape(*s.shape, -1)
+        found = self._run._core.sample(self.name, np.clip(share, 0.0, 1.0).tolist(), operator.index(step), before_vertex)
+        return found[name].reshape(*s.shape, -1) if s.size else np.empty((*s.shape, 4 if name == "triad" else 3))
 
     def __getattr__(self, name):
         if name not in self.FIELDS:

@@ -23,6 +23,8 @@ class Scene(Parameters):
     __slots__ = ("name", "file")
 
     def __init__(self, name="scene", **given):
+        if not isinstance(name, str):
+            raise InputError(f"name of a scene: {name!r}; allowed: a text")
         object.__setattr__(self, "name", name)  # of the structure, and of files
         object.__setattr__(self, "file", None)  # from which it was read; what it imports lies in its folder
         super().__init__(root())
