@@ -82,6 +82,21 @@ void print_loads(std::ostream& out, Simulation& simulation, double size) {
   }
 }
 
+/// Where formulas turn back or jump: steps end there.
+void print_turns(std::ostream& out, const Simulation& simulation) {
+  constexpr int kMostShown = 20;
+  int shown = 0;
+  for (const LoadTurn& turn : simulation.model().clock().turns()) {
+    if (turn.before <= 0.0 && turn.after <= 0.0) continue;
+    if (turn.before >= simulation.scene().stages) break;
+    if (++shown > kMostShown) continue;
+    out << (shown == 1 ? "  amplitudes turn back or jump at load factor " : ", ")
+        << formatted(turn.is_jump() ? "%.10g (a jump)" : "%.10g", turn.after);
+  }
+  if (shown > kMostShown) out << formatted(" and %d more", shown - kMostShown);
+  if (shown > 0) out << "\n";
+}
+
 /// Solves for the first motion: the run would say the same after it has followed the load as far as it goes.
 void warn_of_unmoved_control(Application& app, const Simulation& simulation) {
   if (simulation.load_moves_control()) return;
@@ -100,6 +115,7 @@ void print_simulation(Application& app, const Scene& scene) {
   Simulation simulation(coarse, app.solver, app.communicator);
   const double size = print_extent(app.out(), simulation);
   print_loads(app.out(), simulation, size);
+  print_turns(app.out(), simulation);
   warn_of_unmoved_control(app, simulation);
 }
 

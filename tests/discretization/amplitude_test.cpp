@@ -1,8 +1,14 @@
 #include "discretization/scene/amplitude.hpp"
 
+#include "kernels/math/constants.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace mixbeam {
 namespace {
@@ -35,6 +41,69 @@ TEST(Amplitude, FollowsAFormulaOfTheLoadFactor) {
     EXPECT_NEAR(wave.slope(t), 2.0 * std::cos(2.0 * t), 32 * kDifferenceError);
   }
   EXPECT_THROW(Amplitude(1, 1, "sin(2*q)"), std::invalid_argument);
+}
+
+std::vector<LoadTurn> turns_inside(const std::string& formula) {
+  Scene scene;
+  scene.point_loads.resize(1);
+  scene.point_loads[0].amplitude = formula;
+  std::vector<LoadTurn> inside;
+  for (const LoadTurn& turn : LoadClock(scene).turns())
+    if (turn.before > 0.0 && turn.after < 1.0) inside.push_back(turn);
+  return inside;
+}
+
+TEST(LoadClock, FindsTurningPointsAndJumps) {
+  constexpr double kSmooth = 1e-8;  // root of the rounding of a value: a peak is flat
+  constexpr double kSharp = 1e-14;
+  const struct {
+    std::string formula;
+    std::vector<double> turns;
+    double tolerance;
+  } cases[] = {{"4*t*(1-t)", {0.5}, kSmooth},
+               {"sin(7*t)", {kPi / 14, 3 * kPi / 14}, kSmooth},
+               {"exp(-((t-0.99987)/3e-5)^2)", {0.99987}, kSmooth},
+               {"max(0, 1-abs(t-0.3217)/5e-5)", {0.3217}, kSharp},
+               {"abs(t-1/3) + 1e-17*sin(1e5*t)", {1.0 / 3.0}, kSharp},
+               {"(abs(t-0.77) < 5e-5) ? 1 : 0", {0.76995, 0.77005}, kSharp},
+               {"rint(3*t)/3 - t", {1.0 / 6.0, 0.5, 5.0 / 6.0}, kSharp},
+               {"t^3", {}, 0.0},
+               {"cos(t)^2 + sin(t)^2", {}, 0.0},
+               {"min(t, 0.5)", {}, 0.0}};
+  for (const auto& one : cases) {
+    const std::vector<LoadTurn> found = turns_inside(one.formula);
+    ASSERT_EQ(found.size(), one.turns.size()) << one.formula;
+    for (size_t i = 0; i < found.size(); ++i) {
+      EXPECT_NEAR(found[i].before, one.turns[i], one.tolerance) << one.formula;
+      EXPECT_NEAR(found[i].after, found[i].before, 2e-15) << one.formula;
+      EXPECT_EQ(found[i].is_jump(), one.formula[0] == '(' || one.formula[0] == 'r') << one.formula;
+    }
+  }
+}
+
+// In a piece loads grow like a ramp, and beyond it they go on; at its ends they are those of the formula, bit by bit.
+TEST(LoadClock, MakesRampsOfFormulas) {
+  Scene scene;
+  scene.point_loads.resize(1);
+  scene.point_loads[0].amplitude = "(t < 0.5) ? t^2 : 3";
+  const auto clock = std::make_shared<LoadClock>(scene);
+  Amplitude amplitude(1, 1, scene.point_loads[0].amplitude);
+  amplitude.follow(clock);
+  const std::vector<LoadPiece> pieces = clock->pieces(1);
+  ASSERT_EQ(pieces.size(), 3u);
+  constexpr double kRounding = 1e-13;
+  clock->run(pieces[0]);
+  EXPECT_NEAR(amplitude(0.36), 0.36 * 0.25, kRounding);
+  EXPECT_NEAR(clock->load_factor(0.36), 0.3, kRounding);
+  EXPECT_NEAR(amplitude.slope(0.0), 0.25, 1e3 * kRounding);  // difference of step 1e-3
+  EXPECT_NEAR(amplitude(-2.0), -2.0 * 0.25, kRounding);
+  clock->run(pieces[1]);
+  EXPECT_TRUE(pieces[1].is_jump);
+  EXPECT_NEAR(amplitude(pieces[1].from + 0.5), 0.5 * (0.25 + 3.0), kRounding);
+  EXPECT_EQ(amplitude(pieces[1].end()), 3.0);
+  clock->run(std::nullopt);
+  EXPECT_EQ(amplitude(pieces[1].to), 3.0);
+  EXPECT_NEAR(amplitude(pieces[1].from), 0.25, kRounding);
 }
 
 }  // namespace

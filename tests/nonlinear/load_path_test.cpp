@@ -1,10 +1,13 @@
 // Load continuation: steps, recovery, stages, and an honest end when no equilibrium is found.
 #include "nonlinear/path/load_path.hpp"
 
+#include "kernels/math/constants.hpp"
 #include "nonlinear/path/corrector.hpp"
 #include "nonlinear/path/step_size.hpp"
 #include "tests/nonlinear/beam_fixture.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -346,6 +349,51 @@ TEST(LoadPath, LoadsTurnBack) {
       EXPECT_TRUE(agrees(path.tip, direct.tip, kSameEquilibrium)) << formula;
       EXPECT_FALSE(agrees(path.tip, follow(elastica(10.01 * end), {}).tip, kSameEquilibrium)) << formula;
     }
+}
+
+/// Straight, twice its Euler load at amplitude 1.
+Scene perfect_column(const std::string& amplitude) {
+  Scene scene = cantilever(section(1e9, 1e9, 1.0, 1.0), 1.0, 5, 4);
+  scene.point_loads = {dead_load("tip", {-0.5 * kPi * kPi, 0, 0})};
+  scene.point_loads[0].amplitude = amplitude;
+  return scene;
+}
+
+// Euler's load is passed twice within a pulse of 1e-4 of the stage, between whose ends nothing has moved.
+TEST(LoadPath, PulsesAreNotPassedUnseen) {
+  constexpr double kOfPulse = 1e-6 * 5e-5;  // the cap and the strains shift critical loads by 1e-7
+  const Path path = follow(perfect_column("max(0, 1 - abs(t-0.3)/5e-5)"), {});
+  ASSERT_TRUE(path.result.finished) << path.result.failure;
+  std::vector<double> critical;
+  for (const StepReport& report : path.reports)
+    for (const CriticalPoint& point : report.critical_points) critical.push_back(point.load_factor);
+  ASSERT_EQ(critical.size(), 2u);
+  EXPECT_NEAR(critical[0], 0.3 - 2.5e-5, kOfPulse);
+  EXPECT_NEAR(critical[1], 0.3 + 2.5e-5, kOfPulse);
+  EXPECT_EQ(follow(perfect_column("0.49*max(0, 1 - abs(t-0.3)/5e-5)"), {}).reports.back().point.critical_points, 0);
+}
+
+// The load goes straight from the value before a jump to that after it, in a step of its own.
+TEST(LoadPath, JumpsAreSteps) {
+  Scene scene = elastica(10.0);
+  scene.point_loads[0].amplitude = "(t < 0.5) ? t : 0.2";
+  for (LoadPathMethod method : {LoadPathMethod::automatic, LoadPathMethod::fixed, LoadPathMethod::adaptive}) {
+    SolverParameters parameters;
+    parameters.load_path.method = method;
+    parameters.load_path.steps = 4;
+    std::vector<std::pair<double, double>> rows;
+    Simulation simulation(scene, parameters, this_rank());
+    simulation.run([&](const StepReport& report, const State& state) {
+      rows.emplace_back(report.load_factor, simulation.at(state, report.load_factor).displacement("tip")[1]);
+    });
+    ASSERT_TRUE(simulation.result().finished) << simulation.result().failure;
+    const auto before = std::find_if(rows.begin(), rows.end(), [](const auto& row) { return row.first > 0.5 - 1e-12; });
+    ASSERT_NE(before, rows.end());
+    EXPECT_NEAR(before->first, (before + 1)->first, 1e-15);
+    EXPECT_NEAR(before->second, follow(elastica(5.0), {}).tip[1], kSameEquilibrium);
+    EXPECT_NEAR((before + 1)->second, follow(elastica(2.0), {}).tip[1], kSameEquilibrium);
+    EXPECT_EQ(rows.size(), method == LoadPathMethod::fixed ? 6u : rows.size());  // 0 to 1 by quarters, and the jump
+  }
 }
 
 // One of two structures that do not touch: the motion of the other one, by far the larger, hides nothing.

@@ -160,6 +160,13 @@ Scene snapping_frame() {
   return scene;
 }
 
+/// Rows are written where a load factor stands for the loads: not within the jump, in which the frame snaps back.
+TEST(Resume, LoadsThatTurnAndJump) {
+  Scene scene = snapping_frame();
+  scene.point_loads[0].amplitude = "(t < 0.6) ? 3*t*(1-t) : -0.2*t";
+  expect_resumable_everywhere(scene, {});
+}
+
 TEST(Resume, PathThroughLimitPoints) {
   Simulation whole(snapping_frame(), {}, this_rank());
   int limit_points = 0, steps_along_path = 0;
