@@ -312,7 +312,8 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
     if (estimated != nullptr) quantity.not_estimated = estimated->not_estimated;
     app.summary.quantities.push_back(quantity);
     if (!column.limit) continue;
-    const std::string name = run + ": size of " + column.name + ", every step";
+    const bool has_error = estimated != nullptr && estimated->error > 0.0;
+    const std::string name = run + ": size of " + column.name + (has_error ? " and its error" : "") + ", every step";
     if (estimated != nullptr && !estimated->is_estimated())
       app.summary.fail(name, formatted("at most %.10g", *column.limit), "limit of the scene",
                        formatted("%.10g, with an error that is not known: ", one.size) + estimated->not_estimated);

