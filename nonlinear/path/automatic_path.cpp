@@ -7,9 +7,9 @@
 #include "nonlinear/path/branch.hpp"
 #include "nonlinear/path/path_goal.hpp"
 #include "nonlinear/path/path_recorder.hpp"
+#include "nonlinear/path/steep_start.hpp"
 #include "nonlinear/path/step_judge.hpp"
 #include "nonlinear/path/step_size.hpp"
-#include "nonlinear/path/yielding_start.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -62,7 +62,7 @@ class AutomaticPath {
       if (goes_along && !along_path_ && !arrived() && !start_along_path()) return false;
       while (!arrived()) {
         if (!may_try()) return false;
-        if (!(along_path_ ? step_along_path() : step_to_goal()) && !set_out_yielding()) return false;
+        if (!(along_path_ ? step_along_path() : step_to_goal()) && !set_out_steeply()) return false;
       }
       return true;
     } catch (const PathInterrupted&) {
@@ -151,7 +151,7 @@ class AutomaticPath {
     Station next = station_at(found, along);
     const int tangents = problem_->work.factorizations;
     StepFindings findings = judge_.examine({here_, moved, next}, test);
-    if (!findings.objection.empty()) {
+    if (!findings.objection.empty() && !hangs(next)) {
       recorder_.rejected(findings.objection, found.iterations);
       return false;
     }
@@ -193,7 +193,17 @@ class AutomaticPath {
     } else {
       not_converged();
     }
+    if (is_at_start() && has_limp_members(problem_->model, here_.state, range_.to) && set_out_steeply()) return true;
     return turns ? shorten_load_step(size) : start_along_path();
+  }
+
+  bool is_at_start() const { return here_.load_factor == range_.from && !range_.before && !goal_.is_controlled(); }
+
+  /// Whether a step from the start, which no direction there tells of, has led to the one state that cables hang in.
+  bool hangs(const Station& next) const {
+    const bool is_stable = next.stability && next.stability->verdict() != Verdict::unstable;
+    return is_at_start() && !along_path_ && is_stable &&
+           hangs_in_tension(problem_->model, next.state, next.load_factor);
   }
 
   /// Where loads turn back the path does so too, and steps along it would have to turn on the spot.
@@ -316,15 +326,18 @@ class AutomaticPath {
     return start_along_path();
   }
 
-  /// Steps to where a path leads that leaves its start infinitely steep, as rods do that cannot stretch.
-  bool set_out_yielding() {
-    if (here_.load_factor != range_.from || range_.before || goal_.is_controlled()) return false;
-    const auto found = first_point_of_yielding(problem_, parameters_, here_.state, range_);
+  /// Steps to where a path leads that leaves its start infinitely steep, as those of limp cables and of rods do that
+  /// cannot stretch.
+  bool set_out_steeply() {
+    if (!is_at_start() || sets_out_in_vain_) return false;
+    sets_out_in_vain_ = true;
+    const auto found = first_point_of_steep_path(problem_, parameters_, here_.state, range_, recorder_.counts());
     if (!found) return false;
     const PathDirection moved = increments(*found);
     Station next = station_at(*found, &moved);
     if (!next.has_tangent()) return false;
-    branched_ = branched_ || parameters_.analysis.branch != Branch::primary;
+    const bool hangs = has_limp_members(problem_->model, here_.state, range_.to);
+    branched_ = branched_ || (!hangs && parameters_.analysis.branch != Branch::primary);
     along_path_ = true;
     length_ = measure_.length(moved);
     accept(std::move(next), found->residual, {});
@@ -377,6 +390,7 @@ class AutomaticPath {
   double size_ = 0.0;                              ///< of the next step to the goal
   double length_ = 0.0;                            ///< of the next step along the path
   bool branched_ = false;
+  bool sets_out_in_vain_ = false;  ///< a steep start has been tried
   int attempts_left_ = 0;
   int failures_in_a_row_ = 0;
 };

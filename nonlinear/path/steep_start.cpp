@@ -1,0 +1,304 @@
+#include "nonlinear/path/steep_start.hpp"
+
+#include "discretization/scene/section_law.hpp"
+#include "discretization/state/difference.hpp"
+#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/path/descent.hpp"
+#include "nonlinear/path/path_recorder.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace mixbeam {
+
+namespace {
+
+/// Stiffness of tension and shear where members yield, over EI / l^2 of the shortest one: a clamped member buckles
+/// under 4 pi^2 EI / l^2, at a strain of 0.4 %. Where its ends approach by little more than that, the next one.
+constexpr double kYielding[] = {1e4, 1e6, 1e8};
+constexpr double kDecadesToRigid = 6.0;  ///< from there, before members are rigid again
+/// Hardening may move the structure by this share of its way from the start. The way grows like the root of the load
+/// factor, and is long enough when members have approached by ten times what they yield.
+constexpr double kHardenedMotion = 0.05;
+/// The way back is tried where the load factor has grown by this factor since the last try, on so many steps.
+constexpr double kNextTry = 2.0;
+constexpr int kMostSteps = 60;
+
+/// Bending stiffness over load times L^2: below the first one members are limp; with the second, and this tension
+/// stiffness over the load, they sag by a tenth of their length, and buckle to no other side than that of the load.
+constexpr double kLimp = 5e-5, kStiff = 0.05, kSoft = 10.0;
+/// Of a structure of cables: what bending carries, largest moment over largest force and length.
+constexpr double kLittleBending = 0.01;
+
+/// Share of the way on which stiffnesses go back at first, at least, and up to which a descent is worth its price.
+constexpr double kFirstShareBack = 1.0 / 3.0, kLeastShareBack = 0.01, kShareOfDescent = 0.1;
+constexpr int kMostSolutionsBack = 40, kMostDescents = 12;
+constexpr int kMostIterationsBack = 12, kEasyIterationsBack = 6;
+
+double bending_of(const Section& section) {
+  const auto stiffness = diagonal(section);
+  return section.matrix ? std::numeric_limits<double>::infinity() : std::min(stiffness[4], stiffness[5]);
+}
+
+/// What a structure is followed with.
+struct Easing {
+  double load = 0.0;      ///< in limp members; zero: none is limp, and rigid ones yield
+  double length = 0.0;    ///< of the structure; of the shortest member where rigid ones yield
+  double yielding = 0.0;  ///< see kYielding
+
+  bool is_limp(const Section& section) const { return bending_of(section) < kLimp * load * length * length; }
+  Scene scene(const Scene& own, double share) const;
+};
+
+/// A stiffness between that of the easing and its own; one that is infinite is reached at the end alone.
+double between(double eased, double own, double share) {
+  if (std::isinf(own)) return share < 1.0 ? eased * std::pow(10.0, share * kDecadesToRigid) : own;
+  return eased * std::pow(own / eased, share);
+}
+
+/// At a share of the way back. Sections that are neither limp nor yield are unchanged.
+Scene Easing::scene(const Scene& own, double share) const {
+  Scene result = own;
+  result.accuracy.reset();
+  for (Section& section : result.sections) {
+    auto stiffness = diagonal(section);
+    const double bending = bending_of(section);
+    if (!std::isfinite(bending)) continue;  // rigid bodies do not buckle; what is coupled stays so
+    if (is_limp(section)) {
+      const double raise = std::pow(kStiff * load * length * length / bending, 1.0 - share);
+      for (int i = 3; i < 6; ++i) stiffness[i] *= raise;
+      stiffness[0] = between(std::min(stiffness[0], kSoft * load), stiffness[0], share);
+    } else if (load == 0.0) {
+      for (int i = 0; i < 3; ++i)
+        if (std::isinf(stiffness[i]))
+          stiffness[i] = between(yielding * bending / (length * length), stiffness[i], share);
+    }
+    set_diagonal(section, stiffness);
+  }
+  return result;
+}
+
+bool differs(const Scene& scene, const Scene& eased) {
+  for (size_t i = 0; i < scene.sections.size(); ++i)
+    if (diagonal(scene.sections[i]) != diagonal(eased.sections[i])) return true;
+  return false;
+}
+
+Easing easing_of(const Model& model, const State& state, double load_factor) {
+  const Easing easing{magnitude_of(model, state, load_factor).load_force, model.structure().length};
+  const std::vector<Section>& sections = model.scene().sections;
+  if (std::any_of(sections.begin(), sections.end(), [&](const Section& section) { return easing.is_limp(section); }))
+    return easing;
+  return {0.0, *std::min_element(model.mesh().member_length.begin(), model.mesh().member_length.end())};
+}
+
+/// Whether loads are dead forces, and no slider turns with the structure.
+bool is_dead(const Scene& scene) {
+  const auto none = [](const auto& all, const auto& is) { return std::none_of(all.begin(), all.end(), is); };
+  return none(scene.point_loads,
+              [](const PointLoad& l) { return l.frame == LoadFrame::follower || l.moment != Vector3{}; }) &&
+         none(scene.distributed_loads, [](const DistributedLoad& l) { return l.frame == LoadFrame::follower; }) &&
+         none(scene.joints, [](const Joint& joint) { return joint.kind == JointKind::slider; });
+}
+
+/// Smallest N of the members with sections that count, at the points that carry it.
+template <class Counts>
+double least_tension(const Model& model, const State& state, const Counts& counts) {
+  double least = std::numeric_limits<double>::infinity(), all = least;
+  for (const ElementBlock& block : model.structure().blocks)
+    for (int e = 0; e < block.count; ++e) {
+      if (!counts(model.scene().sections[block.section(e)])) continue;
+      const double* interior =
+          state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
+      const int points =
+          block.general_section ? block.interior.force_points : axial_points(block.order, block.force_integration);
+      for (int q = 0; q < points; ++q) least = std::min(least, interior[block.interior.force(q)]);
+    }
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_MIN, 1, &least, &all);
+  return all;
+}
+
+/// Largest displacement of a vertex between two states.
+double motion(const Model& model, const State& a, const State& b) { return difference(model, a, b).largest_change; }
+
+bool is_stable(Stability& stability, const Correction& at) {
+  try {
+    const Verdict verdict = stability.count(at.state, at.load_factor).verdict();
+    return verdict == Verdict::stable || verdict == Verdict::neutral;
+  } catch (const LinearSolverError&) {
+    return false;
+  }
+}
+
+/// Follows a path of an auxiliary problem, which is not reported.
+class SteepStart {
+ public:
+  SteepStart(const Teuchos::RCP<BeamProblem>& own, const SolverParameters& parameters, const State& start,
+             const StageRange& range, Stability* stability)
+      : own_(own),
+        scene_(own->model.scene()),
+        parameters_(parameters),
+        start_(start),
+        range_(range),
+        stability_(stability),
+        easing_(easing_of(own->model, start, range.to)) {}
+
+  std::optional<Correction> first_point() {
+    if (easing_.load > 0.0) {
+      const int before = own_->work.check_iterations;
+      const auto is_limp = [&](const Section& section) { return easing_.is_limp(section); };
+      are_cables_ = is_dead(scene_) && std::all_of(scene_.sections.begin(), scene_.sections.end(), is_limp);
+      are_cables_ ? hang() : follow();
+      own_->work.newton_iterations += own_->work.check_iterations - before;  // they make the step
+      own_->work.check_iterations = before;
+    } else if (imposes_deformation(scene_)) {
+      for (const double ratio : kYielding) {
+        easing_.yielding = ratio;
+        if (!first_ && !is_lost_ && differs(scene_, easing_.scene(scene_, 0.0))) follow();
+      }
+    }
+    return std::move(first_);
+  }
+
+ private:
+  /// Cables hang in one state alone, whatever the way to it.
+  void hang() {
+    const auto found = solved(problem_at(0.0), start_, range_.to, true);
+    if (found) first_ = back_from(found->state, range_.to);
+    if (first_ && !hangs_in_tension(own_->model, first_->state, range_.to)) first_.reset();
+  }
+
+  void follow() {
+    const auto problem = problem_at(0.0);
+    double next_try = 0.0;  // load factor since the start
+    bool gives_up = false, branched = false;
+    PathControl control;
+    control.resume.emplace();  // the start is known
+    control.resume->load_factor = range_.from;
+    control.stop = [&] { return gives_up || is_lost_ || first_.has_value(); };
+    const PathObserver back = [&](const StepReport& report, const State& state) {
+      const bool branches = report.point.branched && !branched;
+      branched = report.point.branched;
+      is_lost_ = !report.critical_points.empty() && !branches;
+      gives_up = report.step > kMostSteps;
+      const double loaded = report.load_factor - range_.from;
+      if (gives_up || is_lost_ || (loaded < next_try && report.load_factor < range_.to)) return;
+      first_ = back_from(state, report.load_factor);
+      next_try = kNextTry * loaded;
+    };
+    SolverParameters parameters = parameters_;
+    parameters.analysis.stability = true;  // without critical points nothing is known
+    State state = start_;
+    LoadPathResult result;
+    PathRecorder recorder(problem, parameters, state, back, control, result);
+    problem->attempts.start_path(0, {});
+    follow_stage_automatically(problem, parameters, start_, range_, recorder);
+    count_work(*problem);
+    if (own_->leave_if_asked) own_->leave_if_asked();  // the path within has only been left
+  }
+
+  Teuchos::RCP<BeamProblem> problem_at(double share) const {
+    if (share == 1.0) return own_;
+    const auto problem =
+        Teuchos::rcp(new BeamProblem(easing_.scene(scene_, share), own_->model.map()->getComm(), parameters_));
+    problem->leave_if_asked = own_->leave_if_asked;
+    return problem;
+  }
+
+  void count_work(const BeamProblem& done) {
+    if (&done == own_.get()) return;
+    own_->work.check_iterations += done.work.newton_iterations + done.work.check_iterations;
+    own_->work.looks += done.work.looks;
+  }
+
+  /// An equilibrium near a state; of cables a stable one, by a descent if need be: from an unstable one, or from no
+  /// equilibrium where that `is_near`.
+  std::optional<Correction> solved(const Teuchos::RCP<BeamProblem>& problem, const State& near, double load_factor,
+                                   bool is_near) {
+    SolveRecord record;
+    Corrector corrector(problem, parameters_, record, NewtonPurpose::check);
+    std::optional<Correction> found = corrector.at_load({near, load_factor}, kMostIterationsBack);
+    if (are_cables_) {
+      Stability stability(*problem);
+      if ((found->converged ? !is_stable(stability, *found) : is_near) && ++descents_ <= kMostDescents) {
+        const PathMeasure measure(problem->model);
+        Descent descent(problem, parameters_, corrector, stability, measure, {});
+        found = descent.from(found->converged ? found->state : near, load_factor).found;
+        if (found) found->iterations = kMostIterationsBack;  // not easy
+      }
+    }
+    count_work(*problem);
+    if (found && !found->converged) found.reset();
+    return found;
+  }
+
+  /// Equilibrium with stiffnesses of its own, at the load factor of one of the structure that is followed.
+  std::optional<Correction> back_from(const State& eased, double load_factor) {
+    std::optional<Correction> found;
+    double done = 0.0, share = kFirstShareBack;
+    for (int i = 0; i < kMostSolutionsBack && done < 1.0 && share >= kLeastShareBack; ++i) {
+      const double next = done + share < 1.0 ? done + share : 1.0;
+      std::optional<Correction> tried =
+          solved(problem_at(next), found ? found->state : eased, load_factor, share <= kShareOfDescent);
+      if (!tried || !is_near(tried->state, eased)) {
+        share *= 0.5;
+        continue;
+      }
+      done = next;
+      if (tried->iterations <= kEasyIterationsBack) share *= 2.0;
+      found = std::move(tried);
+    }
+    if (done < 1.0 || !is_of_small_loads(*found)) return std::nullopt;
+    MixedVector none = own_->model.create_vector();
+    none.fill(0.0);
+    found->moved = increment_between(own_->model, start_, found->state, none);
+    return found;
+  }
+
+  bool is_near(const State& hard, const State& yielded) const {
+    return easing_.load > 0.0 ||
+           motion(own_->model, yielded, hard) <= kHardenedMotion * motion(own_->model, start_, hard);
+  }
+
+  bool is_of_small_loads(const Correction& found) const {
+    if (easing_.load == 0.0) return true;
+    const auto is_limp = [&](const Section& section) { return easing_.is_limp(section); };
+    return stability_ != nullptr && least_tension(own_->model, found.state, is_limp) > 0.0 &&
+           is_stable(*stability_, found);
+  }
+
+  Teuchos::RCP<BeamProblem> own_;
+  const Scene& scene_;
+  const SolverParameters& parameters_;
+  const State& start_;
+  const StageRange& range_;
+  Stability* stability_;
+  Easing easing_;
+  int descents_ = 0;
+  bool are_cables_ = false;  ///< all members are limp, and loads dead
+  bool is_lost_ = false;     ///< a critical point was passed
+  std::optional<Correction> first_{};
+};
+
+}  // namespace
+
+std::optional<Correction> first_point_of_steep_path(const Teuchos::RCP<BeamProblem>& problem,
+                                                    const SolverParameters& parameters, const State& start,
+                                                    const StageRange& range, Stability* stability) {
+  return SteepStart(problem, parameters, start, range, stability).first_point();
+}
+
+bool has_limp_members(const Model& model, const State& state, double load_factor) {
+  return easing_of(model, state, load_factor).load > 0.0;
+}
+
+bool hangs_in_tension(const Model& model, const State& state, double load_factor) {
+  const StateMagnitude size = magnitude_of(model, state, load_factor);
+  return is_dead(model.scene()) && size.moment <= kLittleBending * size.force * model.structure().length &&
+         least_tension(model, state, [](const Section&) { return true; }) > 0.0;
+}
+
+}  // namespace mixbeam
