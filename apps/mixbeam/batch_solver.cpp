@@ -34,6 +34,12 @@ double elements_of(const Scene& scene) {
   return elements;
 }
 
+double elements_of_longest_member(const Scene& scene) {
+  int elements = 0;
+  for (const Member& member : scene.members) elements = std::max(elements, member.elements);
+  return elements;
+}
+
 std::string cause_of(const LoadPathResult& result) {
   std::string text = formatted("stopped at load factor %.6g", result.load_factor);
   if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
@@ -210,7 +216,8 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     result.residual = check.residual;
     result.stable = simulation.stability().stable;
     // a structure alone has converged by the tests that it was solved with; beside others it has to show it
-    const double allowed = balance_tolerance(elements_of(scenes[part]));
+    const double allowed =
+        balance_tolerance(elements_of(scenes[part]), elements_of_longest_member(scenes[part]), check.residual);
     const bool balances = check.force_error <= allowed && check.moment_error <= allowed;
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;

@@ -18,6 +18,8 @@ namespace {
 
 constexpr double kBalanceTolerance = 1e-10;
 constexpr double kResidualOfRow = 1e-11;
+/// Three components, and forces with the lever of half a structure beside moments.
+constexpr double kRowsAndLevers = 2.0;
 
 /// Lines of a table on the terminal; the files hold everything.
 constexpr std::size_t kMostLines = 12;
@@ -85,8 +87,10 @@ std::string verdict_text(const EndOfRun& end) {
 
 }  // namespace
 
-double balance_tolerance(double elements) {
-  return std::max(kBalanceTolerance, kResidualOfRow * std::sqrt(elements)) +
+double balance_tolerance(double elements, double of_longest_member, double residual) {
+  const double along_members =
+      kRowsAndLevers * std::min(kResidualOfRow, residual) * std::sqrt(elements * of_longest_member);
+  return std::max({kBalanceTolerance, kResidualOfRow * std::sqrt(elements), along_members}) +
          std::numeric_limits<double>::epsilon() * elements;
 }
 
@@ -121,7 +125,10 @@ void RunReport::add(const StepRecord& record) {
     if (!followed_.empty() && quantity.name == kQuantitySeries)
       follow(record.step, record.load_factor, quantity.components.data());
   const auto larger = [](double a, double b) { return b <= a ? a : b; };  // keeps what is not a number
-  balance_tolerance_ = balance_tolerance(static_cast<double>(record.members.elements()));
+  int longest = 0;
+  record.members.for_each_known([&](const SampledMember& member) { longest = std::max(longest, member.elements); });
+  balance_tolerance_ = std::max(
+      balance_tolerance_, balance_tolerance(static_cast<double>(record.members.elements()), longest, record.residual));
   force_error_ = larger(force_error_, record.balance.force_error);
   moment_error_ = larger(moment_error_, record.balance.moment_error);
   last_ = without_rows(record);

@@ -7,8 +7,9 @@ namespace mixbeam {
 
 /// Reactions must balance the loads in every run. Newton's method ends at a scaled residual of 1e-11 in each row, and
 /// the sums run over the rows of all elements: what is left there adds up like a random walk, the rounding errors of
-/// the sums with their number.
-double balance_tolerance(double elements);
+/// the sums with their number. Along a member in tension what is left points to one side, and adds up to as many times
+/// the `residual` of the step as it has elements.
+double balance_tolerance(double elements, double of_longest_member, double residual);
 
 /// Watches the balance of loads and reactions over all steps of a run and keeps the last of them.
 class RunReport {
