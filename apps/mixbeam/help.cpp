@@ -103,8 +103,8 @@ const std::map<std::string, const char*>& texts() {
        "  --from STEP          damage after this step does not count\n\n"},
       {"plot",
        "usage: mixbeam plot RESULTS.h5 [options]\n\n"
-       "Draws pictures of a result file; mixbeam plot RESULTS.h5 --help lists all of them and all options. Needs Python\n"
-       "with matplotlib and h5py.\n\n"
+       "Draws pictures of a result file; mixbeam plot RESULTS.h5 --help lists them and all options. Needs Python with\n"
+       "matplotlib and h5py.\n\n"
        "  -o, --output DIR     folder for pictures; default: beside the results\n"
        "  --view VIEW          xy, xz, yz, iso or AZIMUTH/ELEVATION in degrees\n"
        "  --members PATTERN    these members only\n"
