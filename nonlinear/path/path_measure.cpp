@@ -83,6 +83,7 @@ void Way::add(const PathMeasure& measure, const PathDirection& moved, const Mode
               const std::vector<CriticalPoint>& passed) {
   constexpr double kSameLoad = 1e-7;
   travelled_ += measure.motion(moved.x);
+  sum_ = sum_.clone(true);  // copies of this share it
   sum_.update(1.0, moved.x, 1.0);
   for (const CriticalPoint& point : passed) {
     if (point.kind != CriticalKind::limit_point) continue;

@@ -358,6 +358,23 @@ Scene star_dome(double load) {
   return without_section(scene, {"", 1e4, {kRigid, kRigid}, 1.0, {1.0, 100.0}});
 }
 
+/// A shallow star of six legs that nothing holds at its apex, with a lateral force of a hundredth of its load.
+Scene free_star_dome() {
+  Scene scene;
+  scene.points = {{"apex", {0, 0, 0.15}}};
+  const double first = std::atan2(0.7732386091692593, 0.6341151735213323);
+  for (int i = 0; i < 6; ++i) {
+    const double angle = first + kPi * i / 3.0;
+    const std::string foot = "foot " + std::to_string(i);
+    scene.points.push_back({foot, {std::cos(angle), std::sin(angle), 0}});
+    scene.members.push_back(line("leg " + std::to_string(i), foot, "apex", 5, 6));
+    scene.members.back().second_axis = {-std::sin(angle), std::cos(angle), 0};
+    scene.supports.push_back(clamp(foot));
+  }
+  scene.point_loads = {dead_load("apex", {-0.0018930637415044583, -0.17232142998206598, -18.1})};
+  return without_section(scene, {"", 3000.0, {1500.0, 1500.0}, 0.4, {0.5, 0.5}});
+}
+
 /// Four quarters of radius 1 and EA = 1e4 under a pressure of 5 that follows them, with a dead force at the top.
 Scene pressed_ring(const Vector3& force) {
   const auto name = [](int i) { return "p" + std::to_string(i % 4); };
@@ -736,6 +753,12 @@ void add_snaps(std::vector<KnownPath>& table) {
         {"StarDomeDownBy" + std::to_string(w), star_dome(1.0), controlled("apex", kZ, -w), at_load_factor(load)});
   table.push_back({"StarDomeTraced", star_dome(100.0), traced(), limits({0.7452625445, -0.1583784735})});
   table.back().answer.only_limits = true;
+  // two-node elements by arc length, the end by multiple shooting; steps once led to another path, and round and round
+  Answer beyond;
+  beyond.ends = {{"apex", kZ, -0.275933219767}};
+  beyond.all_critical = false;
+  beyond.verdict = Verdict::stable;
+  table.push_back({"FreeStarDomeBeyondItsLimit", free_star_dome(), {}, beyond});
   for (const double load : {40.0, 80.0, 100.0})
     table.push_back({"ToggleTraced" + std::to_string(static_cast<int>(load)), toggle(load), traced(),
                      limits({33.86123302 / load, 31.26258313 / load})});
