@@ -118,7 +118,7 @@ class PieceSearch {
   /// Jump or kink next to the largest second difference, which halving the distances divides by 1 or 2, and by 4 where
   /// the function is smooth; a negative number where there is none.
   double break_in(const Look& look) const {
-    constexpr int kHalvings = 24;  // a kink has fallen to 6e-8 and a smooth function to rounding
+    constexpr int kBreakHalvings = 24;  // a kink has fallen to 6e-8 and a smooth function to rounding
     constexpr double kStillKink = 1e-9, kStillJump = 0.1, kNoise = 1e-14;
     const auto bend = [](double f, double g, double h) { return std::abs(f - 2.0 * g + h); };
     std::size_t at = 1;
@@ -139,7 +139,7 @@ class PieceSearch {
       middle += (best - 2) * distance;
       f = {g[best - 1], g[best], g[best + 1]};
       const double now = bend(f[0], f[1], f[2]);
-      if (halving < kHalvings) continue;
+      if (halving < kBreakHalvings) continue;
       if (now <= kStillKink * first || now <= kNoise * largest_) return -1.0;
       if (now <= kStillJump * first) return middle;
     }
