@@ -8,6 +8,7 @@ namespace mixbeam::hdf5 {
 
 namespace {
 
+constexpr int kDeepest = 8;  // groups below one another, more than results have
 /// Held in memory while a dataset is copied.
 constexpr std::size_t kMostBytesCopied = std::size_t{8} << 20;
 
@@ -73,17 +74,19 @@ void copy_dataset(Handle dataset, const std::string& name, hid_t target) {
   copy_attributes(from.id, to);
 }
 
-void copy_object(Handle from, const std::string& name, hid_t target) {
+/// `depth`: of groups that may follow; a group that holds itself has no end.
+void copy_object(Handle from, const std::string& name, hid_t target, int depth) {
+  if (depth < 0) throw Error("cannot copy " + name + ": it lies deeper than results do");
   if (!is_group(from)) return copy_dataset(std::move(from), name, target);
   const Handle to = create_group(target, name);
   copy_attributes(from, to);
-  for (const ObjectLink& child : links_of(from)) copy_object(open_object(from, child.name), child.name, to);
+  for (const ObjectLink& child : links_of(from)) copy_object(open_object(from, child.name), child.name, to, depth - 1);
 }
 
 }  // namespace
 
 void copy_link(hid_t source, const std::string& name, hid_t target) {
-  copy_object(open_object(source, name), name, target);
+  copy_object(open_object(source, name), name, target, kDeepest);
 }
 
 }  // namespace mixbeam::hdf5
