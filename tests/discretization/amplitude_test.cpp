@@ -91,19 +91,19 @@ TEST(LoadClock, MakesRampsOfFormulas) {
   amplitude.follow(clock);
   const std::vector<LoadPiece> pieces = clock->pieces(1);
   ASSERT_EQ(pieces.size(), 3u);
-  constexpr double kRounding = 1e-13;
+  constexpr double kOfInversion = 1e-13;
   clock->run(pieces[0]);
-  EXPECT_NEAR(amplitude(0.36), 0.36 * 0.25, kRounding);
-  EXPECT_NEAR(clock->load_factor(0.36), 0.3, kRounding);
-  EXPECT_NEAR(amplitude.slope(0.0), 0.25, 1e3 * kRounding);  // difference of step 1e-3
-  EXPECT_NEAR(amplitude(-2.0), -2.0 * 0.25, kRounding);
+  EXPECT_NEAR(amplitude(0.36), 0.36 * 0.25, kOfInversion);
+  EXPECT_NEAR(clock->load_factor(0.36), 0.3, kOfInversion);
+  EXPECT_NEAR(amplitude.slope(0.0), 0.25, 1e3 * kOfInversion);  // difference of step 1e-3
+  EXPECT_NEAR(amplitude(-2.0), -2.0 * 0.25, kOfInversion);
   clock->run(pieces[1]);
   EXPECT_TRUE(pieces[1].is_jump);
-  EXPECT_NEAR(amplitude(pieces[1].from + 0.5), 0.5 * (0.25 + 3.0), kRounding);
+  EXPECT_NEAR(amplitude(pieces[1].from + 0.5), 0.5 * (0.25 + 3.0), kOfInversion);
   EXPECT_EQ(amplitude(pieces[1].end()), 3.0);
   clock->run(std::nullopt);
   EXPECT_EQ(amplitude(pieces[1].to), 3.0);
-  EXPECT_NEAR(amplitude(pieces[1].from), 0.25, kRounding);
+  EXPECT_NEAR(amplitude(pieces[1].from), 0.25, kOfInversion);
 }
 
 }  // namespace
