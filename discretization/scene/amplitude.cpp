@@ -309,7 +309,7 @@ std::optional<LoadPiece> LoadClock::run(const std::optional<LoadPiece>& piece) {
   return before;
 }
 
-/// Share of the weighted changes of all amplitudes in the piece: theory (61).
+/// Share of the weighted changes of all amplitudes in the piece: theory (69).
 double LoadClock::progress(double load_factor) const {
   if (moving_.empty()) return (load_factor - piece_->from) / (piece_->to - piece_->from);
   double sum = 0.0;
