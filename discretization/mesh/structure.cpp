@@ -85,8 +85,8 @@ Matrix6 weighted(const Matrix6& a, double weight, const Matrix6& b) {
 }
 
 /// Where the sum over points misses more of the compliance of an element than this, means take the place of values:
-/// smooth tapers stay far below it.
-constexpr double kMissedCompliance = 1e-4;
+/// they hold up where the values mean nothing, and are less accurate where these do.
+constexpr double kMissedCompliance = 1e-2;
 
 /// Compliance of a member along one of its elements.
 struct ElementCompliance {
@@ -100,28 +100,37 @@ struct ElementCompliance {
     return sum;
   }
 
-  /// Values at the points of a rule; or, where their sum misses what a narrow taper does, means over cells around them
-  /// that are as long as their weights: then the sum is the integral, and each is positive, which no polynomial with
-  /// higher moments could promise.
+  Matrix6 sum(const std::vector<Matrix6>& values, const GaussPoints& rule) const {
+    Matrix6 result{};
+    for (size_t q = 0; q < values.size(); ++q) result = weighted(result, half() * rule.weight[q], values[q]);
+    return result;
+  }
+  double half() const { return 0.5 * (place(1.0) - place(-1.0)); }
+
+  /// Values at the points of a rule. Where their sum misses what a narrow taper does: means over cells around the
+  /// points that are as long as their weights, which are positive as no polynomial with the right moments need be; then
+  /// all are scaled so that the sum is the integral.
   std::vector<Matrix6> at(const GaussPoints& rule) const {
     std::vector<Matrix6> values;
     for (const double xi : rule.xi) values.push_back(law.compliance(place(xi)));
     if (pieces == nullptr || pieces->points(place(-1.0), place(1.0)).empty()) return values;
-    const Matrix6 exact = integral(place(-1.0), place(1.0));
-    const double half = 0.5 * (place(1.0) - place(-1.0));
-    Matrix6 sum{};
-    for (size_t q = 0; q < values.size(); ++q) sum = weighted(sum, half * rule.weight[q], values[q]);
-    bool misses = false;
-    for (int i = 0; i < 6; ++i) misses = misses || std::abs(sum[i][i] - exact[i][i]) > kMissedCompliance * exact[i][i];
+    const Matrix6 exact = integral(place(-1.0), place(1.0)), plain = sum(values, rule);
+    double missed = 0.0;
+    for (int i = 0; i < 6; ++i)
+      if (exact[i][i] > 0.0) missed = std::max(missed, std::abs(plain[i][i] / exact[i][i] - 1.0));
+    if (missed <= kMissedShare) return values;
     double from = place(-1.0);
-    for (size_t q = 0; q < values.size() && misses; ++q) {
-      const double cell = half * rule.weight[q];
-      if (!pieces->points(from, from + cell).empty())
-        values[q] = weighted({}, 1.0 / cell, integral(from, from + cell));
-      else
-        values[q] = law.compliance(from + 0.5 * cell);
+    for (size_t q = 0; q < values.size() && missed > kMissedCompliance; ++q) {
+      const double cell = half() * rule.weight[q];
+      const bool is_smooth = pieces->points(from, from + cell).empty();
+      values[q] = is_smooth ? law.compliance(from + 0.5 * cell) : weighted({}, 1.0 / cell, integral(from, from + cell));
       from += cell;
     }
+    const Matrix6 now = sum(values, rule);
+    for (Matrix6& value : values)
+      for (int i = 0; i < 6; ++i)
+        for (int j = 0; j < 6; ++j)
+          if (value[i][j] != 0.0) value[i][j] *= std::sqrt(exact[i][i] / now[i][i] * exact[j][j] / now[j][j]);
     return values;
   }
 };
