@@ -1,5 +1,6 @@
 #include "nonlinear/diagnosis/failure_report.hpp"
 
+#include "discretization/constraints/swing.hpp"
 #include "kernels/math/constants.hpp"
 #include "nonlinear/linear/condition_estimate.hpp"
 #include "nonlinear/stability/stability.hpp"
@@ -73,6 +74,22 @@ std::vector<WideAngle> wide_angles(const Model& model, const PathEnd& end, const
   });
   if (wide.size() > kMostAngles) wide.erase(wide.begin() + kMostAngles, wide.end());
   return wide;
+}
+
+/// Supports with springs about more than one axis that have turned by nearly all that a rotation vector can tell.
+std::vector<std::pair<std::string, double>> spent_springs(const Model& model, const PathEnd& end) {
+  constexpr double kSpent = 0.9 * 2.0 * kPi;
+  const Scene& scene = model.scene();
+  std::vector<double> mine(scene.supports.size() + 1), angle(mine.size());
+  for (const VertexSupport& support : model.conditions().supports)
+    if (support.rotation_kind == SupportRotation::vector && norm(support.rotation_stiffness) > 0.0)
+      mine[support.index] = norm(continued_log(load_quaternion(&end.state.views.vertex_rotation(support.vertex, 0))));
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_MAX, static_cast<int>(mine.size()), mine.data(),
+                     angle.data());
+  std::vector<std::pair<std::string, double>> spent;
+  for (size_t i = 0; i < scene.supports.size() && spent.size() < kMostAngles; ++i)
+    if (angle[i] > kSpent) spent.emplace_back(scene.supports[i].point, angle[i]);
+  return spent;
 }
 
 /// The vertices of one rank or of all that move most: size, vertex, displacement and rotation of each.
@@ -204,6 +221,7 @@ FailureReport report_failure(BeamProblem& problem, const SolverParameters& param
     report.step_at_minimum = tried > 0.0 && tried <= end.minimum_step * (1.0 + kFactorRounding) + kFactorRounding;
   }
   report.wide_angles = wide_angles(problem.model, end, report.attempts);
+  report.spent_springs = spent_springs(problem.model, end);
   report.tangent = tangent_report(problem, end);
   report.tangent.condition = condition_of_tangent(problem, parameters, end);
   report.cause = cause_of(report, problem.model, end);

@@ -93,6 +93,8 @@ struct FailureReport {
   int failures = 0;                       ///< attempts since the last equilibrium
   std::vector<FailedAttempt> attempts{};  ///< the last of them
   std::vector<WideAngle> wide_angles{};   ///< widest first
+  /// Points, and angles of their rotation vectors at the last equilibrium, of supports whose springs end at 2 pi.
+  std::vector<std::pair<std::string, double>> spent_springs{};
   TangentReport tangent{};
   FailureCause cause = FailureCause::wandering;
   std::vector<Advice> next{};

@@ -67,6 +67,14 @@ void write_angles(std::ostream& out, const FailureReport& report) {
         << (wide.elements == 1 ? " element, " : " elements, ") << wide.suggested_elements << " would suffice.\n";
 }
 
+void write_springs(std::ostream& out, const FailureReport& report) {
+  for (const auto& [point, angle] : report.spent_springs)
+    out << "Rotational springs of the support at point \"" << excerpt(point)
+        << "\" act on its rotation vector, which ends "
+        << "at a turn (2 pi): it has turned by " << angle << " rad in the last equilibrium. A support that fixes the "
+        << "rotations about two axes, or a hinge, counts any number of turns about the third.\n";
+}
+
 void write_mode(std::ostream& out, const CriticalMode& mode) {
   out << "  Eigenvalue " << mode.eigenvalue << " (" << mode.relative << " of the lowest of the undeformed structure):";
   for (const MovingVertex& vertex : mode.vertices)
@@ -271,6 +279,7 @@ std::string text_of(const FailureReport& report) {
   write_attempts(out, report);
   write_peak(out, report);
   write_angles(out, report);
+  write_springs(out, report);
   write_tangent(out, report);
   out << "Most likely: " << kWords.at(report.cause) << ".\n";
   out << "What to try, in this order:\n";
