@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -21,6 +23,9 @@ constexpr double kRoundingLevel = 1e-15;
 // Formulas with cancellation end in noise above it: accepted when it is flat from the middle on, and not larger.
 constexpr double kNoiseLevel = 1e-12;
 constexpr double kFlat = 4.0;
+// Looks at the whole range, which what is 1e-4 of it wide does not escape, and what they miss by [of the coordinates].
+constexpr int kLooks = 16384;
+constexpr double kPassedBy = 1e-10;
 // Coefficients up to this multiple of the last ones say nothing.
 constexpr double kInsignificant = 3.0;
 // A piece shorter than 2^-30 of the range hides a jump or kink; a jump of the curvature needs 2^-26.
@@ -45,7 +50,7 @@ class CosineTable {
 
 class FormulaInterpolation {
  public:
-  explicit FormulaInterpolation(const Curve& curve) {
+  explicit FormulaInterpolation(const Curve& curve) : range_(curve.range) {
     for (std::size_t i = 0; i < 3; ++i) formula_[i] = read(curve.formula[i], i);
     if (!std::isfinite(curve.range[0]) || !std::isfinite(curve.range[1]) || curve.range[0] == curve.range[1])
       throw std::invalid_argument("The range of t must have two different, finite ends.");
@@ -102,12 +107,26 @@ class FormulaInterpolation {
     return result;
   }
 
+  /// Whether the formulas do something between the samples of a piece, at one of those of the whole range in it.
+  bool passes_by(const PolynomialPiece& piece, double size) const {
+    const double share = (piece.last() - piece.first()) / (range_[1] - range_[0]);
+    const int looks = std::max(1, static_cast<int>(std::ceil(share * kLooks)));
+    for (int i = 0; i < looks; ++i) {
+      const double t = piece.first() + (piece.last() - piece.first()) * (i + 0.5) / looks;
+      const Vec3<double> difference = value(t) - origin_ - piece.position(t);
+      if (norm(difference) > kPassedBy * size) return true;
+    }
+    return false;
+  }
+
   void add_pieces(double first, double last, int halvings) {
     if (pieces_.empty()) origin_ = value(first);
     double size = 0.0;
     std::vector<Vec3<double>> c = interpolate(first, last, size);
     const double end = largest(c, 3 * kSamples / 4, kSamples), middle = largest(c, kSamples / 2, 3 * kSamples / 4);
-    const bool has_decayed = end <= kRoundingLevel * size || (end <= kNoiseLevel * size && middle <= kFlat * end);
+    bool has_decayed = end <= kRoundingLevel * size || (end <= kNoiseLevel * size && middle <= kFlat * end);
+    if (has_decayed && halvings < kMostHalvings && passes_by(PolynomialPiece(first, last, c), size))
+      has_decayed = false;
     if (!has_decayed) {
       if (halvings == kMostHalvings || pieces_.size() == kMostPieces) throw not_smooth(first);
       const double half = 0.5 * (first + last);
@@ -139,12 +158,23 @@ class FormulaInterpolation {
   }
 
   std::array<Expression, 3> formula_;
+  std::array<double, 2> range_;
   Vec3<double> origin_{};
   std::vector<PolynomialPiece> pieces_;
 };
 
 }  // namespace
 
-PolynomialCurve make_formula_curve(const Curve& curve) { return FormulaInterpolation(curve).take(); }
+PolynomialCurve make_formula_curve(const Curve& curve) {
+  constexpr std::size_t kMostRemembered = 1000;
+  static std::mutex mutex;
+  static std::map<std::string, PolynomialCurve> known;
+  const std::string key = curve.formula[0] + "|" + curve.formula[1] + "|" + curve.formula[2] + "|" +
+                          shortest(curve.range[0]) + "|" + shortest(curve.range[1]);
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (const auto found = known.find(key); found != known.end()) return found->second;
+  if (known.size() >= kMostRemembered) known.clear();
+  return known[key] = FormulaInterpolation(curve).take();
+}
 
 }  // namespace mixbeam

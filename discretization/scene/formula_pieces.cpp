@@ -212,6 +212,10 @@ std::vector<std::pair<double, double>> FormulaPieces::points(double a, double b)
   return all;
 }
 
+std::shared_ptr<const FormulaPieces> pieces_of(const std::string& key, const FormulaFunction& function) {
+  return remembered(key, [&] { return PieceSearch(function).run(); });
+}
+
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length) {
   constexpr int kDigits = 12;  // of copies whose lengths differ by rounding
   FormulaVector result;

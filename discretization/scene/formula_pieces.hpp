@@ -36,6 +36,9 @@ struct FormulaVector {
 /// in a process, whatever the number of members. Throws std::invalid_argument for a text that is no formula.
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length);
 
+/// Of any function, which `key` tells from all others.
+std::shared_ptr<const FormulaPieces> pieces_of(const std::string& key, const FormulaFunction& function);
+
 /// Of the compliance of a member whose taper is a formula, likewise; null for all others. Throws as SectionLaw.
 std::shared_ptr<const FormulaPieces> pieces_of_taper(const Scene& scene, const Member& member);
 

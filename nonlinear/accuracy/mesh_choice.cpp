@@ -3,6 +3,7 @@
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "discretization/scene/section_law.hpp"
+#include "discretization/text/number_text.hpp"
 #include "kernels/element/layout.hpp"
 #include "nonlinear/accuracy/bending_loads.hpp"
 
@@ -48,7 +49,19 @@ std::vector<Member> members_with_places(const Scene& scene) {
     add_vector(strain.member, strain.strain_formula);
     add_vector(strain.member, strain.curvature_formula);
   }
-  for (size_t m = 0; m < scene.members.size(); ++m) add(m, pieces_of_taper(scene, scene.members[m]).get());
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    add(m, pieces_of_taper(scene, scene.members[m]).get());
+    const Curve& curve = scene.members[m].curve;
+    if (curve.shape != CurveShape::parametric || scene.members[m].keeps_elements) continue;
+    if (!mesh) mesh = build_mesh(scene);
+    const ReferenceCurve& along = mesh->members[m].curve;
+    // one direction of the tangent, which no bump is normal to by chance
+    const auto tangent = [&](double x) { return dot(along.tangent(x * along.length), Vec{{0.48, 0.6, 0.64}}); };
+    std::string key = "curve";
+    for (const std::string& text : curve.formula) key += "|" + text;
+    for (const double end : curve.range) key += "|" + shortest(end);
+    add(m, pieces_of(key, tangent).get());
+  }
   return members;
 }
 
