@@ -68,6 +68,9 @@ constexpr double kLargeError = 0.01;
 /// Share of a value up to which its error is worth to be scaled with it.
 constexpr double kKnown = 0.1;
 
+/// The same of values in a structure with layers that elements do not see: displacements may err by ten times as much.
+constexpr double kErrorBesideLayers = 0.1 * kLargeError;
+
 double length_of(const MonitoredQuantity& vector) {
   return std::hypot(vector.components[0], vector.components[1], vector.components[2]);
 }
@@ -228,7 +231,7 @@ void RunReport::add_errors(Application& app, const std::string& run) const {
     }
     for (const EstimatedValue& value : estimate.sections)
       errors.quantities.push_back({value.name, value.error, value.relative()});
-    const auto is_uncertain = [](const EstimatedValue& value) { return !(value.relative() <= kLargeError); };
+    const auto is_uncertain = [](const EstimatedValue& value) { return !(value.relative() <= kErrorBesideLayers); };
     const auto& [asked, sections] = std::tie(estimate.quantities, estimate.sections);
     if (!estimate.layers.empty() && (std::any_of(asked.begin(), asked.end(), is_uncertain) ||
                                      std::any_of(sections.begin(), sections.end(), is_uncertain)))
