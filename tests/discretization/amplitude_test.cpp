@@ -54,7 +54,7 @@ std::vector<LoadTurn> turns_inside(const std::string& formula) {
 }
 
 TEST(LoadClock, FindsTurningPointsAndJumps) {
-  constexpr double kSmooth = 1e-8;  // root of the rounding of a value: a peak is flat
+  constexpr double kSmooth = 6e-8;  // a peak is flat: its place is rounded to seven digits
   constexpr double kSharp = 1e-14;
   const struct {
     std::string formula;
