@@ -81,6 +81,7 @@ struct QuantitySet::Resolved {
   Numbers taken(const QuantityState& at) const;
   /// See hidden_in_layers().
   bool is_hidden(const QuantityState& at) const;
+  bool is_clamped(std::size_t place, const QuantityState& at) const;
   MemberExtreme extreme(const QuantityState& at, std::vector<MemberExtreme>::const_iterator& found) const;
 };
 
@@ -252,6 +253,14 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
   return {reference[0] + motion[0], reference[1] + motion[1], reference[2] + motion[2]};
 }
 
+/// Whether one support there holds all rotations: it takes every moment of the layers that end at it.
+bool QuantitySet::Resolved::is_clamped(std::size_t place, const QuantityState& at) const {
+  return std::any_of(supports[place].begin(), supports[place].end(), [&](std::size_t support) {
+    const auto& fixed = at.model.scene().supports[at.first_support + support].rotation_fixed;
+    return fixed[0] && fixed[1] && fixed[2];
+  });
+}
+
 Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) const {
   if (asked.kind == "length") return {deformed_length(at.model, at.state, at.first_member + places[place].member)};
   if (!is_reaction(asked.kind)) return at_place(places[place], at);
@@ -261,11 +270,11 @@ Numbers QuantitySet::Resolved::at(std::size_t place, const QuantityState& at) co
     const Vector3& v = asked.kind == "reaction force" ? reaction.force : reaction.moment;
     for (int i = 0; i < 3; ++i) sum[i] += v[i];
   }
-  if (asked.kind != "reaction moment" || at.layers == nullptr) return sum;
+  if (asked.kind != "reaction moment" || at.layers == nullptr || !is_clamped(place, at)) return sum;
   const int vertex = vertex_of(at.model.mesh(), at.prefix_of_points + places[place].point);
   for (const EndLayer& layer : *at.layers)
-    for (int i = 0; i < 3; ++i)  // zero: free
-      if (layer.vertex == vertex && layer.is_known && sum[i] != 0.0) sum[i] -= layer.side * layer.surplus[i];
+    for (int i = 0; i < 3; ++i)
+      if (layer.vertex == vertex && layer.is_known) sum[i] -= layer.side * layer.surplus[i];
   return sum;
 }
 
@@ -350,7 +359,8 @@ bool QuantitySet::Resolved::is_hidden(const QuantityState& at) const {
     if (std::count(members.begin(), members.end(), member) > 0) return !layer.is_known;
     return std::any_of(places.begin(), places.end(), [&](const QuantityPlace& place) {
       if (!place.point.empty())
-        return !layer.is_known && layer.vertex == vertex_of(mesh, at.prefix_of_points + place.point);
+        return (!layer.is_known || !is_clamped(static_cast<std::size_t>(&place - places.data()), at)) &&
+               layer.vertex == vertex_of(mesh, at.prefix_of_points + place.point);
       const double length = mesh.member_length[static_cast<std::size_t>(layer.member)];
       const double arc_length = place.arc_length.value_or(place.position * length);
       const double inside = layer.side * (arc_length - layer.vertex_arc_length()), rounding = kAtVertex * length;
