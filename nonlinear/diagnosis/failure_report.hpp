@@ -75,7 +75,9 @@ enum class AdviceKind {
   more_steps,
   check_sections,
   finite_stiffness,
-  stay_below
+  stay_below,
+  separate_stages,
+  jump
 };
 
 struct Advice {

@@ -3,6 +3,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
+#include "nonlinear/path/steep_start.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,8 @@ namespace {
 constexpr std::size_t kAttemptsShown = 5;
 /// Of the path, after all steps that are permitted.
 constexpr double kShareOfACrawl = 1e-2;
+/// A path that has come no farther into its stage has not set out.
+constexpr double kStartOfStage = 1e-3;
 
 std::string number(double value) { return rounded(value, 4); }
 
@@ -196,6 +199,27 @@ class Adviser {
         "orders "
         "of magnitude for double precision; \"Inextensible\" and \"Shear Rigid\" serve better than huge numbers.");
   }
+  /// Whether the path ended at the start of a stage in which more than one thing acts on members that only tension
+  /// holds.
+  bool is_limp_at_start() const {
+    const double into_stage = report_.last_load_factor - std::floor(report_.last_load_factor);
+    const Model& model = problem_.model;
+    return into_stage < kStartOfStage && has_limp_members(model, model.reference_state(), report_.stages);
+  }
+  void separate_stages() {
+    if (!is_limp_at_start()) return;
+    add(AdviceKind::separate_stages,
+        "Members that are nearly limp have no stiffness at the start: let what makes them tight (prescribed motions, "
+        "eigenstrains) act in one \"Stage\" and the other loads in the next one, or where they stay slack the other "
+        "way "
+        "round.");
+  }
+  void jump() {
+    if (parameters_.analysis.snap == Snap::jump || parameters_.analysis.control) return;
+    add(AdviceKind::jump,
+        "\"Snap\" = \"jump\" in \"Analysis\", which ends in a stable state where one exists and says "
+        "how it was reached.");
+  }
   void finite_stiffness() {
     const EquationPlace& place = report_.attempts.back().peak->place;
     add(AdviceKind::finite_stiffness,
@@ -234,7 +258,7 @@ const std::map<FailureCause, std::vector<Advising>> kAdvice = {
     {FailureCause::overflow, {&Adviser::check_units, &Adviser::smaller_first_step, &Adviser::check_sections}},
     {FailureCause::linear_solver, {&Adviser::check_sections, &Adviser::check_units, &Adviser::smaller_first_step}},
     {FailureCause::path_lost,
-     {&Adviser::prescribe_displacement, &Adviser::smaller_minimum_step, &Adviser::smaller_first_step,
+     {&Adviser::jump, &Adviser::prescribe_displacement, &Adviser::smaller_minimum_step, &Adviser::smaller_first_step,
       &Adviser::stay_below}},
     {FailureCause::incompatible,
      {&Adviser::finite_stiffness, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::stay_below}},
@@ -268,6 +292,7 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
     to.check_units();
     to.check_sections();
   }
+  to.separate_stages();
   for (const Advising advice : kAdvice.at(report.cause)) (to.*advice)();
   return to.advice;
 }
