@@ -1,4 +1,4 @@
-/// Layers of bending at the ends of stretched members that are too thin for the polynomials of an element: theory (69).
+/// Layers of bending at the ends of stretched members that are too thin for the polynomials of an element: theory (70).
 #pragma once
 
 #include "discretization/state/sampling.hpp"

@@ -10,7 +10,7 @@
 namespace mixbeam {
 
 /// Adds to the estimate of a step what it tells of `quantities` (null: none are asked for), whose values the record
-/// has, and of stresses, if the record has them: their values less those in the richer space, theory (69). Collective.
+/// has, and of stresses, if the record has them: their values less those in the richer space, theory (70). Collective.
 void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,
                       StepRecord& record);
 
