@@ -162,7 +162,7 @@ TEST_F(PlotResult, RefusesWhatItCannotDraw) {
     expect_in(ended.err, words);
     EXPECT_EQ(ended.err.find("Traceback"), std::string::npos) << ended.err;
   };
-  expect_refusal(broken, {}, {"broken.h5", "not a readable HDF5 file"});
+  expect_refusal(broken, {}, {"broken.h5", "damaged", "none of its steps is intact"});
   expect_refusal(folder_ / "absent.h5", {}, {"absent.h5", "no such file"});
   expect_refusal(good, {"--step", "7"}, {"no step 7", "steps 0 to 2"});
   expect_refusal(good, {"--field", "colour"}, {"--field colour", "bending", "torsion"});
