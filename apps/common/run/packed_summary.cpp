@@ -12,7 +12,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ChosenMesh::Members, names, count, order, ele
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ChosenMesh::Round, elements, followed, steps, iterations, seconds, error, remark)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ChosenMesh, run, wanted, estimated, outcome, members, rounds)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FollowedQuantity, run, name, value, at_largest_size, load_factor_of_largest_size,
-                                   step_of_largest_size, member, arc_length, side)
+                                   step_of_largest_size, member, arc_length, side, error, not_estimated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RecordedJump, from, to, released, motion, largest, place, factorizations)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EndOfRun, run, load_factor, stable, held, negative, has_potential, jumps)
 
