@@ -183,11 +183,11 @@ class Adviser {
         "A smaller \"Minimum Step\" in \"Load Path\": " + number(0.01 * now) + " (now " + number(now) + ").");
   }
   /// Whether the steps permitted have brought the path next to nowhere: more of them will not do.
-  bool crawls() const { return report_.last_load_factor < kShareOfACrawl * report_.stages; }
+  bool crawls() const { return !has_lost_stability() && report_.last_load_factor < kShareOfACrawl * report_.stages; }
   void more_steps() {
     const int now = parameters_.load_path.maximum_steps;
     const double done = report_.last_load_factor / report_.stages;
-    const double needed = crawls() ? 10.0 * now : now / done;
+    const double needed = crawls() ? 10.0 * now : now / std::max(done, kShareOfACrawl);
     const double at_least = std::min(1e9, std::max(2.0 * now, std::ceil(needed)));
     add(AdviceKind::more_steps,
         "A larger \"Maximum Steps\" in \"Load Path\": " + std::to_string(static_cast<int>(at_least)) + " (now " +
@@ -214,11 +214,13 @@ class Adviser {
         "way "
         "round.");
   }
+  /// Said where the path has lost itself or sticks beyond critical points, and a scene may ask for it.
   void jump() {
-    if (parameters_.analysis.snap == Snap::jump || parameters_.analysis.control) return;
-    add(AdviceKind::jump,
-        "\"Snap\" = \"jump\" in \"Analysis\", which ends in a stable state where one exists and says "
-        "how it was reached.");
+    if (!has_lost_stability() || !may_jump()) return;
+    add(AdviceKind::jump, "The path was lost near load factor " + number(report_.last_load_factor) +
+                              ", at or beyond critical points: \"Snap\" = \"jump\" in \"Analysis\"" +
+                              (parameters_.analysis.trace ? ", without \"Trace\"," : "") +
+                              " goes from one stable state to the next and ends in a stable one where one exists.");
   }
   void finite_stiffness() {
     const EquationPlace& place = report_.attempts.back().peak->place;
@@ -232,6 +234,31 @@ class Adviser {
   }
 
  private:
+  /// Paths start at stable states: those that end at an unstable one have passed critical points. Others stick at one,
+  /// where equilibria that were found are not taken for the same path.
+  bool has_lost_stability() const {
+    const TangentReport& tangent = report_.tangent;
+    const bool sticks = !report_.attempts.empty() && report_.attempts.back().end == AttemptEnd::refused;
+    return tangent.known && (tangent.negative > 0 || (tangent.nearly_singular && sticks));
+  }
+
+  /// Whether `Snap` = `jump` is permitted: it goes down a potential, by steps of the load (check_jumps of a scene).
+  bool may_jump() const {
+    const AnalysisParameters& analysis = parameters_.analysis;
+    const Scene& scene = problem_.model.scene();
+    const auto is_dead_force = [](const PointLoad& load) {
+      return load.frame == LoadFrame::dead && load.moment == Vector3{};
+    };
+    const auto is_dead_line_load = [](const DistributedLoad& load) {
+      return load.frame == LoadFrame::dead && load.couple == Vector3{} &&
+             load.couple_formula == std::array<std::string, 3>{};
+    };
+    return analysis.snap != Snap::jump && !analysis.control && analysis.stability.value_or(true) && !scene.accuracy &&
+           parameters_.loca.is_null() &&
+           std::all_of(scene.point_loads.begin(), scene.point_loads.end(), is_dead_force) &&
+           std::all_of(scene.distributed_loads.begin(), scene.distributed_loads.end(), is_dead_line_load);
+  }
+
   void add(AdviceKind kind, const std::string& text) { advice.push_back({kind, text}); }
 
   /// ", where point "tip" moves along (0, 1, 0)", of the mode nearest to zero.
@@ -249,11 +276,11 @@ using Advising = void (Adviser::*)();
 /// The most promising first.
 const std::map<FailureCause, std::vector<Advising>> kAdvice = {
     {FailureCause::load_not_finite, {&Adviser::correct_load}},
-    {FailureCause::steps_used_up, {&Adviser::more_steps}},
+    {FailureCause::steps_used_up, {&Adviser::jump, &Adviser::more_steps}},
     {FailureCause::mechanism, {&Adviser::add_support}},
     {FailureCause::end_angle, {&Adviser::more_elements, &Adviser::smaller_minimum_step}},
     {FailureCause::critical_point,
-     {&Adviser::prescribe_displacement, &Adviser::add_imperfection, &Adviser::smaller_minimum_step,
+     {&Adviser::prescribe_displacement, &Adviser::jump, &Adviser::add_imperfection, &Adviser::smaller_minimum_step,
       &Adviser::stay_below}},
     {FailureCause::overflow, {&Adviser::check_units, &Adviser::smaller_first_step, &Adviser::check_sections}},
     {FailureCause::linear_solver, {&Adviser::check_sections, &Adviser::check_units, &Adviser::smaller_first_step}},
@@ -263,10 +290,11 @@ const std::map<FailureCause, std::vector<Advising>> kAdvice = {
     {FailureCause::incompatible,
      {&Adviser::finite_stiffness, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::stay_below}},
     {FailureCause::slow,
-     {&Adviser::more_iterations, &Adviser::smaller_minimum_step, &Adviser::smaller_rotation, &Adviser::more_elements}},
+     {&Adviser::jump, &Adviser::more_iterations, &Adviser::smaller_minimum_step, &Adviser::smaller_rotation,
+      &Adviser::more_elements}},
     {FailureCause::wandering,
-     {&Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::smaller_rotation, &Adviser::more_iterations,
-      &Adviser::smaller_first_step}}};
+     {&Adviser::jump, &Adviser::smaller_minimum_step, &Adviser::more_elements, &Adviser::smaller_rotation,
+      &Adviser::more_iterations, &Adviser::smaller_first_step}}};
 
 const std::map<FailureCause, const char*> kWords = {
     {FailureCause::load_not_finite, "a load or prescribed motion is not finite there"},
@@ -292,7 +320,7 @@ std::vector<Advice> advice_for(const FailureReport& report, const BeamProblem& p
     to.check_units();
     to.check_sections();
   }
-  to.separate_stages();
+  if (report.cause != FailureCause::overflow) to.separate_stages();
   for (const Advising advice : kAdvice.at(report.cause)) (to.*advice)();
   return to.advice;
 }

@@ -196,8 +196,7 @@ class AutomaticPath {
         "the path returns to an earlier state: it has changed to another one near load factor " +
         rounded(load_factor(from), 6) + " to " + rounded(load_factor(here_.load_factor), 6);
     if (turns_.empty() || ++returns_ > kMostReturns)
-      throw GaveUp{changed + "; what helps: \"Snap\" = \"jump\", which goes from one stable state to the next, or a " +
-                   "smaller \"Maximum Step\" in \"Load Path\""};
+      throw GaveUp{changed + "; a smaller \"Maximum Step\" in \"Load Path\" may keep to it"};
     recorder_.rejected(changed + ", from where it is followed again more closely", 0);
     here_ = std::move(turns_.back().station);
     way_.emplace(std::move(turns_.back().way));

@@ -244,6 +244,37 @@ TEST(FailureReport, OfStepsThatGetNowhere) {
   EXPECT_TRUE(advises(*outcome.result.report, AdviceKind::more_steps));
 }
 
+/// Beyond critical points under dead forces a report names the load factor and "jump"; nowhere else.
+TEST(FailureReport, SuggestsJumpsWhereTheyAreAWay) {
+  const auto next = [](const Scene& scene, FailureCause cause, int negative, const SolverParameters& parameters = {}) {
+    FailureReport report;
+    report.cause = cause;
+    report.last_load_factor = 0.0516;
+    report.tangent.known = true;
+    report.tangent.negative = negative;
+    report.next = advice_for(report, BeamProblem(scene, this_rank(), parameters), parameters);
+    return report;
+  };
+  for (const FailureCause cause :
+       {FailureCause::critical_point, FailureCause::path_lost, FailureCause::steps_used_up}) {
+    const FailureReport lost = next(elastica(1.0), cause, 2);
+    EXPECT_TRUE(advises(lost, AdviceKind::jump));
+    expect_in(text_of(lost), {"near load factor 0.0516", "\"Snap\" = \"jump\""});
+    EXPECT_FALSE(advises(lost, AdviceKind::check_units));
+    EXPECT_FALSE(advises(next(elastica(1.0), cause, 0), AdviceKind::jump));  // a cantilever that has not buckled
+    Scene scene = elastica(1.0);
+    scene.point_loads[0].frame = LoadFrame::follower;
+    scene.point_loads[0].member = "beam";
+    EXPECT_FALSE(advises(next(scene, cause, 2), AdviceKind::jump));
+    scene = elastica(1.0);
+    scene.accuracy = 1e-6;
+    EXPECT_FALSE(advises(next(scene, cause, 2), AdviceKind::jump));
+    SolverParameters parameters;
+    parameters.analysis.control = MonitoredComponent{"tip", 1, 1.0};
+    EXPECT_FALSE(advises(next(elastica(1.0), cause, 2, parameters), AdviceKind::jump));
+  }
+}
+
 TEST(FailureReport, APathWithoutDirectionIsNotTheFaultOfALoad) {
   FailedAttempt attempt;
   attempt.load_factor = kNaN;
