@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <iterator>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -91,6 +92,32 @@ TEST_F(ResultLocks, ASecondResultFileTouchesNothing) {
   EXPECT_EQ(names(), before);
   first.close();
   EXPECT_NO_THROW(ResultFile(file, header));
+}
+
+std::string content_of(const fs::path& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// Somebody has put links where hidden files are made.
+TEST_F(ResultLocks, NothingIsWrittenThroughLinks) {
+  const fs::path file = folder_ / "run.h5", precious = folder_ / "precious", nowhere = folder_ / "nowhere";
+  std::ofstream(precious) << "process of mine";  // begins as a lock does
+  for (const fs::path& target : {precious, nowhere}) {
+    fs::create_symlink(target, folder_ / ".run.h5.lock");
+    EXPECT_NE(problem_of(file).find("cannot create the file"), std::string::npos) << target;
+    fs::remove(folder_ / ".run.h5.lock");
+  }
+  fs::create_hard_link(precious, folder_ / ".run.h5.lock");
+  EXPECT_NE(problem_of(file).find("several names"), std::string::npos);
+  fs::remove(folder_ / ".run.h5.lock");
+  for (const char* hidden : {".run.h5.a", ".run.h5.b", ".run.h5.new"}) fs::create_symlink(precious, folder_ / hidden);
+  fs::create_symlink(nowhere, folder_ / ".run.xdmf.new");
+  EXPECT_EQ(problem_of(file), "") << "the twin";
+  EXPECT_NO_THROW(ResultFile(file, {"scene", "<xml/>", "1", {}}).close());
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(file)));
+  EXPECT_EQ(content_of(precious), "process of mine");
+  EXPECT_FALSE(fs::exists(nowhere));
 }
 
 }  // namespace

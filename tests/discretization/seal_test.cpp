@@ -1,14 +1,17 @@
 /// Damage of every kind is seen: flipped bits, zeroed and stale pages, cut files, and what is not damaged is read.
 #include "discretization/results/guarded_file.hpp"
+#include "discretization/results/hdf5_writer.hpp"
 #include "discretization/results/published_file.hpp"
 #include "discretization/results/result_file.hpp"
 #include "discretization/results/table_file.hpp"
 #include "discretization/text/errors.hpp"
 
 #include <gtest/gtest.h>
+#include <hdf5.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
@@ -254,6 +257,108 @@ TEST_F(Seals, DamageThatIsMetWhileCopyingIsAnError) {
     }
   }
   EXPECT_GT(refused, blocks / 2) << "of " << blocks << "; the others hold what is not copied";
+}
+
+/// What somebody can make of a file and seal anew.
+struct Forgery {
+  const char* reason;
+  bool is_run_refused;  ///< by whatever reads the run; verifying refuses each one
+  std::function<void(hid_t file)> forge;
+};
+
+void put_numbers(hid_t parent, const char* name, hid_t creation = H5P_DEFAULT) {
+  const hsize_t three = 3;
+  const hid_t space = H5Screate_simple(1, &three, nullptr);
+  H5Dclose(H5Dcreate2(parent, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation, H5P_DEFAULT));
+  H5Sclose(space);
+}
+
+void put_attribute(hid_t file, const char* object, const char* name, hid_t type) {
+  const hsize_t many = 400;
+  const hid_t space = H5Screate_simple(1, &many, nullptr);
+  H5Adelete_by_name(file, object, name, H5P_DEFAULT);
+  const hid_t id = H5Acreate_by_name(file, object, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const std::vector<char> bytes(8 * many);
+  EXPECT_GE(H5Awrite(id, type, bytes.data()), 0);
+  H5Aclose(id);
+  H5Sclose(space);
+}
+
+std::vector<Forgery> forgeries(const std::string& other_file) {
+  const char* interior = "/steps/000001/state/interior";
+  const auto without_interior = [=](hid_t file) { EXPECT_GE(H5Ldelete(file, interior, H5P_DEFAULT), 0); };
+  return {{"it is not one value", true,
+           [](hid_t file) { put_attribute(file, "/steps/000001/state", "stage", H5T_STD_I32LE); }},
+          {"it is not one value", true, [](hid_t file) { put_attribute(file, "/", "format_version", H5T_STD_I32LE); }},
+          {"it is not one text", true,
+           [](hid_t file) {
+             H5Ldelete(file, "/scene", H5P_DEFAULT);
+             hdf5::write_texts(file, "scene", {"one", "two"});
+           }},
+          {"its values lie in another file", true,
+           [=](hid_t file) {
+             without_interior(file);
+             const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
+             H5Pset_external(creation, other_file.c_str(), 0, 3 * sizeof(double));
+             put_numbers(file, interior, creation);
+             H5Pclose(creation);
+           }},
+          {"it is a link that may leave the file", true,
+           [=](hid_t file) {
+             without_interior(file);
+             H5Lcreate_soft("/steps/000002/state/interior", file, interior, H5P_DEFAULT, H5P_DEFAULT);
+           }},
+          {"it is a link that may leave the file", true,
+           [=](hid_t file) {
+             without_interior(file);
+             H5Lcreate_external(other_file.c_str(), "/x", file, interior, H5P_DEFAULT, H5P_DEFAULT);
+           }},
+          {"it is in another place of the file too", false,
+           [](hid_t file) { H5Lcreate_hard(file, "/polyline", file, "/polyline/itself", H5P_DEFAULT, H5P_DEFAULT); }},
+          {"numbers that are not finite", true, [=](hid_t file) {
+             const hid_t id = H5Dopen2(file, interior, H5P_DEFAULT);
+             const double values[3] = {0.25, std::nan(""), 0.75};
+             EXPECT_GE(H5Dwrite(id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+             H5Dclose(id);
+           }}};
+}
+
+/// The seal says nothing about who has made a file.
+void forge_and_seal(const fs::path& path, const std::function<void(hid_t file)>& forge) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  forge(file);
+  H5Fclose(file);
+  DiskFile disk(path, DiskAccess::write);
+  write_seal(disk, seal_of(disk, disk.size(), kSmallBlock));
+}
+
+TEST_F(Seals, ForgedFilesAreRefusedBeforeTheyAreRead) {
+  const std::string other_file = folder_ / "other";
+  std::ofstream(other_file) << std::string(1000, 'x');
+  write_run(file_, 2);
+  const Bytes whole = read();
+  forge_and_seal(file_, [](hid_t file) {  // the twin: what is as declared is read, whoever has written it
+    H5Ldelete(file, "/steps/000001/state/interior", H5P_DEFAULT);
+    hdf5::write_dataset(hdf5::Handle(H5Gopen2(file, "/steps/000001/state", H5P_DEFAULT), H5Gclose, "open"), "interior",
+                        std::vector<double>{1.0, 2.0, 3.0}, 1);
+  });
+  EXPECT_EQ(verify_results(file_).damage, "");
+  EXPECT_NO_THROW(read_run(file_));
+  for (const Forgery& forgery : forgeries(other_file)) {
+    write(whole);
+    forge_and_seal(file_, forgery.forge);
+    std::string damage;
+    try {
+      damage = verify_results(file_).damage;
+    } catch (const InputError& error) {
+      damage = error.what();
+    }
+    EXPECT_NE(damage.find(forgery.reason), std::string::npos) << forgery.reason << ": " << damage;
+    if (forgery.is_run_refused) {
+      EXPECT_THROW(read_run(file_), InputError) << forgery.reason;
+    }
+  }
 }
 
 TEST_F(Seals, WhatCannotBeReadIsNeverTakenForZeros) {
