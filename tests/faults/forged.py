@@ -27,6 +27,7 @@ from view_data import ViewData  # noqa: E402
 SECRET = b"TOPSECRT"  # eight bytes: a text, and a number
 SLOWEST = 5.0  # seconds of the processor for a file of 100 kB
 VIEWED = 50     # one in so many is drawn too
+LARGEST = 10000  # numbers of a dataset that is filled
 SCENES = {"toggle": """Scene:
   Units: "m, N"
   Sections: {rod: {Shape: circle, Diameter: 0.05, Material: {E: 2.0e+9, nu: 0.3, Strength: 1.0e+8}}}
@@ -59,7 +60,8 @@ def objects_of(file):
 
 def odd_dataset(parent, name, old, rng, secret):
     """Something else under the name of a dataset."""
-    kind, shape = rng.randrange(16), getattr(old, "shape", ())
+    kind, shape = rng.randrange(16), getattr(old, "shape", None) or ()
+    shape = shape if np.prod(shape, dtype=float) < LARGEST else (LARGEST,)  # what was forged before may have no end
     dtype = getattr(old, "dtype", np.dtype("f8"))
     kind = kind if kind < 14 or shape else 0
     values = np.zeros(shape, dtype)
@@ -213,6 +215,8 @@ def main():
             counts[word if word in ("read", "refused") else "wrong"] = counts.get(word if word in ("read", "refused") else "wrong", 0) + 1
             if word not in ("read", "refused") and len(problems) < 20:
                 problems.append(f"file {number}: {word}")
+            if (number + 1) % 2000 == 0:
+                print(f"{number + 1} files: {counts}", *problems, sep="\n", file=sys.stderr, flush=True)
         os.chdir("/")
     print(f"{options.files} forged files: {counts}", *problems, sep="\n")
     return len(problems) > 0
