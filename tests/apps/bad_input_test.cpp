@@ -128,6 +128,18 @@ TEST_F(BadInput, PlacesThatCannotBeWrittenTo) {
   expect_refused(run({"--summary", below_a_file + "/summary.json"}), {below_a_file, "cannot be created"});
 }
 
+TEST_F(BadInput, ASummaryNeverReplacesTheScene) {
+  const std::string scene = scene_of(kApplication), file = (folder_ / "scene.xml").string();
+  write_text(file, scene);
+  fs::create_hard_link(file, folder_ / "same");
+  fs::create_symlink(file, folder_ / "link");
+  for (const char* name : {"scene.xml", "same", "link"}) {
+    expect_refused(run({file, "--single", "--summary", (folder_ / name).string(), "--output", folder_ / "results"}),
+                   {name, "cannot be written: it is the input " + file});
+    EXPECT_EQ(text_of(file), scene) << name;
+  }
+}
+
 TEST_F(BadInput, ExpectationsThatAreNeverCompared) {
   const std::string first = "u1 of the tip";
   expect_scene_refused(scene_with(parameter("Point", "string", "tip"), parameter("Point", "string", "tpi"), first),

@@ -469,6 +469,20 @@ std::string scene_of_tables() {
                             list("Solver", list("Load Path", steps)));
 }
 
+TEST_F(Mixbeam, NoOutputReplacesAnImportedTable) {
+  const std::string table = "A,0,0,0\nB,1,0,0\nC,2,0.5,0\n";
+  write_text(folder_ / "members.csv", "name,start,end,elements\nm,A,B,10\nn,B,C,10\n");
+  const std::string scene = write_scene(changed(scene_of_tables(), "points.csv", "scene-monitor.csv"));
+  write_text(folder_ / "scene-monitor.csv", table);
+  const Ended ended = run({"run", scene, "--output", folder_.path().string(), "--quiet"});
+  EXPECT_EQ(ended.exit_code, kBadInput) << ended.out;
+  expect_in(ended.err, {"scene-monitor.csv: cannot be written: it is the input"});
+  EXPECT_EQ(text_of(folder_ / "scene-monitor.csv"), table);
+  const Ended twin = run({"run", scene, "--output", (folder_ / "results").string(), "--quiet"});
+  EXPECT_EQ(twin.exit_code, kOk) << twin.err;
+  EXPECT_EQ(text_of(folder_ / "scene-monitor.csv"), table);
+}
+
 /// The result file keeps the tables: deleted or changed, they do not matter to a run that goes on.
 TEST_F(Mixbeam, ResumesWithoutTheImportedFiles) {
   const std::string scene = write_scene(scene_of_tables());
