@@ -8,6 +8,7 @@
 #include "discretization/parameters/parameter_file.hpp"
 #include "discretization/scene/load_cases.hpp"
 #include "discretization/text/message_text.hpp"
+#include "kernels/element/layout.hpp"
 
 #include <algorithm>
 #include <tuple>
@@ -24,10 +25,15 @@ void prepare(Application& app, std::ostream& report, bool force) {
 }
 
 /// That the program has chosen for a scene with an accuracy.
-MeshChoice mesh_of(const StoredRun& run) {
+MeshChoice mesh_of(const StoredRun& run, const Scene& scene) {
   MeshChoice mesh;
-  for (const SampledMember& member : run.members()) mesh.push_back({member.order, member.elements});
-  return mesh;
+  bool is_mesh = run.members().size() == scene.members.size();
+  for (const SampledMember& member : run.members()) {
+    mesh.push_back({member.order, member.elements});
+    is_mesh = is_mesh && member.order >= 1 && member.order <= kMaximumOrder && member.elements >= 1;
+  }
+  if (is_mesh) return mesh;
+  throw InputError(run.path().string() + ": its members are not those of its scene; allowed: results of mixbeam run");
 }
 
 }  // namespace
@@ -68,7 +74,7 @@ std::unique_ptr<SolvedRun> SolvedRun::from_file(const std::filesystem::path& fil
   Application& app = run->app_;
   app.load_case = property(stored, "load_case");
   Scene scene = scene_of_case(app.scene, app.load_case);
-  if (scene.accuracy) scene = on_mesh(scene, mesh_of(stored));
+  if (scene.accuracy) scene = on_mesh(scene, mesh_of(stored, scene));
   run->simulation_.emplace(scene, app.solver, app.communicator);
   for (std::size_t i = 0; i < stored.steps().size(); ++i) {
     KeptStep& step = run->steps_.emplace_back();
