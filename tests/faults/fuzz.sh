@@ -15,11 +15,13 @@ flags=(-std=c++17 -O1 -g -fsanitize=address,undefined,fuzzer-no-link -fno-saniti
        -isystem /usr/lib/x86_64-linux-gnu/openmpi/include -isystem /usr/include/hdf5/openmpi)
 compiler=(nice "$(command -v ccache || true)" clang++-14); [[ -n ${compiler[1]} ]] || compiler=(nice clang++-14)
 
-# What reads, without kernels and Tpetra.
-sources=()
-for room in text parameters geometry scene reading reading/conditions; do sources+=("$root/discretization/$room"/*.cpp); done
-for check in expected_values mechanism rigid_parts; do sources+=("$root/discretization/checks/$check.cpp"); done
-sources+=("$root"/{discretization/mesh/mesh,kernels/math/gauss,apps/mixbeam/batch_parameters}.cpp)
+# What reads, without kernels and Tpetra; result files need none of what reads scenes.
+sources=("$root"/discretization/text/*.cpp)
+if [[ $* != results ]]; then
+  for room in parameters geometry scene reading reading/conditions; do sources+=("$root/discretization/$room"/*.cpp); done
+  for check in expected_values mechanism rigid_parts; do sources+=("$root/discretization/checks/$check.cpp"); done
+  sources+=("$root"/{discretization/mesh/mesh,kernels/math/gauss,apps/mixbeam/batch_parameters}.cpp)
+fi
 for part in disk_file guarded_file hdf5_copy hdf5_driver hdf5_writer records step_records stored_run seal verify result_tables; do
   sources+=("$root/discretization/results/$part.cpp")
 done
