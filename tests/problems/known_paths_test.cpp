@@ -651,6 +651,53 @@ void add_imperfect_columns(std::vector<KnownPath>& table) {
        at_end({{"tip", kX, 63.1635638908, 1e-6}, {"tip", kY, 52.2465921473, 1e-6}, {"tip", kZ, 60.8029956898, 1e-6}})});
 }
 
+/// Pinned at the origin and at `far`, which moves in the stage in which the weight grows; EI carries next to nothing.
+Scene limp_cable(const Section& section, const Vector3& far, const Vector3& moved, double weight) {
+  Scene scene;
+  scene.points = {{"near", {0, 0, 0}}, {"far", far}};
+  scene.members = {line("cable", "near", "far", 4, 40)};
+  Support near, end;
+  near.point = "near";
+  near.displacement_fixed = {true, true, true};
+  near.rotation_fixed = {true, false, false};
+  end.point = "far";
+  end.displacement_fixed = {true, true, true};
+  end.prescribed_displacement = moved;
+  scene.supports = {near, end};
+  scene.distributed_loads.resize(1);
+  scene.distributed_loads[0].member = "cable";
+  scene.distributed_loads[0].force = {0, 0, -weight};
+  return without_section(scene, section);
+}
+
+/// Extensible catenary, H and V by bisection; bending at the ends changes them by up to sqrt(EI / H) / L.
+void add_cables(std::vector<KnownPath>& table) {
+  const auto hangs = [](double horizontal, double vertical, double tolerance) {
+    Answer answer = at_end({});
+    answer.forces = {{"near", kX, -horizontal, tolerance}, {"near", kZ, -vertical, tolerance}};
+    answer.counts_follow = false;
+    return answer;
+  };
+  table.push_back(
+      {"CableInTension",
+       limp_cable(section(1.00104e7, kRigid, 0.000888065, 0.000888065), {6.345707182475867, 0, 33.5848565658017},
+                  {0.009148334269823977, 0, 0.048417849332302865}, 0.400491),
+       {},
+       hangs(2679.380401753061, 14173.862616968127, 3e-5)});
+  table.push_back(
+      {"CableSlackAndSteep",
+       limp_cable(section(157784, kRigid, 0.000181466, 0.000181466), {2.155790280685684, 0, 7.134435175402628},
+                  {-0.31818290247413317, 0, -1.0530037694117134}, 5.85337),
+       {},
+       hangs(2.1962189218648644, -3.7489758218681395, 2e-3)});
+  table.push_back(
+      {"CableInextensible",
+       limp_cable(section(kRigid, kRigid, 3.21527e-05, 3.21527e-05), {39.13529337123328, 0, 13.124504664246897},
+                  {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
+       {},
+       hangs(12.587611157887025, 3.9765978569347524, 4.9e-05)});
+}
+
 void add_held_rods(std::vector<KnownPath>& table) {
   table.push_back({"Shortened", shortened_column(1e5, 0.1), on_branch(),
                    on_branch_at(0.003949401537686192, {{"middle", kNorm, 0.2008676085929182, 1e-7}},
@@ -867,6 +914,7 @@ std::vector<KnownPath> known_paths() {
   std::vector<KnownPath> table;
   add_imperfect_columns(table);
   add_held_rods(table);
+  add_cables(table);
   add_branches(table);
   add_snaps(table);
   add_counts(table);
