@@ -19,7 +19,7 @@ namespace {
 /// Stiffness of tension and shear where members yield, over EI / l^2 of the shortest one: a clamped member buckles
 /// under 4 pi^2 EI / l^2, at a strain of 0.4 %. Where its ends approach by little more than that, the next one.
 constexpr double kYielding[] = {1e4, 1e6, 1e8};
-constexpr double kDecadesToRigid = 6.0;  ///< from there, before members are rigid again
+constexpr double kDecadesToRigid = 8.0;  ///< from there, before members are rigid again
 /// Hardening may move the structure by this share of its way from the start. The way grows like the root of the load
 /// factor, and is long enough when members have approached by ten times what they yield.
 constexpr double kHardenedMotion = 0.05;
@@ -35,6 +35,8 @@ constexpr double kLittleBending = 0.01;
 
 /// Share of the way on which stiffnesses go back at first, at least, and up to which a descent is worth its price.
 constexpr double kFirstShareBack = 1.0 / 3.0, kLeastShareBack = 0.01, kShareOfDescent = 0.1;
+/// Scaled residual up to which the solutions on the way are worth their iterations.
+constexpr double kToleranceBack = 1e-7;
 constexpr int kMostSolutionsBack = 40, kMostDescents = 12;
 constexpr int kMostIterationsBack = 12, kEasyIterationsBack = 6;
 
@@ -141,10 +143,14 @@ class SteepStart {
       : own_(own),
         scene_(own->model.scene()),
         parameters_(parameters),
+        eased_parameters_(parameters),
         start_(start),
         range_(range),
         stability_(stability),
-        easing_(easing_of(own->model, start, range.to)) {}
+        easing_(easing_of(own->model, start, range.to)) {
+    if (easing_.load > 0.0)
+      eased_parameters_.newton.residual_tolerance = std::max(kToleranceBack, parameters.newton.residual_tolerance);
+  }
 
   std::optional<Correction> first_point() {
     if (easing_.load > 0.0) {
@@ -189,7 +195,7 @@ class SteepStart {
       first_ = back_from(state, report.load_factor);
       next_try = kNextTry * loaded;
     };
-    SolverParameters parameters = parameters_;
+    SolverParameters parameters = eased_parameters_;
     parameters.analysis.stability = true;  // without critical points nothing is known
     State state = start_;
     LoadPathResult result;
@@ -203,7 +209,7 @@ class SteepStart {
   Teuchos::RCP<BeamProblem> problem_at(double share) const {
     if (share == 1.0) return own_;
     const auto problem =
-        Teuchos::rcp(new BeamProblem(easing_.scene(scene_, share), own_->model.map()->getComm(), parameters_));
+        Teuchos::rcp(new BeamProblem(easing_.scene(scene_, share), own_->model.map()->getComm(), eased_parameters_));
     problem->leave_if_asked = own_->leave_if_asked;
     return problem;
   }
@@ -214,19 +220,21 @@ class SteepStart {
     own_->work.looks += done.work.looks;
   }
 
-  /// An equilibrium near a state; of cables a stable one, by a descent if need be: from an unstable one, or from no
-  /// equilibrium where that `is_near`.
+  /// An equilibrium near a state; of cables a stable one, where `is_near` by a descent if need be.
   std::optional<Correction> solved(const Teuchos::RCP<BeamProblem>& problem, const State& near, double load_factor,
                                    bool is_near) {
     SolveRecord record;
-    Corrector corrector(problem, parameters_, record, NewtonPurpose::check);
+    const SolverParameters& parameters = problem == own_ ? parameters_ : eased_parameters_;
+    Corrector corrector(problem, parameters, record, NewtonPurpose::check);
     std::optional<Correction> found = corrector.at_load({near, load_factor}, kMostIterationsBack);
     if (are_cables_) {
       Stability stability(*problem);
-      if ((found->converged ? !is_stable(stability, *found) : is_near) && ++descents_ <= kMostDescents) {
+      const bool is_equilibrium = found->converged;
+      found->converged = is_equilibrium && is_stable(stability, *found);
+      if (!found->converged && is_near && ++descents_ <= kMostDescents) {
         const PathMeasure measure(problem->model);
-        Descent descent(problem, parameters_, corrector, stability, measure, {});
-        found = descent.from(found->converged ? found->state : near, load_factor).found;
+        Descent descent(problem, parameters, corrector, stability, measure, {});
+        found = descent.from(is_equilibrium ? found->state : near, load_factor).found;
         if (found) found->iterations = kMostIterationsBack;  // not easy
       }
     }
@@ -240,7 +248,7 @@ class SteepStart {
     std::optional<Correction> found;
     double done = 0.0, share = kFirstShareBack;
     for (int i = 0; i < kMostSolutionsBack && done < 1.0 && share >= kLeastShareBack; ++i) {
-      const double next = done + share < 1.0 ? done + share : 1.0;
+      const double next = done + share < 1.0 - kLeastShareBack ? done + share : 1.0;
       std::optional<Correction> tried =
           solved(problem_at(next), found ? found->state : eased, load_factor, share <= kShareOfDescent);
       if (!tried || !is_near(tried->state, eased)) {
@@ -273,6 +281,7 @@ class SteepStart {
   Teuchos::RCP<BeamProblem> own_;
   const Scene& scene_;
   const SolverParameters& parameters_;
+  SolverParameters eased_parameters_;
   const State& start_;
   const StageRange& range_;
   Stability* stability_;
