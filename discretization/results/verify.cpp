@@ -67,8 +67,8 @@ class Walk {
  private:
   void visit(hid_t parent, const hdf5::ObjectLink& link, const std::string& path) {
     if (!visited_.insert(link.address).second) throw hdf5::Error("it is in another place of the file too");
-    constexpr std::ptrdiff_t kDeepest = 16;  // more than results have
-    if (std::count(path.begin(), path.end(), '/') > kDeepest) throw hdf5::Error("it lies deeper than results do");
+    constexpr std::ptrdiff_t kMostSlashes = 8;  // more than results have, and no more than a copy goes down
+    if (std::count(path.begin(), path.end(), '/') > kMostSlashes) throw hdf5::Error("it lies deeper than results do");
     hdf5::Handle object = hdf5::open_object(parent, link.name);
     if (hdf5::is_group(object)) return visit_all(object, path);
     const hdf5::StoredValues dataset = hdf5::values_of(std::move(object), link.name, hdf5::Stored::anything);

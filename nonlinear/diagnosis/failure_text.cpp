@@ -3,7 +3,7 @@
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/diagnosis/failure_report.hpp"
-#include "nonlinear/path/steep_start.hpp"
+#include "nonlinear/diagnosis/limp_members.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -199,20 +199,20 @@ class Adviser {
         "orders "
         "of magnitude for double precision; \"Inextensible\" and \"Shear Rigid\" serve better than huge numbers.");
   }
-  /// Whether the path ended at the start of a stage in which more than one thing acts on members that only tension
-  /// holds.
+  /// Whether the path ended at the start of a stage in which motions or eigenstrains act beside loads on members that
+  /// only tension holds.
   bool is_limp_at_start() const {
     const double into_stage = report_.last_load_factor - std::floor(report_.last_load_factor);
     const Model& model = problem_.model;
-    return into_stage < kStartOfStage && has_limp_members(model, model.reference_state(), report_.stages);
+    return into_stage < kStartOfStage && imposes_deformation(model.scene()) &&
+           has_limp_members(model, model.reference_state(), report_.stages);
   }
   void separate_stages() {
     if (!is_limp_at_start()) return;
     add(AdviceKind::separate_stages,
         "Members that are nearly limp have no stiffness at the start: let what makes them tight (prescribed motions, "
         "eigenstrains) act in one \"Stage\" and the other loads in the next one, or where they stay slack the other "
-        "way "
-        "round.");
+        "way round.");
   }
   /// Said where the path has lost itself or sticks beyond critical points, and a scene may ask for it.
   void jump() {

@@ -4,6 +4,7 @@
 // LOCA's constrained group is used without its stepper, which cannot be resumed exactly along the arc length (its
 // scaling depends on all steps so far), does not tell why a step failed, and knows no events between steps.
 #include "discretization/text/number_text.hpp"
+#include "nonlinear/diagnosis/limp_members.hpp"
 #include "nonlinear/path/branch.hpp"
 #include "nonlinear/path/path_goal.hpp"
 #include "nonlinear/path/path_recorder.hpp"

@@ -2,6 +2,7 @@
 
 #include "discretization/scene/section_law.hpp"
 #include "discretization/state/difference.hpp"
+#include "nonlinear/diagnosis/limp_members.hpp"
 #include "nonlinear/linear/linear_solver.hpp"
 #include "nonlinear/path/descent.hpp"
 #include "nonlinear/path/path_recorder.hpp"
@@ -27,9 +28,9 @@ constexpr double kHardenedMotion = 0.05;
 constexpr double kNextTry = 2.0;
 constexpr int kMostSteps = 60;
 
-/// Bending stiffness over load times L^2: below the first one members are limp; with the second, and this tension
-/// stiffness over the load, they sag by a tenth of their length, and buckle to no other side than that of the load.
-constexpr double kLimp = 5e-5, kStiff = 0.05, kSoft = 10.0;
+/// With this bending stiffness over load times L^2, and this tension stiffness over the load, limp members sag by a
+/// tenth of their length, and buckle to no other side than that of the load.
+constexpr double kStiff = 0.05, kSoft = 10.0;
 /// Of a structure of cables: what bending carries, largest moment over largest force and length.
 constexpr double kLittleBending = 0.01;
 
@@ -40,18 +41,13 @@ constexpr double kToleranceBack = 1e-7;
 constexpr int kMostSolutionsBack = 40, kMostDescents = 12;
 constexpr int kMostIterationsBack = 12, kEasyIterationsBack = 6;
 
-double bending_of(const Section& section) {
-  const auto stiffness = diagonal(section);
-  return section.matrix ? std::numeric_limits<double>::infinity() : std::min(stiffness[4], stiffness[5]);
-}
-
 /// What a structure is followed with.
 struct Easing {
   double load = 0.0;      ///< in limp members; zero: none is limp, and rigid ones yield
   double length = 0.0;    ///< of the structure; of the shortest member where rigid ones yield
   double yielding = 0.0;  ///< see kYielding
 
-  bool is_limp(const Section& section) const { return bending_of(section) < kLimp * load * length * length; }
+  bool is_limp(const Section& section) const { return mixbeam::is_limp(section, load, length); }
   Scene scene(const Scene& own, double share) const;
 };
 
@@ -90,10 +86,8 @@ bool differs(const Scene& scene, const Scene& eased) {
 }
 
 Easing easing_of(const Model& model, const State& state, double load_factor) {
-  const Easing easing{magnitude_of(model, state, load_factor).load_force, model.structure().length};
-  const std::vector<Section>& sections = model.scene().sections;
-  if (std::any_of(sections.begin(), sections.end(), [&](const Section& section) { return easing.is_limp(section); }))
-    return easing;
+  if (has_limp_members(model, state, load_factor))
+    return {magnitude_of(model, state, load_factor).load_force, model.structure().length};
   return {0.0, *std::min_element(model.mesh().member_length.begin(), model.mesh().member_length.end())};
 }
 
@@ -298,10 +292,6 @@ std::optional<Correction> first_point_of_steep_path(const Teuchos::RCP<BeamProbl
                                                     const SolverParameters& parameters, const State& start,
                                                     const StageRange& range, Stability* stability) {
   return SteepStart(problem, parameters, start, range, stability).first_point();
-}
-
-bool has_limp_members(const Model& model, const State& state, double load_factor) {
-  return easing_of(model, state, load_factor).load > 0.0;
 }
 
 bool hangs_in_tension(const Model& model, const State& state, double load_factor) {

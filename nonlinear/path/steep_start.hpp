@@ -25,9 +25,6 @@ std::optional<Correction> first_point_of_steep_path(const Teuchos::RCP<BeamProbl
                                                     const SolverParameters& parameters, const State& start,
                                                     const StageRange& range, Stability* stability);
 
-/// Whether some member is so limp under the loads at the end of the stage that only tension holds it.
-bool has_limp_members(const Model& model, const State& state, double load_factor);
-
 /// Whether a state is that of a structure of cables in tension under dead loads: without compression their potential is
 /// convex, and no other state is stable, whatever the path to it. Collective.
 bool hangs_in_tension(const Model& model, const State& state, double load_factor);

@@ -48,7 +48,8 @@ std::vector<LoadTurn> turns_inside(const std::string& formula) {
   scene.point_loads.resize(1);
   scene.point_loads[0].amplitude = formula;
   std::vector<LoadTurn> inside;
-  for (const LoadTurn& turn : LoadClock(scene).turns())
+  const LoadClock clock(scene);
+  for (const LoadTurn& turn : clock.turns())
     if (turn.before > 0.0 && turn.after < 1.0) inside.push_back(turn);
   return inside;
 }

@@ -1,0 +1,17 @@
+/// Members that nothing but tension holds under their loads: cables.
+#pragma once
+
+#include "discretization/assembly/model.hpp"
+
+namespace mixbeam {
+
+/// Smallest bending stiffness of a section [force x length^2]; infinite where it is coupled.
+double bending_of(const Section& section);
+
+/// Whether a member of this section is limp in a structure of this length [length] under this load [force].
+bool is_limp(const Section& section, double load, double length);
+
+/// Whether some member is limp under the loads that act at a load factor. Collective.
+bool has_limp_members(const Model& model, const State& state, double load_factor);
+
+}  // namespace mixbeam
