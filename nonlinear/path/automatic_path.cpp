@@ -235,10 +235,17 @@ class AutomaticPath {
 
   bool is_at_start() const { return here_.load_factor == range_.from && !range_.before && !goal_.is_controlled(); }
 
+  /// Whether the loads turn members as they set in, and so tell limp ones to which side they sag. A column under thrust
+  /// alone may be as limp, but buckles to either side.
+  bool sets_out_sideways() const {
+    constexpr double kLeastSpin = 1e-3;  // of a tangent of length 1; limp members turn by about that length
+    return !here_.has_tangent() || here_.tangent.x.largest_vertex_spin() > kLeastSpin;
+  }
+
   /// Whether a step from the start, which no direction there tells of, has led to the one state that cables hang in.
   bool hangs(const Station& next) const {
     const bool is_stable = next.stability && next.stability->verdict() != Verdict::unstable;
-    return is_at_start() && !along_path_ && is_stable &&
+    return is_at_start() && !along_path_ && is_stable && sets_out_sideways() &&
            hangs_in_tension(problem_->model, next.state, next.load_factor);
   }
 
@@ -366,14 +373,15 @@ class AutomaticPath {
   /// cannot stretch.
   bool set_out_steeply() {
     if (!is_at_start() || sets_out_in_vain_) return false;
+    const bool is_limp = has_limp_members(problem_->model, here_.state, range_.to);
+    if (is_limp && !sets_out_sideways()) return false;
     sets_out_in_vain_ = true;
     const auto found = first_point_of_steep_path(problem_, parameters_, here_.state, range_, recorder_.counts());
     if (!found) return false;
     const PathDirection moved = increments(*found);
     Station next = station_at(*found, &moved);
     if (!next.has_tangent()) return false;
-    const bool hangs = has_limp_members(problem_->model, here_.state, range_.to);
-    branched_ = branched_ || (!hangs && parameters_.analysis.branch != Branch::primary);
+    branched_ = branched_ || (!is_limp && parameters_.analysis.branch != Branch::primary);
     along_path_ = true;
     length_ = measure_.length(moved);
     accept(std::move(next), found->residual, {});

@@ -696,6 +696,10 @@ void add_cables(std::vector<KnownPath>& table) {
                   {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
        {},
        hangs(12.587611157887025, 3.9765978569347524, 4.9e-05)});
+  // As limp as a cable under its thrust, but nothing tells it a side: it buckles, and does not turn over unseen.
+  Answer buckled = on_branch_at(1.0 / 12000.0, {});
+  buckled.negative = -1;
+  table.push_back({"LimpColumnBuckles", thrust_column(12000.0 * kEuler, 0.0, true), {}, buckled});
 }
 
 void add_held_rods(std::vector<KnownPath>& table) {
