@@ -76,7 +76,7 @@ class SectionStresses {
   /// Whether a point belongs to the section, its boundary included (to rounding).
   bool contains(const SectionPoint& point) const;
 
-  /// Over the whole section: no point exceeds a value by more than 1e-8 of it.
+  /// Over the whole section: no point exceeds a value by more than 1e-6 of it.
   LargestStresses largest(const SectionForces& forces) const;
 
   /// Largest strain of normal direction over the section, |gamma_1 + kappa_2 x3 - kappa_3 x2|, for strains of the

@@ -8,7 +8,7 @@ namespace {
 
 using test::NamedShape;
 
-constexpr double kExceeded = 1e-8;  // relative
+constexpr double kExceeded = 2.5e-7;  // relative; a quarter of what is promised
 constexpr int kCases = 6, kSamples = 100000;
 
 /// A random point of the section; every third one on its boundary.
