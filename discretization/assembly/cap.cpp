@@ -173,7 +173,7 @@ double block_sum(const Structure& structure, const Cap& cap, const ElementBlock&
   double sum = 0.0;
   for (int e = 0; e < block.count; ++e) {
     if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
-    const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
+    const size_t first = block.increments_at()(e);
     const SectionConstants& section = cap.structure.sections(block.section(e));
     const double length = block.reference(e, block.reference_layout.length());
     sum += block.general_section ? general_element(block.interior, weights, length, section, &block.compliance(e, 0),
@@ -189,9 +189,7 @@ double cap_compliance_form(const Model& model, const Cap& cap, const MixedVector
   double mine = 0.0;
   for (const ElementBlock& block : model.structure().blocks)
     mine += block_sum(model.structure(), cap, block, a.interior().data(), b.interior().data());
-  double all = mine;
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
-  return all;
+  return sum_over_ranks(*model.map()->getComm(), mine);
 }
 
 }  // namespace mixbeam

@@ -1,5 +1,7 @@
 #include "discretization/assembly/condensed_system.hpp"
 
+#include "discretization/mesh/element_view.hpp"
+
 #include <cmath>
 
 namespace mixbeam {
@@ -14,8 +16,9 @@ constexpr double kSmallestPivot = 1e-10;
 
 std::vector<std::array<int, 2>> ends_of(const Structure& structure) {
   std::vector<std::array<int, 2>> ends(structure.local_elements());
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) ends[block.first_element + e] = {block.vertices(e, 0), block.vertices(e, 1)};
+  for_each_element(structure, [&](const ElementView& element) {
+    ends[element.local()] = {element.vertex(0), element.vertex(1)};
+  });
   return ends;
 }
 
@@ -27,11 +30,10 @@ std::vector<unsigned char> kept_vertices(const Structure& structure, const Condi
   for (const VertexLoad& load : conditions.loads) kept[load.vertex] = 1;
   for (const VertexSupport& support : conditions.supports) kept[support.vertex] = 1;
   for (const VertexJoint& joint : conditions.joints) kept[joint.master] = kept[joint.slave] = 1;
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const int a = block.vertices(e, 0), b = block.vertices(e, 1);
-      if (a >= owned || b >= owned || block.is_unsymmetric(e)) kept[a] = kept[b] = 1;
-    }
+  for_each_element(structure, [&](const ElementView& element) {
+    const int a = element.vertex(0), b = element.vertex(1);
+    if (a >= owned || b >= owned || element.block().is_unsymmetric(element.index())) kept[a] = kept[b] = 1;
+  });
   return kept;
 }
 
@@ -97,9 +99,9 @@ CondensedSystem::CondensedSystem(const Model& model)
   run_forces_ = KernelView<double*>(Kokkos::view_alloc("mixbeam::run_forces", Kokkos::WithoutInitializing),
                                     static_cast<size_t>(kVertexDofs) * structure.owned_vertices);
   ends_ = KernelView<int* [2]>("mixbeam::ends", structure.local_elements());
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int end = 0; end < 2; ++end) ends_(block.first_element + e, end) = block.vertices(e, end);
+  for_each_element(structure, [&](const ElementView& element) {
+    for (int end = 0; end < 2; ++end) ends_(element.local(), end) = element.vertex(end);
+  });
   for (size_t e = 0; e < condensed_.extent(0); ++e) condensed_(e) = 1;
   for (const RemainingLink& link : structure_.remaining())
     if (link.link < structure.local_elements()) condensed_(link.link) = 0;

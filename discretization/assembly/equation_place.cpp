@@ -1,5 +1,6 @@
 #include "discretization/assembly/equation_place.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -78,13 +79,11 @@ void for_each_row(const Model& model, const MixedVector& vector, const Visit& vi
     visit({true, kind_of_vertex_row(component, fixed(i) != 0), component % 3,
            structure.local_vertex_to_global[i / kVertexDofs], -1, 0.0, rows(i)});
   }
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int i = 0; i < block.interior.increments(); ++i) {
-        const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-        visit({true, kind_of_interior_row(block.interior, i), i % 3, -1,
-               structure.local_element_to_mesh[block.first_element + e], 0.0, interior(first + i)});
-      }
+  for_each_element(structure, [&](const ElementView& element) {
+    const double* row = element.increments_in(interior);
+    for (int i = 0; i < element.layout().increments(); ++i)
+      visit({true, kind_of_interior_row(element.layout(), i), i % 3, -1, element.mesh_element(), 0.0, row[i]});
+  });
 }
 
 Site site_of_element(const Mesh& mesh, int number) {

@@ -2,6 +2,7 @@
 
 #include "discretization/assembly/workspace.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
 #include "kernels/element/layout.hpp"
 
@@ -106,12 +107,9 @@ void Model::keep_own_mesh() {
 void Model::mark_owned_interior() {
   if (maps_.import.is_null()) return;  // one rank owns everything
   owned_interior_ = KernelView<unsigned char*>("mixbeam::owned_interior", structure_.increment_size);
-  for (const ElementBlock& block : structure_.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const bool owned = block.vertices(e, 0) < structure_.owned_vertices;
-      const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-      for (int i = 0; i < block.interior.increments(); ++i) owned_interior_(first + i) = owned;
-    }
+  for_each_element(structure_, [&](const ElementView& element) {
+    std::fill_n(element.increments_in(owned_interior_), element.layout().increments(), element.is_owned());
+  });
 }
 
 void Model::build_adjacency() {

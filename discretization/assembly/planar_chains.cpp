@@ -1,5 +1,6 @@
 #include "discretization/assembly/planar_chains.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "kernels/execution/pack.hpp"
 
 #include <algorithm>
@@ -65,9 +66,9 @@ PlanarChains::PlanarChains(const Model& model, const ChainStructure& structure)
   rows_ = KernelView<double*>("mixbeam::planar::rows", static_cast<size_t>(kPlanarDofs) * mesh.local_vertices());
   x_ = KernelView<double*>("mixbeam::planar::x", rows_.extent(0));
   ends_ = KernelView<int* [2]>("mixbeam::planar::ends", elements);
-  for (const ElementBlock& block : mesh.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int end = 0; end < 2; ++end) ends_(block.first_element + e, end) = block.vertices(e, end);
+  for_each_element(mesh, [&](const ElementView& element) {
+    for (int end = 0; end < 2; ++end) ends_(element.local(), end) = element.vertex(end);
+  });
   is_eliminated_ = KernelView<unsigned char*>("mixbeam::planar::eliminated", mesh.local_vertices());
   std::copy(structure.eliminated().begin(), structure.eliminated().end(), is_eliminated_.data());
   is_condensed_ = KernelView<unsigned char*>("mixbeam::planar::condensed", elements);

@@ -59,10 +59,10 @@ KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
 /// Forces and moments of all elements of a block.
 Largest<2> largest_stresses(const ElementBlock& block, const KernelView<const double*>& interior) {
   const InteriorLayout layout = block.interior;
-  const size_t offset = block.interior_offset;
+  const ElementPlaces place = block.unknowns_at();
   return largest_of<2>(
       "mixbeam::magnitude::stresses", block.count, KOKKOS_LAMBDA(int e, Largest<2>& pair) {
-        const double* x = interior.data() + offset + static_cast<size_t>(e) * layout.unknowns();
+        const double* x = interior.data() + place(e);
         raise(pair.of[0], x, layout.moment(0));
         raise(pair.of[1], x + layout.moment(0), 3 * (layout.order + 1));
       });
@@ -139,12 +139,11 @@ void scale_rows(const Model& model, const ResidualScales& scales, bool inverse, 
   const KernelView<double*> interior = rows.writable_interior(true);
   for (const ElementBlock& block : model.structure().blocks) {
     const InteriorLayout layout = block.interior;
-    const size_t offset = block.increment_offset;
+    const ElementPlaces place = block.increments_at();
     const KernelView<const double**> reference = block.reference;
     Kokkos::parallel_for(
         "mixbeam::scale::interior", Range(0, block.count), KOKKOS_LAMBDA(int e) {
-          double* row = interior.data() + offset + static_cast<size_t>(e) * layout.increments();
-          scale_interior_rows(layout, by, reference(e, 0), inverse, row);
+          scale_interior_rows(layout, by, reference(e, 0), inverse, interior.data() + place(e));
         });
   }
 }
@@ -166,13 +165,13 @@ namespace {
 /// Largest magnitude among entries [first, end) of the increments of every element of a block; infinity for
 /// not-a-number.
 double largest_row(const ElementBlock& block, const KernelView<const double*>& interior, int first, int end) {
-  const size_t offset = block.increment_offset, stride = block.interior.increments();
+  const ElementPlaces place = block.increments_at();
   double largest = 0.0;
   Kokkos::parallel_reduce(
       "mixbeam::scaled::interior", Range(0, block.count),
       KOKKOS_LAMBDA(int e, double& m) {
         for (int i = first; i < end; ++i) {
-          const double x = interior(offset + e * stride + i), a = x < 0.0 ? -x : x;
+          const double x = interior(place(e) + i), a = x < 0.0 ? -x : x;
           if (!(a <= m)) m = a == a ? a : HUGE_VAL;
         }
       },

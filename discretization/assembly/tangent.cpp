@@ -1,6 +1,7 @@
 #include "discretization/assembly/tangent.hpp"
 
 #include "discretization/assembly/workspace.hpp"
+#include "discretization/mesh/element_view.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -173,15 +174,14 @@ void Tangent::add_springs(const MatrixRows& rows) const {
 Tangent::InteriorCount Tangent::interior_count() const {
   const Structure& structure = model_->structure();
   long mine[2] = {0, 0};
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (block.vertices(e, 0) >= structure.owned_vertices) continue;  // counted by the rank that owns the vertex
-      const int negative = arrays_->interior_negative(block.first_element + e);
-      if (negative == kUncertainCount)
-        mine[1] = 1;
-      else
-        mine[0] += negative;
-    }
+  for_each_element(structure, [&](const ElementView& element) {
+    if (!element.is_owned()) return;  // counted by the rank that owns the vertex
+    const int negative = arrays_->interior_negative(element.local());
+    if (negative == kUncertainCount)
+      mine[1] = 1;
+    else
+      mine[0] += negative;
+  });
   long all[2] = {mine[0], mine[1]};
   Teuchos::reduceAll(*model_->map()->getComm(), Teuchos::REDUCE_SUM, 2, mine, all);
   return {all[0], all[1] > 0};

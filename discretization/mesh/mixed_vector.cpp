@@ -249,12 +249,6 @@ double ordered_sum(size_t n, const Term& term) {
   return total;
 }
 
-double sum_over_ranks(const Teuchos::Comm<int>& comm, double mine) {
-  double total = mine;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(total));
-  return total;
-}
-
 }  // namespace
 
 double MixedVector::one_norm() const {

@@ -1,5 +1,6 @@
 #include "discretization/mesh/structure.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "discretization/text/member_error.hpp"
@@ -366,18 +367,12 @@ State reference_state(const Structure& structure, const Mesh& mesh) {
   Kokkos::deep_copy(state.views.interior, 0.0);
   for (int v = 0; v < structure.local_vertices(); ++v)
     store_quaternion(identity_quaternion<double>(), &state.views.vertex_rotation(v, 0));
-  for (const ElementBlock& block : structure.blocks) {
-    for (int e = 0; e < block.count; ++e) {
-      const int local = block.first_element + e;
-      const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local]];
-      const ReferenceElement reference = reference_element(mesh, element, block);
-      store_quaternion(reference.triad, &state.views.element_triad(local, 0));
-      double* interior =
-          &state.views.interior(block.interior_offset) + static_cast<size_t>(e) * block.interior.unknowns();
-      for (int j = 1; j < block.order; ++j)
-        store_vector(reference.relative_rotation[j], interior + block.interior.relative_rotation(j));
-    }
-  }
+  for_each_element(structure, state, [&](const ElementView& element) {
+    const ReferenceElement reference = reference_element(mesh, mesh.elements[element.mesh_element()], element.block());
+    store_quaternion(reference.triad, element.triad_numbers());
+    for (int j = 1; j < element.order(); ++j)
+      store_vector(reference.relative_rotation[j], element.unknowns() + element.layout().relative_rotation(j));
+  });
   return state;
 }
 

@@ -58,7 +58,7 @@ void compare_elements(const ElementBlock& block, const StateViews& first, const 
                       const KernelView<double* [kNumbers]>& result) {
   const InteriorLayout layout = block.interior;
   const int order = block.order;
-  const size_t offset = block.interior_offset;
+  const ElementPlaces place_of = block.unknowns_at();
   const KernelView<int* [2]> vertices = block.vertices;
   const KernelView<double**> reference = block.reference;
   const KernelView<double*[3]> u1 = first.vertex_displacement, u2 = second.vertex_displacement;
@@ -67,9 +67,7 @@ void compare_elements(const ElementBlock& block, const StateViews& first, const 
       "mixbeam::difference", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
         const double h = reference(e, 0);
         const int a = vertices(e, 0), b = vertices(e, 1);
-        const size_t place = offset + static_cast<size_t>(e) * layout.unknowns();
-        const double* x1 = interior1.data() + place;
-        const double* x2 = interior2.data() + place;
+        const double *x1 = interior1.data() + place_of(e), *x2 = interior2.data() + place_of(e);
         const LegendreDisplacement d1(load_vector(&u1(a, 0)), load_vector(&u1(b, 0)), h, order, x1 + layout.bubble(1));
         const LegendreDisplacement d2(load_vector(&u2(a, 0)), load_vector(&u2(b, 0)), h, order, x2 + layout.bubble(1));
         Vec m1[kMaximumOrder + 1], m2[kMaximumOrder + 1], zero[kMaximumOrder + 1];
@@ -168,12 +166,11 @@ MixedVector increment_between(const Model& model, const State& first, const Stat
       });
   for (const ElementBlock& block : structure.blocks) {
     const int unknowns = block.interior.unknowns(), first_element = block.first_element;
-    const size_t from = block.interior_offset, to = block.increment_offset;
+    const ElementPlaces from = block.unknowns_at(), to = block.increments_at();
     Kokkos::parallel_for(
         "mixbeam::increment_of_elements", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
-          double* d = interior.data() + to + static_cast<size_t>(e) * (unknowns + 3);
-          const size_t place = from + static_cast<size_t>(e) * unknowns;
-          for (int i = 0; i < unknowns; ++i) d[i] = b.interior(place + i) - a.interior(place + i);
+          double* d = interior.data() + to(e);
+          for (int i = 0; i < unknowns; ++i) d[i] = b.interior(from(e) + i) - a.interior(from(e) + i);
           const Quat turn = conjugate(load_quaternion(&a.element_triad(first_element + e, 0))) *
                             load_quaternion(&b.element_triad(first_element + e, 0));
           store(rotation_near(turn, load_vector(d + unknowns)), d + unknowns);
@@ -198,7 +195,7 @@ void recover(const ElementBlock& block, const KernelView<const unsigned char*>& 
   const int order = block.order,
             end_triad[2] = {block.reference_layout.end_triad(0), block.reference_layout.end_triad(1)};
   const int first_element = block.first_element;
-  const size_t offset = block.interior_offset;
+  const ElementPlaces place_of = block.unknowns_at();
   const KernelView<int* [2]> vertices = block.vertices;
   const KernelView<double**> reference = block.reference;
   const KernelView<double*[4]> vertex_rotation = state.vertex_rotation, element_triad = state.element_triad;
@@ -206,7 +203,7 @@ void recover(const ElementBlock& block, const KernelView<const unsigned char*>& 
   Kokkos::parallel_for(
       "mixbeam::recovered_rotation", Kokkos::RangePolicy<ExecutionSpace>(0, block.count), KOKKOS_LAMBDA(int e) {
         if (!raised(first_element + e)) return;
-        double* x = interior.data() + offset + static_cast<size_t>(e) * layout.unknowns();
+        double* x = interior.data() + place_of(e);
         const Quat triad = load_quaternion(&element_triad(first_element + e, 0));
         Vec top{{0.0, 0.0, 0.0}};
         for (int end = 0; end < 2; ++end) {

@@ -30,15 +30,6 @@ void put_force(const InteriorLayout& layout, const Coefficients& force, int firs
   }
 }
 
-/// Calls action(first point, points, component of N) for what the Gauss points of an element carry.
-template <class Action>
-void for_each_force_component(const Member& member, const Action& action) {
-  const int axial = axial_points(member.order, member.force_integration),
-            shear = shear_points(member.order, member.force_integration);
-  action(0, axial, 0);
-  for (int i = 1; i < 3; ++i) action(axial == shear ? 0 : axial, shear, i);
-}
-
 InteriorLayout layout_of(const Member& member) {
   return {member.order, force_point_count(member.order, member.force_integration)};
 }
@@ -62,15 +53,13 @@ Vec interpolate_gauss(int count, double xi, const Values& values) {
 
 }  // namespace
 
-Vec force_at(const ElementBlock& block, const double* interior, double xi) {
-  const int axial = axial_points(block.order, block.force_integration),
-            shear = shear_points(block.order, block.force_integration);
-  const int first_shear = axial == shear ? 0 : axial;
-  Vec force = interpolate_gauss(axial, xi, [&](int q) { return load_vector(interior + block.interior.force(q)); });
-  const Vec sideways = interpolate_gauss(
-      shear, xi, [&](int q) { return load_vector(interior + block.interior.force(first_shear + q)); });
-  force[1] = sideways[1];
-  force[2] = sideways[2];
+Vec force_at(const ElementView& element, double xi) {
+  Vec force{};
+  const auto add = [&](int first, int count, int from, int to) {
+    const Vec part = interpolate_gauss(count, xi, [&](int q) { return element.force(first + q); });
+    for (int i = from; i < to; ++i) force[i] = part[i];
+  };
+  for_each_force_rule(element.order(), element.block().force_integration, add);
   return force;
 }
 
@@ -92,8 +81,8 @@ ElementPolynomials polynomials_of(const Member& member, double length, const dou
     element.psi[j] = load_vector(interior + layout.relative_rotation(j));
   }
   for (int j = 0; j <= member.order; ++j) element.moment[j] = load_vector(interior + layout.moment(j));
-  for_each_force_component(member, [&](int first, int count, int component) {
-    fit_force(layout, interior, first, count, component, element.force);
+  for_each_force_rule(member.order, member.force_integration, [&](int first, int count, int from, int to) {
+    for (int i = from; i < to; ++i) fit_force(layout, interior, first, count, i, element.force);
   });
   return element;
 }
@@ -107,8 +96,8 @@ void store_polynomials(const Member& member, const ElementPolynomials& element, 
     store_vector(element.psi[j], interior + layout.relative_rotation(j));
   }
   for (int j = 0; j <= member.order; ++j) store_vector(element.moment[j], interior + layout.moment(j));
-  for_each_force_component(member, [&](int first, int count, int component) {
-    put_force(layout, element.force, first, count, component, interior);
+  for_each_force_rule(member.order, member.force_integration, [&](int first, int count, int from, int to) {
+    for (int i = from; i < to; ++i) put_force(layout, element.force, first, count, i, interior);
   });
 }
 

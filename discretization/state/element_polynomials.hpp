@@ -1,8 +1,8 @@
 /// The fields of one element as polynomials, from the numbers of a state and back.
 #pragma once
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/mesh/reference_element.hpp"
-#include "discretization/mesh/structure.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <utility>
@@ -29,23 +29,22 @@ class StateNumbers {
   Number* rotation(int vertex) const { return arrays_[1] + 4 * static_cast<size_t>(vertex); }
   /// Of an element of the mesh with its vertices.
   Number* displacement(const MeshElement& element, int number, int end) const {
-    return displacement(share_ == nullptr ? element.vertex[end]
-                                          : place(number).first->vertices(place(number).second, end));
+    return displacement(share_ == nullptr ? element.vertex[end] : view(number).vertex(end));
   }
   Number* triad(int element) const {
     return arrays_[2] + 4 * static_cast<size_t>(share_ == nullptr ? element : share_->local_element(element));
   }
   Number* interior(int element) const {
     if (share_ == nullptr) return arrays_[3] + (*interior_first_)[element];
-    const auto [block, e] = place(element);
-    return arrays_[3] + block->interior_offset + static_cast<size_t>(e) * block->interior.unknowns();
+    const ElementView of = view(element);
+    return arrays_[3] + of.block().unknowns_at()(of.index());
   }
 
  private:
-  std::pair<const ElementBlock*, int> place(int element) const {
+  ElementView view(int element) const {
     const int local = share_->local_element(element);
     const ElementBlock& block = share_->block_of(local);
-    return {&block, local - block.first_element};
+    return {*share_, block, local - block.first_element};
   }
 
   Number* arrays_[4];
@@ -74,7 +73,7 @@ ElementPolynomials polynomials_of(const Member& member, double length, const dou
 /// The inverse, but for the displacements of the vertices. What the order of the member has no room for is cut off.
 void store_polynomials(const Member& member, const ElementPolynomials& element, double* triad, double* interior);
 
-/// N at xi in [-1, 1] through its Gauss points, material. `interior`: of an element of the block.
-Vec force_at(const ElementBlock& block, const double* interior, double xi);
+/// N at xi in [-1, 1] through its Gauss points, material.
+Vec force_at(const ElementView& element, double xi);
 
 }  // namespace mixbeam

@@ -1,6 +1,7 @@
 #include "discretization/state/reactions.hpp"
 
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/state/structure_parts.hpp"
 #include "kernels/element/layout.hpp"
 
@@ -46,16 +47,17 @@ SpatialLoad reaction_of(const VertexSupport& support, const State& state, const 
 struct TangentPolynomial {
   Vec coefficient[kMaximumOrder];  ///< of the Legendre polynomials
 
-  TangentPolynomial(const ElementBlock& block, int e, const Vec& chord) {
+  TangentPolynomial(const ElementView& element, const Vec& chord) {
+    const ElementBlock& block = element.block();
     const int points = axial_points(block.order, block.force_integration);
-    const double h = block.reference(e, block.reference_layout.length());
+    const double h = element.length();
     double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
     gauss_rule(points, xi, weight);
     coefficient[0] = (1.0 / h) * chord;
     for (int j = 1; j < block.order; ++j) coefficient[j] = Vec{{0.0, 0.0, 0.0}};
     for (int q = 0; q < points; ++q) {
       legendre(block.order, xi[q], P);
-      const Vec tangent = load_vector(&block.reference(e, block.reference_layout.tangent(q)));
+      const Vec tangent = load_vector(element.reference(block.reference_layout.tangent(q)));
       for (int j = 1; j < block.order; ++j) coefficient[j] += (0.5 * (2 * j + 1) * weight[q] * P[j]) * tangent;
     }
   }
@@ -66,23 +68,20 @@ struct TangentPolynomial {
   }
 };
 
-/// An element with what its two sums below need.
-struct ElementView {
-  const ElementBlock& block;
-  const State& state;
-  int e;
-  TangentPolynomial tangent;
-  const double* interior;
-  Quat triad;
+Vec chord_of(const Mesh& mesh, const MeshElement& element) {
+  return to_vec3(mesh.vertex_position[element.vertex[1]]) - to_vec3(mesh.vertex_position[element.vertex[0]]);
+}
 
-  ElementView(const ElementBlock& of, const State& at, const Mesh& mesh, const MeshElement& element, int index)
-      : block(of),
-        state(at),
-        e(index),
-        tangent(of, index,
-                to_vec3(mesh.vertex_position[element.vertex[1]]) - to_vec3(mesh.vertex_position[element.vertex[0]])),
-        interior(at.views.interior.data() + of.interior_offset + static_cast<size_t>(index) * of.interior.unknowns()),
-        triad(load_quaternion(&at.views.element_triad(of.first_element + index, 0))) {}
+/// What the two sums below need of an element.
+struct TurnedElement {
+  const ElementView& view;
+  const ElementBlock& block;
+  TangentPolynomial tangent;
+
+  TurnedElement(const ElementView& element, const Mesh& mesh)
+      : view(element),
+        block(element.block()),
+        tangent(element, chord_of(mesh, mesh.elements[element.mesh_element()])) {}
 
   /// Moment of the spatial forces n at the Gauss points over the part of the reference tangent that the quadrature does
   /// not share with the polynomial: see Balance::curve_moment.
@@ -97,10 +96,9 @@ struct ElementView {
   /// Virtual work of line loads in the motions of the interior of the element, when everything turns: `rows` is what
   /// the loads add to the rows of this element.
   Vec moment_of_interior_load(const double* rows) const {
-    Vec sum = -(rotation_matrix(triad) * load_vector(rows + block.interior.spin()));
+    Vec sum = -(rotation_matrix(view.triad()) * load_vector(rows + block.interior.spin()));
     for (int j = 1; j < block.order; ++j)
-      sum += -cross(tangent.coefficient[j] + load_vector(interior + block.interior.bubble(j)),
-                    load_vector(rows + block.interior.bubble(j)));
+      sum += -cross(tangent.coefficient[j] + view.bubble(j), load_vector(rows + block.interior.bubble(j)));
     return sum;
   }
 
@@ -108,15 +106,12 @@ struct ElementView {
   void add_curve_moment(int first, int count, Vec& sum) const {
     double xi[kMaximumOrder + 1], weight[kMaximumOrder + 1], P[kMaximumOrder + 1];
     gauss_rule(count, xi, weight);
-    const double h = block.reference(e, block.reference_layout.length());
     for (int q = 0; q < count; ++q) {
       legendre(block.order, xi[q], P);
-      Vec psi{{0.0, 0.0, 0.0}};
-      for (int j = 1; j < block.order; ++j) psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
       const Vec force =
-          rotation_matrix(triad * exp_quaternion(psi)) * load_vector(interior + block.interior.force(first + q));
-      const Vec here = load_vector(&block.reference(e, block.reference_layout.tangent(first + q)));
-      sum += (0.5 * h * weight[q]) * cross(tangent.at(block.order, P) - here, force);
+          rotation_matrix(view.triad() * exp_quaternion(view.relative_rotation_at(P))) * view.force(first + q);
+      const Vec here = load_vector(view.reference(block.reference_layout.tangent(first + q)));
+      sum += (0.5 * view.length() * weight[q]) * cross(tangent.at(block.order, P) - here, force);
     }
   }
 };
@@ -144,8 +139,9 @@ class BalanceSums {
     add_point_loads();
     for (const VertexSupport& support : model.conditions().supports)
       add(&PartSums::reactions, support.vertex, reaction_of(support, state, rows.vertex()));
-    for_each_owned_element(
-        [&](const ElementView& element) { part_of(element).curve_moment += element.curve_moment(); });
+    for_each_owned_element(model.structure(), state, [&](const ElementView& element) {
+      part_of(element).curve_moment += TurnedElement(element, model.mesh()).curve_moment();
+    });
   }
 
   Balance over_all_ranks() const;
@@ -163,7 +159,7 @@ class BalanceSums {
   }
   PartSums& part_at(int vertex) { return sums_[parts_.of_vertex.empty() ? 0 : parts_.of_vertex[vertex]]; }
   PartSums& part_of(const ElementView& element) {
-    return sums_[parts_.of_element.empty() ? 0 : parts_.of_element[element.block.first_element + element.e]];
+    return sums_[parts_.of_element.empty() ? 0 : parts_.of_element[element.local()]];
   }
   Vec arm(int vertex, const PartSums& part) const {
     const int global = model_.structure().local_vertex_to_global[vertex];
@@ -191,22 +187,10 @@ class BalanceSums {
       PartSums& part = part_at(v);
       part.applied.add(-vector_at(rows, first), -vector_at(rows, first + 3), arm(v, part));
     }
-    for_each_owned_element([&](const ElementView& element) {
-      const size_t first =
-          element.block.increment_offset + static_cast<size_t>(element.e) * element.block.interior.increments();
-      part_of(element).applied.moment += element.moment_of_interior_load(&interior(first));
+    for_each_owned_element(model_.structure(), state_, [&](const ElementView& element) {
+      part_of(element).applied.moment +=
+          TurnedElement(element, model_.mesh()).moment_of_interior_load(element.increments_in(interior));
     });
-  }
-  /// Elements that start at a vertex of this rank: each element of the mesh on one rank.
-  template <class Action>
-  void for_each_owned_element(const Action& action) const {
-    const Structure& structure = model_.structure();
-    const Mesh& mesh = model_.mesh();
-    for (const ElementBlock& block : structure.blocks)
-      for (int e = 0; e < block.count; ++e)
-        if (block.vertices(e, 0) < structure.owned_vertices)
-          action(ElementView(block, state_, mesh,
-                             mesh.elements[structure.local_element_to_mesh[block.first_element + e]], e));
   }
 
   const Model& model_;
@@ -242,11 +226,11 @@ Balance BalanceSums::of_part(int part, const ResidualScales& scales) const {
 Balance BalanceSums::over_all_ranks() const {
   const Teuchos::Comm<int>& comm = *model_.map()->getComm();
   const PartSums& sums = sums_.front();
-  std::array<double, 15> mine{}, all{};
+  std::array<double, 15> all{};
   const Vec parts[5] = {sums.applied.force, sums.applied.moment, sums.reactions.force, sums.reactions.moment,
                         sums.curve_moment};
-  for (int part = 0; part < 5; ++part) store_vector(parts[part], &mine[3 * part]);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, 15, mine.data(), all.data());
+  for (int part = 0; part < 5; ++part) store_vector(parts[part], &all[3 * part]);
+  sum_over_ranks(comm, all.data(), all.size());
   // what is at work inside counts too: prescribed motions leave no load, and internal forces may cancel in the supports
   const ResidualScales scales = scales_of(model_, state_, load_factor_);
   const double force = maximum_over_ranks(comm, std::max(sums.largest_force, scales.force));
@@ -263,15 +247,13 @@ std::vector<Reaction> reactions(const Model& model, const State& state, double l
   element_rows(model, state, load_factor, true, rows);
   leave_to_supports(model.conditions(), state, load_factor, rows.vertex());
   const std::vector<Support>& supports = model.scene().supports;
-  std::vector<double> mine(6 * supports.size(), 0.0), all(mine.size());
+  std::vector<double> all(6 * supports.size(), 0.0);
   for (const VertexSupport& support : model.conditions().supports) {
     const SpatialLoad reaction = reaction_of(support, state, rows.vertex());
-    store_vector(reaction.force, &mine[6 * support.index]);
-    store_vector(reaction.moment, &mine[6 * support.index + 3]);
+    store_vector(reaction.force, &all[6 * support.index]);
+    store_vector(reaction.moment, &all[6 * support.index + 3]);
   }
-  if (!mine.empty())
-    Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
-                       all.data());
+  sum_over_ranks(*model.map()->getComm(), all.data(), all.size());
   std::vector<Reaction> result;
   for (size_t i = 0; i < supports.size(); ++i) {
     const double* values = &all[6 * i];

@@ -16,15 +16,6 @@ namespace mixbeam {
 
 namespace {
 
-const double* interior_of(const ElementBlock& block, const State& state, int e) {
-  return state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
-}
-
-/// Elements that this rank answers for: those that start at one of its vertices.
-bool answers_for(const Structure& structure, const ElementBlock& block, int e) {
-  return block.vertices(e, 0) < structure.owned_vertices;
-}
-
 /// (gamma, kappa) = S (N, M)
 void set_strains(const Matrix6& compliance, PointSample& sample) {
   sample.force_strain = sample.moment_strain = Vec{{0.0, 0.0, 0.0}};
@@ -37,11 +28,8 @@ void set_strains(const Matrix6& compliance, PointSample& sample) {
 static_assert(sizeof(PointSample) == 26 * sizeof(double), "PointSample is sent as an array of doubles");
 
 /// Each sample is on one rank, and zero on all others.
-void sum_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t count) {
-  constexpr size_t numbers = sizeof(PointSample) / sizeof(double);
-  auto* const all = reinterpret_cast<double*>(samples);
-  const std::vector<double> mine(all, all + numbers * count);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(), all);
+void sum_samples_over_ranks(const Teuchos::Comm<int>& comm, PointSample* samples, size_t count) {
+  sum_over_ranks(comm, reinterpret_cast<double*>(samples), sizeof(PointSample) / sizeof(double) * count);
 }
 
 }  // namespace
@@ -50,42 +38,33 @@ bool answers_for(const Structure& structure, int mesh_element) {
   const int local = structure.local_element(mesh_element);
   if (local < 0) return false;
   const ElementBlock& block = structure.block_of(local);
-  return answers_for(structure, block, local - block.first_element);
+  return ElementView(structure, block, local - block.first_element).is_owned();
 }
 
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
                            double xi) {
-  const ElementBlock& block = structure.block_of(local_element);
-  const int e = local_element - block.first_element, k = block.order;
-  const MeshElement& element = mesh.elements[structure.local_element_to_mesh[local_element]];
+  const ElementView view(structure, state, local_element);
+  const int k = view.order();
+  const MeshElement& element = mesh.elements[view.mesh_element()];
   const MeshMember& member = mesh.members[element.member];
-  const double h = block.reference(e, 0);
-  const double* interior = interior_of(block, state, e);
   PointSample sample;
   sample.arc_length = mesh.arc_length(element, xi);
   sample.reference_position = member.curve.position(sample.arc_length);
-  const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(e, 0), 0));
-  const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(e, 1), 0));
-  sample.displacement = (0.5 * (1.0 - xi)) * a + (0.5 * (1.0 + xi)) * b;
+  sample.displacement = (0.5 * (1.0 - xi)) * view.displacement(0) + (0.5 * (1.0 + xi)) * view.displacement(1);
   double P[kMaximumOrder + 1], B[kMaximumOrder + 1];
   legendre(k, xi, P);
   integrated_legendre(k, xi, B);
-  Vec psi{{0.0, 0.0, 0.0}};
-  for (int j = 1; j < k; ++j) {
-    sample.displacement += (0.5 * h * B[j]) * load_vector(interior + block.interior.bubble(j));
-    psi += P[j] * load_vector(interior + block.interior.relative_rotation(j));
-  }
+  for (int j = 1; j < k; ++j) sample.displacement += (0.5 * view.length() * B[j]) * view.bubble(j);
   sample.position = sample.reference_position + sample.displacement;
-  sample.triad = load_quaternion(&state.views.element_triad(local_element, 0)) * exp_quaternion(psi);
-  sample.force = force_at(block, interior, xi);
-  sample.moment = Vec{{0.0, 0.0, 0.0}};
-  for (int j = 0; j <= k; ++j) sample.moment += P[j] * load_vector(interior + block.interior.moment(j));
-  if (block.general_section) {
+  sample.triad = view.triad() * exp_quaternion(view.relative_rotation_at(P));
+  sample.force = force_at(view, xi);
+  sample.moment = view.moment_at(P);
+  if (view.block().general_section) {
     const double x = sample.arc_length / member.curve.length;
     set_strains(structure.member_laws[element.member]->compliance(x), sample);
     return sample;
   }
-  const SectionConstants& section = structure.views.sections(block.section(e));
+  const SectionConstants& section = view.section();
   for (int i = 0; i < 3; ++i) {
     sample.force_strain[i] = section.force_compliance[i] * sample.force[i];
     sample.moment_strain[i] = section.moment_compliance[i] * sample.moment[i];
@@ -122,7 +101,7 @@ PointSample sample_member(const Model& model, const State& state, int member, do
     const double xi = std::clamp(-1.0 + 2.0 * (s - m.vertex_arc_length(index)) / m.element_length(index), -1.0, 1.0);
     sample = sample_element(structure, model.mesh(), state, structure.local_element(m.first_element + index), xi);
   }
-  sum_over_ranks(*model.map()->getComm(), &sample, 1);
+  sum_samples_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;
 }
 
@@ -130,28 +109,22 @@ double deformed_length(const Model& model, const State& state, int member) {
   constexpr int kPoints = 16;  // 1e-12 of an element that turns by one radian
   const Structure& structure = model.structure();
   const Mesh& mesh = model.mesh();
-  double xi[kPoints], weight[kPoints], mine = 0.0, all = 0.0;
+  double xi[kPoints], weight[kPoints], mine = 0.0;
   gauss_rule(kPoints, xi, weight);
   for (int e = 0; e < mesh.elements_of(member) && mesh.members.keeps(member); ++e) {
     const MeshMember& m = mesh.members[member];
     if (!answers_for(structure, m.first_element + e)) continue;
-    const int local = structure.local_element(m.first_element + e);
-    const ElementBlock& block = structure.block_of(local);
-    const int in_block = local - block.first_element;
-    const double* interior = interior_of(block, state, in_block);
-    const double h = block.reference(in_block, 0);
-    const Vec a = load_vector(&state.views.vertex_displacement(block.vertices(in_block, 0), 0));
-    const Vec b = load_vector(&state.views.vertex_displacement(block.vertices(in_block, 1), 0));
+    const ElementView view(structure, state, structure.local_element(m.first_element + e));
+    const double h = view.length();
     for (int q = 0; q < kPoints; ++q) {
       double P[kMaximumOrder + 1];
-      legendre(block.order, xi[q], P);
-      Vec slope = m.curve.tangent(m.arc_length(e, xi[q])) + (1.0 / h) * (b - a);
-      for (int j = 1; j < block.order; ++j) slope += P[j] * load_vector(interior + block.interior.bubble(j));
+      legendre(view.order(), xi[q], P);
+      Vec slope = m.curve.tangent(m.arc_length(e, xi[q])) + (1.0 / h) * (view.displacement(1) - view.displacement(0));
+      for (int j = 1; j < view.order(); ++j) slope += P[j] * view.bubble(j);
       mine += 0.5 * h * weight[q] * std::sqrt(dot(slope, slope));
     }
   }
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 1, &mine, &all);
-  return all;
+  return sum_over_ranks(*model.map()->getComm(), mine);
 }
 
 int smooth_points(int order) {
@@ -242,10 +215,8 @@ SampledMembers sample_own_elements(const Scene& scene, const Model& model, const
     local_elements.clear();
     for (; next != structure.elements_in_order.end() &&
            structure.local_element_to_mesh[*next] < mesh.first_element[m + 1];
-         ++next) {
-      const ElementBlock& block = structure.block_of(*next);
-      if (answers_for(structure, block, *next - block.first_element)) local_elements.push_back(*next);
-    }
+         ++next)
+      if (ElementView(structure, state, *next).is_owned()) local_elements.push_back(*next);
     if (local_elements.empty() && !is_described)
       members.add_absent(plan.samples(m), mesh.elements_of(m));
     else if (local_elements.empty())
@@ -270,7 +241,7 @@ std::vector<MemberSamples> sample_members(const Scene& scene, const Model& model
       for (int i = 0; i < points && answers_for(structure, begin + e); ++i)
         samples[static_cast<size_t>(points) * e + i] =
             sample_element(structure, mesh, state, structure.local_element(begin + e), sample_point(i, points));
-    if (comm.getSize() > 1) sum_over_ranks(comm, samples.data(), samples.size());
+    if (comm.getSize() > 1) sum_samples_over_ranks(comm, samples.data(), samples.size());
     static_cast<SampledMember&>(members[m]) = plan.description(m);
     members[m].number = m;
     if (comm.getRank() != 0) continue;
@@ -285,41 +256,37 @@ double l2_norm(const Model& model, const State& state, int points,
   const Structure& structure = model.structure();
   std::vector<double> xi(points), weight(points);
   gauss_rule(points, xi.data(), weight.data());
-  double sum[2] = {0.0, 0.0}, total[2];
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!answers_for(structure, block, e)) continue;
-      const double h = block.reference(e, 0);
-      const int member = structure.member_of(model.mesh(), block.first_element + e);
-      sum[1] += h;
-      for (int q = 0; q < points; ++q) {
-        const Vec value = field(sample_element(structure, model.mesh(), state, block.first_element + e, xi[q]), member);
-        sum[0] += 0.5 * h * weight[q] * dot(value, value);
-      }
+  double sum[2] = {0.0, 0.0};
+  for_each_owned_element(structure, state, [&](const ElementView& element) {
+    const int member = structure.member_of(model.mesh(), element.local());
+    sum[1] += element.length();
+    for (int q = 0; q < points; ++q) {
+      const Vec value = field(sample_element(structure, model.mesh(), state, element.local(), xi[q]), member);
+      sum[0] += 0.5 * element.length() * weight[q] * dot(value, value);
     }
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 2, sum, total);
-  return std::sqrt(total[0] / total[1]);
+  });
+  sum_over_ranks(*model.map()->getComm(), sum, 2);
+  return std::sqrt(sum[0] / sum[1]);
 }
 
 std::array<double, 6> vertex_motion(const Model& model, const State& state, int vertex) {
-  std::array<double, 6> mine{}, all{};
+  std::array<double, 6> motion{};
   if (const int local = model.structure().partition.place(vertex); local >= 0) {
     const Vec rotation = log_quaternion(load_quaternion(&state.views.vertex_rotation(local, 0)));
     for (int i = 0; i < 3; ++i) {
-      mine[i] = state.views.vertex_displacement(local, i);
-      mine[3 + i] = rotation[i];
+      motion[i] = state.views.vertex_displacement(local, i);
+      motion[3 + i] = rotation[i];
     }
   }
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 6, mine.data(), all.data());
-  return all;
+  sum_over_ranks(*model.map()->getComm(), motion.data(), motion.size());
+  return motion;
 }
 
 Vector3 reference_position(const Model& model, int vertex) {
-  Vector3 mine{}, all{};
-  if (model.structure().partition.owns(vertex)) mine = model.mesh().vertex_position[vertex];
-  if (model.map()->getComm()->getSize() == 1) return mine;
-  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_SUM, 3, mine.data(), all.data());
-  return all;
+  Vector3 position{};
+  if (model.structure().partition.owns(vertex)) position = model.mesh().vertex_position[vertex];
+  sum_over_ranks(*model.map()->getComm(), position.data(), position.size());
+  return position;
 }
 
 double largest_displacement(const Model& model, const State& state) {

@@ -1,6 +1,7 @@
 #include "discretization/state/snapshot.hpp"
 
 #include "discretization/assembly/residual.hpp"
+#include "discretization/mesh/element_view.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
@@ -182,15 +183,13 @@ void add_elements(const Model& model, const State& state, StateShare& share) {
   for (const int local : structure.elements_in_order) {
     const int element = structure.local_element_to_mesh[local];
     while (element >= mesh.first_element[member + 1]) to_next_member();
-    const ElementBlock& block = structure.block_of(local);
-    const int e = local - block.first_element;
-    if (block.vertices(e, 0) >= structure.owned_vertices) continue;
-    const auto unknowns = static_cast<size_t>(block.interior.unknowns());
+    const ElementView view(structure, state, local);
+    if (!view.is_owned()) continue;
+    const auto unknowns = static_cast<size_t>(view.layout().unknowns());
     share.elements.hold(element, 1);
     share.interior.hold(of_member + unknowns * (element - mesh.first_element[member]), unknowns);
-    append(share.held.element_triad, &state.views.element_triad(local, 0), 4);
-    append(share.held.interior, state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns,
-           unknowns);
+    append(share.held.element_triad, view.triad_numbers(), 4);
+    append(share.held.interior, view.unknowns(), unknowns);
   }
   while (member < static_cast<int>(mesh.members.size())) to_next_member();
   share.interior.rows = of_member;
@@ -240,12 +239,10 @@ State restore(const Model& model, const StateSnapshot& snapshot) {
     take(&state.views.vertex_displacement(v, 0), 3);
     take(&state.views.vertex_rotation(v, 0), 4);
   }
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const auto unknowns = static_cast<size_t>(block.interior.unknowns());
-      take(&state.views.element_triad(block.first_element + e, 0), 4);
-      take(state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * unknowns, unknowns);
-    }
+  for_each_element(structure, state, [&](const ElementView& element) {
+    take(element.triad_numbers(), 4);
+    take(element.unknowns(), static_cast<size_t>(element.layout().unknowns()));
+  });
   return state;
 }
 

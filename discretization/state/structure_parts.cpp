@@ -2,6 +2,7 @@
 
 #include "discretization/assembly/equation_place.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
+#include "discretization/mesh/element_view.hpp"
 #include "kernels/element/layout.hpp"
 
 #include <algorithm>
@@ -70,21 +71,17 @@ void PartMeasure::measure_vertices(const State& state) {
 }
 
 void PartMeasure::measure_elements(const State& state) {
-  for (const ElementBlock& block : structure_.blocks) {
-    const int forces = 3 * block.interior.force_points, moments = 3 * (block.order + 1);
-    for (int e = 0; e < block.count; ++e) {
-      PartSize& size = sizes_[parts_.of_element[block.first_element + e]];
-      const double* interior =
-          &state.views.interior(block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns());
-      for (int i = 0; i < forces; ++i) raise(size.state.force, interior[i]);
-      for (int i = forces; i < forces + moments; ++i) raise(size.state.moment, interior[i]);
-      size.shortest_element = std::min(size.shortest_element, block.reference(e, block.reference_layout.length()));
-      const Mesh& mesh = model_.mesh();
-      const MeshElement& element = mesh.elements[structure_.local_element_to_mesh[block.first_element + e]];
-      size.longest_member = std::max(size.longest_member, mesh.member_of(element).curve.length);
-      if (block.field_row.extent(0) > 0) measure_line_fields(block, e, size);
-    }
-  }
+  const Mesh& mesh = model_.mesh();
+  for_each_element(structure_, state, [&](const ElementView& element) {
+    PartSize& size = sizes_[parts_.of_element[element.local()]];
+    const int moments = element.layout().moment(0), end = element.layout().moment(element.order() + 1);
+    for (int i = 0; i < moments; ++i) raise(size.state.force, element.unknowns()[i]);
+    for (int i = moments; i < end; ++i) raise(size.state.moment, element.unknowns()[i]);
+    size.shortest_element = std::min(size.shortest_element, element.length());
+    size.longest_member =
+        std::max(size.longest_member, mesh.member_of(mesh.elements[element.mesh_element()]).curve.length);
+    if (element.block().field_row.extent(0) > 0) measure_line_fields(element.block(), element.index(), size);
+  });
 }
 
 void PartMeasure::measure_line_fields(const ElementBlock& block, int e, PartSize& size) const {
@@ -127,14 +124,12 @@ std::vector<double> PartMeasure::largest_rows(const MixedVector& residual, const
   const auto rows = residual.vertex();
   for (size_t i = 0; i < rows.extent(0); ++i)
     raise_row(parts_.of_vertex[i / kVertexDofs], kind_of_vertex_row(i % kVertexDofs, fixed(i) != 0), 0.0, rows(i));
-  for (const ElementBlock& block : structure_.blocks) {
-    const int count = block.interior.increments();
-    for (int e = 0; e < block.count; ++e)
-      for (int i = 0; i < count; ++i)
-        raise_row(parts_.of_element[block.first_element + e], kind_of_interior_row(block.interior, i),
-                  block.reference(e, block.reference_layout.length()),
-                  residual.interior()(block.increment_offset + static_cast<size_t>(e) * count + i));
-  }
+  for_each_element(structure_, [&](const ElementView& element) {
+    const double* row = element.increments_in(residual.interior());
+    for (int i = 0; i < element.layout().increments(); ++i)
+      raise_row(parts_.of_element[element.local()], kind_of_interior_row(element.layout(), i), element.length(),
+                row[i]);
+  });
   return largest;
 }
 

@@ -46,6 +46,12 @@ struct StructureViews {
   KernelView<SectionConstants*> sections;  ///< (section in use)
 };
 
+/// Where the numbers of an element of a block begin in an array that holds those of one element after the other.
+struct ElementPlaces {
+  size_t first = 0, stride = 0;
+  KOKKOS_INLINE_FUNCTION size_t operator()(int e) const { return first + static_cast<size_t>(e) * stride; }
+};
+
 struct ElementBlock {
   int order = 0;
   ForceIntegration force_integration = ForceIntegration::both_reduced;
@@ -66,6 +72,8 @@ struct ElementBlock {
   KernelView<int* [kLineFields]> field_row;
   KernelView<double* [3]> field_value;  ///< at the present load factor
 
+  ElementPlaces unknowns_at() const { return {interior_offset, static_cast<size_t>(interior.unknowns())}; }
+  ElementPlaces increments_at() const { return {increment_offset, static_cast<size_t>(interior.increments())}; }
   /// Whether the tangent of an element has a part without potential.
   bool is_unsymmetric(int e) const {
     if (field_row.extent(0) == 0) return false;

@@ -1,5 +1,6 @@
 #include "nonlinear/accuracy/error_estimate.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/state/difference.hpp"
 #include "discretization/state/sampling.hpp"
 #include "discretization/state/transfer.hpp"
@@ -108,13 +109,6 @@ class RicherSolve {
   int corrections_ = 0;
 };
 
-/// Of tables that every rank knows and fills in part.
-void sum_over_ranks(const Teuchos::Comm<int>& comm, double* numbers, size_t count) {
-  if (comm.getSize() == 1) return;
-  const std::vector<double> mine(numbers, numbers + count);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, static_cast<int>(count), mine.data(), numbers);
-}
-
 /// Sums over the elements of the richer mesh, halves of an element together.
 void add_differences(const Mesh& mesh, const Model& richer, const StateDifference& difference,
                      ErrorEstimate& estimate) {
@@ -152,11 +146,11 @@ void add_differences(const Mesh& mesh, const Model& richer, const StateDifferenc
 std::vector<Vector3> vertex_errors(const Model& richer, const StateDifference& difference) {
   const Structure& structure = richer.structure();
   std::vector<Vector3> errors(static_cast<size_t>(richer.mesh().vertices()));
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int end = 0; end < 2; ++end)
-        if (const int v = block.vertices(e, end); v < structure.owned_vertices)
-          errors[structure.local_vertex_to_global[v]] = difference.vertex_displacement[v];
+  for_each_element(structure, [&](const ElementView& element) {
+    for (int end = 0; end < 2; ++end)
+      if (const int v = element.vertex(end); v < structure.owned_vertices)
+        errors[structure.local_vertex_to_global[v]] = difference.vertex_displacement[v];
+  });
   sum_over_ranks(*richer.map()->getComm(), errors.front().data(), 3 * errors.size());
   return errors;
 }

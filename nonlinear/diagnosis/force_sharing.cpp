@@ -1,5 +1,6 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/newton/step.hpp"
@@ -83,13 +84,13 @@ bool is_statically_determinate(const Scene& scene, const Mesh& mesh) {
   return no_loop;
 }
 
-/// Visits every force of every element of this rank: mesh element, row in the element, index in interior vectors.
+/// Visits every force of every element of this rank: element, row in it, index in interior vectors.
 template <class Visit>
 void for_each_force(const Structure& structure, const Visit& visit) {
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e)
-      for (int i = 0; i < block.interior.moment(0); ++i)
-        visit(block, e, i, block.increment_offset + static_cast<size_t>(e) * block.interior.increments() + i);
+  for_each_element(structure, [&](const ElementView& element) {
+    const size_t first = element.block().increments_at()(element.index());
+    for (int i = 0; i < element.layout().moment(0); ++i) visit(element, i, first + i);
+  });
 }
 
 class Perturbation {
@@ -133,9 +134,8 @@ class Perturbation {
     rows.fill(0.0);
     const KernelView<double*> interior = rows.writable_interior(true);
     const Structure& structure = model_.structure();
-    for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
-      const double scale = scales_.element_strain(block.reference(e, 0));
-      interior(index) = kEpsilon * scattered(structure.local_element_to_mesh[block.first_element + e], i) / scale;
+    for_each_force(structure, [&](const ElementView& element, int i, size_t index) {
+      interior(index) = kEpsilon * scattered(element.mesh_element(), i) / scales_.element_strain(element.length());
     });
     return rows;
   }
@@ -145,15 +145,13 @@ class Perturbation {
     const Structure& structure = model_.structure();
     const KernelView<const double*> interior = increment.interior();
     std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
-    for_each_force(structure, [&](const ElementBlock& block, int e, int i, size_t index) {
-      const int member = structure.member_of(model_.mesh(), block.first_element + e);
+    for_each_force(structure, [&](const ElementView& element, int i, size_t index) {
+      const int member = structure.member_of(model_.mesh(), element.local());
       if (is_rigid(member, i % 3) != rigid) return;
       const double change = std::abs(interior(index)),
-                   limit = cap.structure.sections(block.section(e)).force_stiffness_limit;
+                   limit = cap.structure.sections(element.block().section(element.index())).force_stiffness_limit;
       const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
-      if (share > best[0])
-        best = {share, static_cast<double>(structure.local_element_to_mesh[block.first_element + e]),
-                change / scales_.force};
+      if (share > best[0]) best = {share, static_cast<double>(element.mesh_element()), change / scales_.force};
     });
     const Teuchos::Comm<int>& comm = *model_.map()->getComm();
     std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));

@@ -2,6 +2,8 @@
 #include "nonlinear/stability/nearest_eigenvalue.hpp"
 #include "nonlinear/stability/stability.hpp"
 
+#include "discretization/mesh/element_view.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -150,11 +152,9 @@ MixedVector derivative_along(const Model& model, const State& state, double load
       sum.update(0.5 * weight / step, rows, 1.0);
     }
   const KernelView<double*> interior = sum.writable_interior(true);
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      double* first = &interior(block.increment_offset + static_cast<size_t>(e) * block.interior.increments());
-      std::fill(first, first + block.interior.relative_rotation(1), 0.0);
-    }
+  for_each_element(structure, [&](const ElementView& element) {
+    std::fill_n(element.increments_in(interior), element.layout().relative_rotation(1), 0.0);
+  });
   return sum;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "discretization/mesh/element_view.hpp"
 
 namespace mixbeam {
 
@@ -49,11 +50,10 @@ void StressedStructure::factorize() {
 void StressedStructure::keep_stresses() {
   const KernelView<double*> vertex = response_.vertex(), interior = response_.writable_interior(true);
   for (size_t i = 0; i < vertex.extent(0); ++i) vertex(i) = 0.0;
-  for (const ElementBlock& block : model_.structure().blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const size_t first = block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-      for (int i = block.interior.relative_rotation(1); i < block.interior.increments(); ++i) interior(first + i) = 0.0;
-    }
+  for_each_element(model_.structure(), [&](const ElementView& element) {
+    double* row = element.increments_in(interior);
+    for (int i = element.layout().relative_rotation(1); i < element.layout().increments(); ++i) row[i] = 0.0;
+  });
 }
 
 /// dx / d(load factor) at the reference state. Solved with the capped tangent and refined to the true one: where
@@ -76,13 +76,11 @@ double StressedStructure::largest_stress() const {
   const Structure& structure = model_.structure();
   const double L = structure.length, EI = structure.bending_reference;
   double largest = 0.0;
-  for (const ElementBlock& block : structure.blocks)
-    for (int e = 0; e < block.count; ++e) {
-      const double* row =
-          response_.interior().data() + block.increment_offset + static_cast<size_t>(e) * block.interior.increments();
-      for (int i = 0; i < block.interior.relative_rotation(1); ++i)
-        largest = std::max(largest, std::abs(row[i]) * (i < block.interior.moment(0) ? L * L : L) / EI);
-    }
+  for_each_element(structure, [&](const ElementView& element) {
+    const double* row = element.increments_in(response_.interior());
+    for (int i = 0; i < element.layout().relative_rotation(1); ++i)
+      largest = std::max(largest, std::abs(row[i]) * (i < element.layout().moment(0) ? L * L : L) / EI);
+  });
   return maximum_over_ranks(*model_.map()->getComm(), largest);
 }
 
