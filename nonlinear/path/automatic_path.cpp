@@ -245,7 +245,10 @@ class AutomaticPath {
   /// Whether a step from the start, which no direction there tells of, has led to the one state that cables hang in.
   bool hangs(const Station& next) const {
     const bool is_stable = next.stability && next.stability->verdict() != Verdict::unstable;
-    return is_at_start() && !along_path_ && is_stable && sets_out_sideways() &&
+    const auto is_limp = [&] {  // a truss that has snapped through is in tension, too, but has passed limit points
+      return !here_.has_tangent() || has_limp_members(problem_->model, here_.state, range_.to);
+    };
+    return is_at_start() && !along_path_ && is_stable && sets_out_sideways() && is_limp() &&
            hangs_in_tension(problem_->model, next.state, next.load_factor);
   }
 

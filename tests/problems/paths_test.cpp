@@ -4,6 +4,7 @@
 #include "tests/support/solve.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 namespace mixbeam::test::paths_test {
@@ -64,6 +65,24 @@ TEST(Paths, ShallowTrussSnapsThroughBothLimitPoints) {
   EXPECT_EQ(truss.critical[1].negative_after, 0);
   ASSERT_FALSE(truss.failures.empty()) << "the whole load in one step has no equilibrium near the start";
   EXPECT_FALSE(truss.failures[0].cause.empty());
+}
+
+/// Once through, all members are in tension and the state is stable, as a cable's; Newton's method reaches it from the
+/// start. Only limp members may leave out what lies between.
+TEST(Paths, ATrussInTensionHasNotPassedItsLimitPointsUnseen) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double rise = 0.2, cosine = kTrussHalfSpan / std::hypot(kTrussHalfSpan, rise);
+  Scene scene = shallow_truss(4.0 * std::pow(1.0 - std::pow(cosine, 2.0 / 3.0), 1.5));
+  scene.points[1].position = {0, rise, 0};
+  Section& bar = scene.sections.front();
+  bar.axial_stiffness = 1.0;
+  bar.shear_stiffness = {kInfinity, kInfinity};
+  bar.torsional_stiffness = 1e3;
+  bar.bending_stiffness = {1e3, 1e3};
+  const Walk truss = walk(scene);
+  ASSERT_EQ(truss.critical.size(), 2u);
+  EXPECT_NEAR(truss.critical[0].load_factor, 0.5, kLocated);
+  EXPECT_NEAR(truss.critical[1].load_factor, -0.5, kLocated);
 }
 
 /// Pressed far beyond the snap, where the truss has stiffened, with a spring that leaves less and less of the dip:
