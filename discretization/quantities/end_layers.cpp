@@ -22,18 +22,21 @@ constexpr double kLargestTurn = 2.0;
 /// About axes 2 and 3; infinite where the section is rigid.
 struct Bending {
   std::array<double, 2> stiffness{HUGE_VAL, HUGE_VAL};
-  bool is_coupled = false;  ///< with anything else
+  double stretching = 0.0;  ///< EA of the tangent
+  bool is_coupled = false;  ///< bending, with anything else
 
   Bending(const Structure& structure, const Mesh& mesh, int local, double arc_length) {
     const ElementBlock& block = structure.block_of(local);
     if (!block.general_section) {
       const SectionConstants& section = structure.views.sections(block.section(local - block.first_element));
       for (int i = 0; i < 2; ++i) stiffness[i] = 1.0 / section.moment_compliance[i + 1];
+      stretching = section.tangent_force_stiffness[0];
       return;
     }
     const int member = structure.member_of(mesh, local);
     const Matrix6 compliance =
         structure.member_laws[member]->compliance(arc_length / mesh.members[member].curve.length);
+    if (compliance[0][0] > 0.0) stretching = 1.0 / compliance[0][0];
     for (int i = 4; i < 6; ++i) {
       stiffness[i - 4] = 1.0 / compliance[i][i];
       for (int j = 0; j < 6; ++j) is_coupled = is_coupled || (j != i && compliance[i][j] != 0.0);
@@ -72,13 +75,14 @@ class LayerSearch {
     const Vec3<double> first = spatial_force(start), last = spatial_force(end);
     for (const int side : {1, -1}) {
       if (!is_point[element_.vertex[side > 0 ? 0 : 1]]) continue;
-      EndLayer layer{element_.member, element_.index, side, element_.vertex[side > 0 ? 0 : 1]};
+      EndLayer layer{element_.member, element_.index, side, element_.vertex[side > 0 ? 0 : 1],
+                     element_.vertex[side > 0 ? 1 : 0]};
       layer.thickness = std::sqrt(softer / tension);
       layer.length = length_;
       layer.sample = side > 0 ? start : end;
       const Vec3<double> turn = (1.0 / (length_ * tension * tension)) * cross(first, last);
       layer.is_known = middle.force[0] > 0.0 && !bending.is_coupled;
-      if (!close(layer, bending.stiffness, turn)) continue;
+      if (!close(layer, bending, turn)) continue;
       layers.push_back(layer);
     }
   }
@@ -89,7 +93,8 @@ class LayerSearch {
 
   /// Puts the closed form in place of the polynomial; false at a hinge. `turn`: rotation of the force along the
   /// element, spatial [1/length].
-  bool close(EndLayer& layer, const std::array<double, 2>& stiffness, const Vec3<double>& turn) const {
+  bool close(EndLayer& layer, const Bending& bending, const Vec3<double>& turn) const {
+    const std::array<double, 2>& stiffness = bending.stiffness;
     PointSample& sample = layer.sample;
     const Vec3<double> force = spatial_force(sample);
     const MeshMember& member = mesh_.members[element_.member];
@@ -118,7 +123,21 @@ class LayerSearch {
       sample.moment_strain[i + 1] = sample.moment[i + 1] / stiffness[i];
     }
     layer.surplus = transpose(axes) * sample.moment - moment;
+    layer.push = push_of(layer, force, angle, bending.stretching, length_ * std::sqrt(dot(turn, turn)));
     return true;
+  }
+
+  /// What the vertex would feel if the element were attached to it aside by the moment's arm, and shorter by what the
+  /// layer takes of the length: a string under tension, softer along its chord where it sags by the angle `sag`.
+  Vec3<double> push_of(const EndLayer& layer, const Vec3<double>& force, double angle, double stretching,
+                       double sag) const {
+    const double tension = norm(force);
+    const Vec3<double> aside = (-1.0 / (tension * tension)) * cross(layer.surplus, force);
+    const Vec3<double> gap = aside - (0.25 * layer.side * angle * norm(aside) / tension) * force;
+    const Vec3<double> chord = at(1.0).position - at(-1.0).position;
+    const double along = dot(gap, chord) / dot(chord, chord);
+    const double taut = stretching / (1.0 + stretching / tension * sag * sag / 12.0);
+    return (tension / length_) * (gap - along * chord) + (taut / length_ * along) * chord;
   }
 
   const Structure& structure_;

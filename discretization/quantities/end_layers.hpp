@@ -16,11 +16,12 @@ inline constexpr double kLayersPerOrder = 2.0;
 struct EndLayer {
   int member = 0, element = 0;  ///< in the scene of the model; within the member
   int side = 1;                 ///< of the vertex: 1 at the start of the element, -1 at its end
-  int vertex = 0;               ///< of the mesh
+  int vertex = 0, other = 0;    ///< of the mesh; at the other end of the element
   double thickness = 0.0;       ///< sqrt(EI / N), of the softer axis [length]
   double length = 0.0;          ///< of the element
   PointSample sample{};         ///< at the vertex, in closed form
   Vec3<double> surplus{};       ///< of its moment over that of the polynomial, spatial
+  Vec3<double> push{};          ///< with which the element, whose line the layer sets aside, then acts on its vertices
   /// False: the formula does not hold (compression, coupled sections, a turn by more than two radian).
   bool is_known = true;
 

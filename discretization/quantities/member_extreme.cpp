@@ -80,8 +80,8 @@ struct ElementSamples {
 
 class Search {
  public:
-  Search(const Model& model, const State& state, const ExtremeRequest& request)
-      : model_(model), state_(state), request_(request) {}
+  Search(const Model& model, const State& state, const ExtremeRequest& request, ForceComponents components)
+      : model_(model), state_(state), request_(request), components_(components) {}
 
   const ExtremeRequest& request() const { return request_; }
 
@@ -134,8 +134,8 @@ class Search {
   double at(const Candidate& place, double xi) const {
     const int element = model_.mesh().members[place.member].first_element + place.element;
     const int local = model_.structure().local_element(element);
-    return request_.sign *
-           request_.field.at(sample_element(model_.structure(), model_.mesh(), state_, local, xi), place.member);
+    const PointSample sample = sample_element(model_.structure(), model_.mesh(), state_, local, xi, components_);
+    return request_.sign * request_.field.at(sample, place.member);
   }
 
   /// Every peak among samples twice as dense as the coarse ones, to the last digits.
@@ -189,6 +189,7 @@ class Search {
   const Model& model_;
   const State& state_;
   const ExtremeRequest& request_;
+  ForceComponents components_;
   MemberExtreme best_{-HUGE_VAL};
   std::vector<Candidate> candidates_;
 };
@@ -214,8 +215,8 @@ MemberExtreme best_of_ranks(const Teuchos::Comm<int>& comm, const MemberExtreme&
 /// Hands the samples of every element of some members to whoever asks for them.
 class ElementWalk {
  public:
-  ElementWalk(const Model& model, const State& state, const SampledMembers* samples)
-      : model_(model), state_(state), samples_(samples) {}
+  ElementWalk(const Model& model, const State& state, const SampledMembers* samples, ForceComponents components)
+      : model_(model), state_(state), samples_(samples), components_(components) {}
 
   template <class Action>
   void operator()(int member, const Action& action) {
@@ -248,7 +249,7 @@ class ElementWalk {
       const int local = model_.structure().local_element(element);
       for (int i = 0; i < points; ++i)
         element_.points[static_cast<std::size_t>(i)] =
-            sample_element(model_.structure(), model_.mesh(), state_, local, -1.0 + 2.0 * i / (points - 1));
+            sample_element(model_.structure(), model_.mesh(), state_, local, -1.0 + 2.0 * i / (points - 1), components_);
       element_.has_points = true;
       action(e, element_);
     }
@@ -257,6 +258,7 @@ class ElementWalk {
   const Model& model_;
   const State& state_;
   const SampledMembers* samples_;
+  ForceComponents components_;
   ElementSamples element_{};
 };
 
@@ -265,6 +267,7 @@ class ElementWalk {
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
                                                  const SampledMembers* samples, const std::vector<EndLayer>* layers) {
+  const ForceComponents components = layers == nullptr ? ForceComponents::material : ForceComponents::spatial;
   std::vector<Search> searches;
   std::vector<std::size_t> search_of;  // (request)
   std::map<std::tuple<std::string, double, std::vector<int>>, std::size_t> known;
@@ -275,9 +278,9 @@ std::vector<MemberExtreme> largest_along_members(const Model& model, const State
     search_of.push_back(found->second);
     if (!is_new) continue;
     for (const int member : request.members) of_member[member][request.field.name].push_back(searches.size());
-    searches.emplace_back(model, state, request);
+    searches.emplace_back(model, state, request, components);
   }
-  ElementWalk walk(model, state, samples);
+  ElementWalk walk(model, state, samples, components);
   for (const auto& [member, wanted] : of_member)
     walk(member, [&, m = member, &of_field = wanted](int element, ElementSamples& points) {
       for (const auto& [name, interested] : of_field) {

@@ -34,7 +34,8 @@ struct ExtremeRequest {
 
 /// The largest value of each field, times its sign, along its members, to rounding where the field is as smooth as the
 /// polynomials of its elements. `samples`: of all members of this rank as in a record, which spares taking them; null:
-/// there are none. `layers`: whose closed forms count beside the elements; null: none. Collective.
+/// there are none. `layers`: of a richer space, whose closed forms count beside the elements, and forces by
+/// their spatial components; null: none. Collective.
 std::vector<MemberExtreme> largest_along_members(const Model& model, const State& state,
                                                  const std::vector<ExtremeRequest>& requests,
                                                  const SampledMembers* samples = nullptr,

@@ -28,7 +28,8 @@ struct QuantityState {
   int first_member = 0;
   std::size_t first_support = 0;
   std::string prefix_of_points{};
-  /// Which section forces and stresses at ends of members, and extremes, take into account; null: none.
+  /// Which section forces and stresses at ends of members, and extremes, take into account, with forces by their
+  /// spatial components, as the state of a richer space does; null: neither.
   const std::vector<EndLayer>* layers = nullptr;
   std::shared_ptr<StressLookup> stresses{};  ///< made by QuantitySet::values()
 };

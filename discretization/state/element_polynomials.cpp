@@ -63,6 +63,19 @@ Vec force_at(const ElementView& element, double xi) {
   return force;
 }
 
+Vec force_through_space_at(const ElementView& element, double xi) {
+  const auto turned = [&](double at) {
+    double P[kMaximumOrder + 1];
+    legendre(element.order(), at, P);
+    return rotation_matrix(exp_quaternion(element.relative_rotation_at(P)));
+  };
+  const int points = axial_points(element.order(), element.block().force_integration);
+  return transpose(turned(xi)) * interpolate_gauss(points, xi, [&](int q) {
+           const double at = gauss_points(points).xi[q];
+           return turned(at) * force_at(element, at);
+         });
+}
+
 Vec value_at(const Coefficients& coefficients, int degree, const double* P) {
   Vec sum{{0.0, 0.0, 0.0}};
   for (int j = 0; j <= degree; ++j) sum += P[j] * coefficients[j];

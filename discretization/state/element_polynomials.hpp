@@ -75,5 +75,7 @@ void store_polynomials(const Member& member, const ElementPolynomials& element, 
 
 /// N at xi in [-1, 1] through its Gauss points, material.
 Vec force_at(const ElementView& element, double xi);
+/// The same through its spatial components, which are smoother where the element turns.
+Vec force_through_space_at(const ElementView& element, double xi);
 
 }  // namespace mixbeam

@@ -42,7 +42,7 @@ bool answers_for(const Structure& structure, int mesh_element) {
 }
 
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
-                           double xi) {
+                           double xi, ForceComponents components) {
   const ElementView view(structure, state, local_element);
   const int k = view.order();
   const MeshElement& element = mesh.elements[view.mesh_element()];
@@ -57,7 +57,7 @@ PointSample sample_element(const Structure& structure, const Mesh& mesh, const S
   for (int j = 1; j < k; ++j) sample.displacement += (0.5 * view.length() * B[j]) * view.bubble(j);
   sample.position = sample.reference_position + sample.displacement;
   sample.triad = view.triad() * exp_quaternion(view.relative_rotation_at(P));
-  sample.force = force_at(view, xi);
+  sample.force = components == ForceComponents::material ? force_at(view, xi) : force_through_space_at(view, xi);
   sample.moment = view.moment_at(P);
   if (view.block().general_section) {
     const double x = sample.arc_length / member.curve.length;
@@ -91,7 +91,8 @@ bool answers_for(const Model& model, int member, double position, bool before_ve
   return answers_for(model.structure(), m.first_element + element_at(m, position * m.curve.length, before_vertex));
 }
 
-PointSample sample_member(const Model& model, const State& state, int member, double position, bool before_vertex) {
+PointSample sample_member(const Model& model, const State& state, int member, double position, bool before_vertex,
+                          ForceComponents components) {
   const Structure& structure = model.structure();
   PointSample sample{};
   if (answers_for(model, member, position, before_vertex)) {
@@ -99,7 +100,8 @@ PointSample sample_member(const Model& model, const State& state, int member, do
     const double s = position * m.curve.length;
     const int index = element_at(m, s, before_vertex);
     const double xi = std::clamp(-1.0 + 2.0 * (s - m.vertex_arc_length(index)) / m.element_length(index), -1.0, 1.0);
-    sample = sample_element(structure, model.mesh(), state, structure.local_element(m.first_element + index), xi);
+    sample = sample_element(structure, model.mesh(), state, structure.local_element(m.first_element + index), xi,
+                            components);
   }
   sum_samples_over_ranks(*model.map()->getComm(), &sample, 1);
   return sample;

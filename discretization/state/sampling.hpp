@@ -23,14 +23,17 @@ struct PointSample {
   Vec3<double> force_strain, moment_strain;  ///< C^-1 N, C^-1 M: material
 };
 
+/// How N is interpolated: its material or its spatial components.
+enum class ForceComponents { material, spatial };
+
 /// xi in [-1, 1] along a local element.
 PointSample sample_element(const Structure& structure, const Mesh& mesh, const State& state, int local_element,
-                           double xi);
+                           double xi, ForceComponents components = ForceComponents::material);
 
 /// At relative arc length `position` in [0, 1] along a member, on every rank; at a vertex the element that starts there
 /// counts (at the end of the member its last one), or, `before_vertex`, the one that ends there. Collective.
 PointSample sample_member(const Model& model, const State& state, int member, double position,
-                          bool before_vertex = false);
+                          bool before_vertex = false, ForceComponents components = ForceComponents::material);
 
 /// Length of the deformed centerline of a member. Collective.
 double deformed_length(const Model& model, const State& state, int member);

@@ -265,10 +265,15 @@ State with_layers(const Teuchos::RCP<BeamProblem>& problem, const SolverParamete
   const std::vector<int>& vertices = model.structure().local_vertex_to_global;
   const auto owned = vertices.begin() + model.structure().owned_vertices;
   for (const EndLayer& layer : layers) {
-    const auto vertex = std::find(vertices.begin(), owned, layer.vertex);
-    if (vertex == owned || !layer.is_known) continue;
-    const size_t first = kVertexDofs * static_cast<size_t>(vertex - vertices.begin()) + 3;
-    for (size_t i = 0; i < 3; ++i) rows.values().vertex()(first + i) -= layer.side * layer.surplus[i];
+    const auto add = [&](int vertex, size_t first, double sign, const Vec3<double>& part) {
+      const auto place = std::find(vertices.begin(), owned, vertex);
+      if (place == owned || !layer.is_known) return;
+      first += kVertexDofs * static_cast<size_t>(place - vertices.begin());
+      for (size_t i = 0; i < 3; ++i) rows.values().vertex()(first + i) += sign * part[i];
+    };
+    add(layer.vertex, 3, -layer.side, layer.surplus);
+    add(layer.vertex, 0, 1.0, layer.push);
+    add(layer.other, 0, -1.0, layer.push);
   }
   model.project_on_free_motions(state, rows.values().vertex());
   scale_rows(model, group.scales(), rows.values());
