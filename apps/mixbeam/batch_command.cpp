@@ -168,12 +168,10 @@ void BatchRun::check_expected() {
 
 void BatchRun::check_limits() {
   for (std::size_t i = 0; i < batch_.size(); ++i) {
-    const std::vector<double>& values = solver_.results()[i].values.limited;
-    for (std::size_t j = 0; j < values.size(); ++j) {
-      const CaseQuantities::Limit& limit = quantities_.limits()[j];
-      app_.summary.check_upper_bound(batch_.name_of_case(i) + ": size of " + limit.name, std::abs(values[j]),
-                                     limit.largest_size, "limit of the scene");
-    }
+    const std::vector<EstimatedValue>& values = solver_.results()[i].values.limited;
+    for (std::size_t j = 0; j < values.size(); ++j)
+      app_.summary.check_limit(batch_.name_of_case(i) + ": size of " + values[j].name, "", std::abs(values[j].value),
+                               values[j].error, values[j].not_estimated, quantities_.limits()[j].largest_size);
   }
 }
 

@@ -40,6 +40,19 @@ double elements_of_longest_member(const Scene& scene) {
   return elements;
 }
 
+/// `like`: the same cases in another space.
+SolvedCases solved_cases(const Simulation& simulation, const SolvedCases& like, const std::vector<int>& part_of_member,
+                         const std::vector<EndLayer>* layers) {
+  const StructureParts parts = structure_parts(simulation.model(), part_of_member);
+  return {simulation,
+          like.merged,
+          simulation.reactions(),
+          strain_energy_of_parts(simulation.model(), simulation.state(), parts),
+          like.first_support,
+          like.first_member,
+          layers};
+}
+
 std::string cause_of(const LoadPathResult& result) {
   std::string text = formatted("stopped at load factor %.6g", result.load_factor);
   if (result.report && !result.report->attempts.empty()) text += ": " + cause_text(result.report->attempts.back());
@@ -132,6 +145,7 @@ bool BatchSolver::solve_together(const Range& range) {
   if (stable == "false" || stable == "neutral") return false;  // of some case: which one, the halves tell
   std::vector<CaseResult> results =
       checked(simulation, &(*scenes_)[range.first], scenes.size(), merged.part_of_member, true);
+  if (results.empty()) return false;
   for (std::size_t i = 0; i < results.size(); ++i)
     if (results[i].converged) keep(range.first + i, std::move(results[i]));
   return true;
@@ -193,7 +207,8 @@ CaseResult BatchSolver::checked_alone(const Simulation& simulation, const Scene&
   return result;
 }
 
-/// Checks every case of a simulation at the end of its path by itself.
+/// Checks every case of a simulation at the end of its path by itself. Empty where errors count and those of some case
+/// among others cannot be estimated.
 std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const Scene* scenes, std::size_t count,
                                              const std::vector<int>& part_of_member, bool merged) {
   const StructureParts parts = structure_parts(simulation.model(), part_of_member);
@@ -206,6 +221,16 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     solved.first_member.push_back(static_cast<int>(member));
     support += scenes[i].supports.size();
     member += scenes[i].members.size();
+  }
+  std::optional<RicherStates> there;
+  RicherCases richer;
+  if (!quantities_.limits().empty() &&
+      estimates_error(app_.solver.analysis, static_cast<std::size_t>(elements_of(scenes[0])))) {
+    there.emplace(simulation, simulation.estimate_error());
+    richer.not_estimated = there->not_estimated;
+    if (merged && there->states.empty()) return {};
+    for (std::size_t i = 0; i < there->states.size(); ++i)
+      richer.states.push_back(solved_cases(there->states[i], solved, part_of_member, &there->layers[i]));
   }
   std::vector<CaseResult> results(count);
   for (int part = 0; part < parts.count; ++part) {
@@ -222,7 +247,7 @@ std::vector<CaseResult> BatchSolver::checked(const Simulation& simulation, const
     const bool settled = !merged || check.residual <= app_.solver.newton.residual_tolerance;
     result.converged = balances && settled;
     if (result.converged)
-      result.values = quantities_.of(solved, part);
+      result.values = quantities_.of(solved, richer, part);
     else
       result.cause = formatted("loads and reactions do not balance: forces %.1e, moments %.1e of the largest at work",
                                check.force_error, check.moment_error);

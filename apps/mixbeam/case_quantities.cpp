@@ -1,6 +1,7 @@
 #include "apps/mixbeam/case_quantities.hpp"
 
 #include "apps/common/run/followed_points.hpp"
+#include "apps/common/run/value_errors.hpp"
 #include "apps/mixbeam/commands.hpp"
 #include "discretization/scene/merged_scene.hpp"
 
@@ -12,15 +13,24 @@ namespace {
 
 constexpr std::size_t kNotAsked = ~std::size_t{0};
 
+QuantityState state_of(const SolvedCases& solved, int part) {
+  const Simulation& simulation = solved.simulation;
+  const auto i = static_cast<std::size_t>(part);
+  QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(),
+                   solved.reactions,   solved.energies[i], simulation.stability().negative};
+  at.first_member = solved.first_member[i];
+  at.first_support = solved.first_support[i];
+  if (solved.merged) at.prefix_of_points = MergedScene::name_in_part(part, "");
+  at.layers = solved.layers;
+  return at;
+}
+
 }  // namespace
 
 CaseQuantities::CaseQuantities(const Application& app, BatchOutput output, const std::string& load_case) {
   const std::vector<QuantitySet::Column>& asked = app.quantities.columns();
-  for (std::size_t i = 0; i < asked.size(); ++i) {
-    if (!asked[i].limit) continue;
-    limits_.push_back({asked[i].name, *asked[i].limit});
-    limit_columns_.push_back(i);
-  }
+  for (const QuantitySet::Column& column : asked)
+    if (column.limit) limits_.push_back({column.name, *column.limit});
   if (!limits_.empty()) asked_ = app.quantities;
   if (output == BatchOutput::expected) take_expected(app, load_case);
   if (output == BatchOutput::followed) take_followed(app);
@@ -84,20 +94,24 @@ std::string CaseQuantities::member_of(std::size_t name, double value) const {
   return is_member && value >= 0.0 ? members_.at(static_cast<std::size_t>(value)) : "";
 }
 
-CaseValues CaseQuantities::of(const SolvedCases& solved, int part) const {
-  const Simulation& simulation = solved.simulation;
-  const auto i = static_cast<std::size_t>(part);
-  QuantityState at{simulation.model(), simulation.state(), simulation.load_factor(),
-                   solved.reactions,   solved.energies[i], simulation.stability().negative};
-  at.first_member = solved.first_member[i];
-  at.first_support = solved.first_support[i];
-  if (solved.merged) at.prefix_of_points = MergedScene::name_in_part(part, "");
+CaseValues CaseQuantities::of(const SolvedCases& solved, const RicherCases& richer, int part) const {
+  const QuantityState at = state_of(solved, part);
   const std::vector<double> own = quantities_.values(at), asked = asked_.values(at);
   CaseValues values;
   auto next = own.begin();
   for (const std::size_t column : asked_columns_)
     values.written.push_back(column == kNotAsked ? *next++ : asked[column]);
-  for (const std::size_t column : limit_columns_) values.limited.push_back(asked[column]);
+  std::vector<QuantityState> there;
+  for (const SolvedCases& state : richer.states) there.push_back(state_of(state, part));
+  if (limits_.empty()) return values;
+  const std::vector<EstimatedValue> estimated = with_errors(asked_, asked, there, richer.not_estimated);
+  auto one = estimated.begin();
+  for (const QuantitySet::Column& column : asked_.columns()) {
+    if (column.limit) values.limited.push_back(*one);
+    if (column.is_value) ++one;
+  }
+  if (there.empty() && richer.not_estimated.empty())
+    for (EstimatedValue& limited : values.limited) limited.error = 0.0;
   return values;
 }
 

@@ -11,17 +11,24 @@ namespace mixbeam {
 /// A simulation of cases side by side (merged_scene.hpp), or of one alone, where its solution stands.
 struct SolvedCases {
   const Simulation& simulation;
-  bool merged = false;                       ///< names are those of MergedScene::name_in_part
-  std::vector<Reaction> reactions{};         ///< of all cases
-  std::vector<StrainEnergy> energies{};      ///< of each case
-  std::vector<std::size_t> first_support{};  ///< of each case
-  std::vector<int> first_member{};           ///< of each case
+  bool merged = false;                            ///< names are those of MergedScene::name_in_part
+  std::vector<Reaction> reactions{};              ///< of all cases
+  std::vector<StrainEnergy> energies{};           ///< of each case
+  std::vector<std::size_t> first_support{};       ///< of each case
+  std::vector<int> first_member{};                ///< of each case
+  const std::vector<EndLayer>* layers = nullptr;  ///< see QuantityState
+};
+
+/// What their errors are estimated with, as in with_errors().
+struct RicherCases {
+  std::vector<SolvedCases> states{};
+  std::string not_estimated{};  ///< why there are none; empty: errors do not count
 };
 
 /// Numbers of one case at the end of its path.
 struct CaseValues {
-  std::vector<double> written{};  ///< in the order of CaseQuantities::names()
-  std::vector<double> limited{};  ///< in the order of CaseQuantities::limits()
+  std::vector<double> written{};          ///< in the order of CaseQuantities::names()
+  std::vector<EstimatedValue> limited{};  ///< in the order of CaseQuantities::limits()
 };
 
 class CaseQuantities {
@@ -31,14 +38,16 @@ class CaseQuantities {
 
   /// "tip.displacement.x", "wall.reaction_force.y", or the names of expected values or quantities.
   const std::vector<std::string>& names() const { return names_; }
-  CaseValues of(const SolvedCases& solved, int part) const;
+  CaseValues of(const SolvedCases& solved, const RicherCases& richer, int part) const;
   /// Name of the member whose index a number is, as NAME.member of an extreme; empty for other numbers.
   std::string member_of(std::size_t name, double value) const;
   /// Numbers of the list "Quantities" that have a limit, whatever is written.
   struct Limit {
     std::string name;
     double largest_size;
-    bool is_kept(double value) const { return std::abs(value) <= largest_size; }  // false for NaN
+    bool is_kept(const EstimatedValue& one) const {  // false for NaN
+      return one.not_estimated.empty() && std::abs(one.value) + one.error <= largest_size;
+    }
   };
   const std::vector<Limit>& limits() const { return limits_; }
   /// The expected values of the names; empty when other quantities are written.
@@ -52,7 +61,6 @@ class CaseQuantities {
   QuantitySet quantities_;
   QuantitySet asked_;                       ///< the list "Quantities", where numbers of it are needed
   std::vector<std::size_t> asked_columns_;  ///< of each name; kNotAsked: the next number of quantities_
-  std::vector<std::size_t> limit_columns_;  ///< of each limit, in asked_
   std::vector<Limit> limits_;
   std::vector<ExpectedValue> expected_;
 };

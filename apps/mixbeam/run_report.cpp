@@ -294,8 +294,11 @@ void RunReport::print_quantities(std::ostream& out) const {
 }
 
 const EstimatedValue* RunReport::estimate_of(std::size_t column) const {
-  if (!last_.error_estimate || column >= last_.error_estimate->quantities.size()) return nullptr;
-  return &last_.error_estimate->quantities[column];
+  if (!last_.error_estimate) return nullptr;
+  const std::string& name = quantities_->columns()[column].name;
+  for (const EstimatedValue& one : last_.error_estimate->quantities)
+    if (one.name == name) return &one;
+  return nullptr;
 }
 
 /// The error is that of the last step; a value that was larger on the way had one that was larger in proportion, unless
@@ -322,14 +325,8 @@ void RunReport::add_quantities(Application& app, const std::string& run) const {
     if (estimated != nullptr) quantity.not_estimated = estimated->not_estimated;
     app.summary.quantities.push_back(quantity);
     if (!column.limit) continue;
-    const bool has_error = estimated != nullptr && estimated->error > 0.0;
-    const std::string name = run + ": size of " + column.name + (has_error ? " and its error" : "") + ", every step";
-    if (estimated != nullptr && !estimated->is_estimated())
-      app.summary.fail(name, formatted("at most %.10g", *column.limit), "limit of the scene",
-                       formatted("%.10g, with an error that is not known: ", one.size) + estimated->not_estimated);
-    else
-      app.summary.check_upper_bound(name, one.size + error_of_largest(one, estimated), *column.limit,
-                                    "limit of the scene");
+    app.summary.check_limit(run + ": size of " + column.name, ", every step", one.size,
+                            error_of_largest(one, estimated), quantity.not_estimated, *column.limit);
   }
 }
 

@@ -137,16 +137,19 @@ def _write_answers(page, run):
             known = np.where(np.abs(known) < ROUNDING * np.abs(known).max(), 0.0, known)
             return float(known.min()), float(known.max())
 
-        units = run.quantity_units()
-        page.table(("quantity", "at the end", "smallest", "largest", "unit", "where, at the end"),
-                   [(name, float(quantities[name][-1]), *extremes(quantities[name]), units.get(name, ""), place(name))
-                    for name in shown])
+        units, errors = run.quantity_units(), last.errors("quantities")
+        page.table(("quantity", "at the end", "estimated error", "smallest", "largest", "unit", "where, at the end"),
+                   [(name, float(quantities[name][-1]), errors.get(name, ("", "unknown"))[1], *extremes(quantities[name]),
+                     units.get(name, ""), place(name)) for name in shown])
     moved = [(name[:-len(".displacement")], *map(float, values[-1])) for name, values in run.monitor().items()
              if name.endswith(".displacement") and values[-1].any()]
     if moved:
         page.table(("displacement of", "x", "y", "z"), moved)
     _write_reactions(page, run, last)
     _write_stresses(page, run, last)
+    sections = last.errors("sections")
+    if sections:
+        page.table(("along all members", "value", "estimated error"), [(name, *one) for name, one in sections.items()])
 
 
 def _write_reactions(page, run, step):

@@ -288,6 +288,18 @@ class Step:
         """Some rows of a field without reading the others; `numbers` ascending."""
         return self._group.read(name, (self._selection.samples, *FIELDS[name]), rows=self._selection.numbers(numbers))
 
+    def errors(self, kind):
+        """Estimated, of "quantities" or "sections": {name: (value, error, or a text: why there is none)}; {}: none are kept."""
+        estimate = self._group.group("error_estimate", optional=True)
+        group = estimate and estimate.group(kind, optional=True)
+        if not group:
+            return {}
+        names, reasons = (lines(group.text(name)) for name in ("names", "not_estimated"))
+        if len(names) != len(reasons):
+            raise group.refused("not_estimated", f"{len(reasons)} lines; allowed: {len(names)}")
+        values, errors = (group.read(name, (len(names),)).tolist() for name in ("value", "error"))
+        return dict(zip(names, zip(values, [reason or error for reason, error in zip(reasons, errors)])))
+
     def reactions(self, supports):
         """Forces and moments, (supports, 6)."""
         return self._group.read("reactions", (supports, 6))

@@ -156,6 +156,7 @@ py::dict batch(const std::string& text, const std::string& file, const std::opti
     const Turn turn;
     SolvedRun base(parsed_scene(text, file), Turn::threads(threads), false);
     const std::string name = meant_case(base.app().scene, load_case);
+    base.app().solver.analysis.error_estimate = ErrorEstimation::off;  // nobody asks for limits here
     const CaseQuantities quantities(base.app(), cases.output, name);
     CaseScenes scenes(base.app(), cases, name);
     BatchSolver solver(base.app(), quantities, cases.size(), [&] { return listener.stops(); });

@@ -1,6 +1,8 @@
 /// What a run hands out: paths, quantities, fields, modes.
 #include "apps/common/run/expected_quantity.hpp"
+#include "apps/common/run/value_errors.hpp"
 #include "apps/python/arrays.hpp"
+#include "discretization/text/result_names.hpp"
 
 #include <array>
 #include <map>
@@ -166,6 +168,24 @@ py::object error_estimate_of(const SolvedRun& run, int step) {
   return std::move(errors);
 }
 
+py::dict value_errors_of(const SolvedRun& run, int step) {
+  const QuantitySet& quantities = run.app().quantities;
+  const ErrorSummary found = in_turn([&] {
+    const Simulation at = run.at(step);
+    StepRecord record = at.record(run.step(step).report, kPointsByOrder, {});
+    record.monitored = {{kQuantitySeries, values_of(quantities, at, record)}};
+    record.error_estimate.emplace();
+    add_value_errors(&quantities, at, at.estimate_error(), record);
+    return static_cast<const ErrorSummary&>(*record.error_estimate);
+  });
+  py::dict errors;
+  for (const auto* values : {&found.sections, &found.quantities})
+    for (const EstimatedValue& one : *values)
+      errors[py::str(one.name)] =
+          one.is_estimated() ? py::object(py::make_tuple(one.error, one.value)) : py::str(one.not_estimated);
+  return errors;
+}
+
 py::list checks_of(const SolvedRun& run) {
   py::list checks;
   for (const CheckedQuantity& check : run.app().summary.checks())
@@ -186,6 +206,7 @@ void bind_run(py::module_& module) {
       .def("critical_points", critical_points_of)
       .def("buckling_modes", buckling_modes_of)
       .def("error_estimate", error_estimate_of)
+      .def("value_errors", value_errors_of)
       .def("checks", checks_of)
       .def("report", &SolvedRun::report)
       .def("require_same_file", &SolvedRun::require_same_file)

@@ -248,8 +248,8 @@ class ElementWalk {
       if (!answers_for(model_.structure(), element)) continue;
       const int local = model_.structure().local_element(element);
       for (int i = 0; i < points; ++i)
-        element_.points[static_cast<std::size_t>(i)] =
-            sample_element(model_.structure(), model_.mesh(), state_, local, -1.0 + 2.0 * i / (points - 1), components_);
+        element_.points[static_cast<std::size_t>(i)] = sample_element(model_.structure(), model_.mesh(), state_, local,
+                                                                      -1.0 + 2.0 * i / (points - 1), components_);
       element_.has_points = true;
       action(e, element_);
     }

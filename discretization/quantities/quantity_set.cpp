@@ -235,9 +235,8 @@ Numbers QuantitySet::Resolved::at_place(const QuantityPlace& place, const Quanti
       if (position > 1.0 + kRoundingOfLength) return not_there();
       position = std::min(1.0, position);
     }
-    PointSample sample =
-        sample_member(at.model, at.state, member, position, asked.before_vertex,
-                      at.layers == nullptr ? ForceComponents::material : ForceComponents::spatial);
+    PointSample sample = sample_member(at.model, at.state, member, position, asked.before_vertex,
+                                       at.layers == nullptr ? ForceComponents::material : ForceComponents::spatial);
     if (const EndLayer* const layer = layer_at(at, member, sample.arc_length, asked.before_vertex))
       sample = layer->sample;
     if (is_stress(asked.kind)) return {at.stresses->of(asked.kind, sample, member)};

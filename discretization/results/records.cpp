@@ -23,13 +23,6 @@ std::string files_of_runs(hid_t file, const std::string& name) {
   return std::to_string(files.size()) + " runs; allowed: one of theirs, " + quoted_list(files);
 }
 
-/// Nothing where there are none.
-void write_lines(hid_t file, const std::string& name, const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  if (!lines.empty()) hdf5::write_text(file, name, text);
-}
-
 std::vector<std::string> read_lines(hid_t file, const std::string& name) {
   std::vector<std::string> lines;
   if (!hdf5::has_link(file, name)) return lines;
@@ -39,6 +32,12 @@ std::vector<std::string> read_lines(hid_t file, const std::string& name) {
 }
 
 }  // namespace
+
+void write_lines(hid_t group, const std::string& name, const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  if (!lines.empty()) hdf5::write_text(group, name, text);
+}
 
 void write_header(hid_t file, const ResultHeader& header) {
   hdf5::write_attribute(file, "format", kFormat);

@@ -16,6 +16,9 @@ namespace mixbeam {
 /// 2: first with states to resume from; 3: sealed (seal.hpp); 4: one table of all members, not a group for each.
 inline constexpr int kFirstFormatWithStates = 2, kFirstSealedFormat = 3, kFormatVersion = 4;
 
+/// A text with one of them to each line; nothing where there are none.
+void write_lines(hid_t group, const std::string& name, const std::vector<std::string>& lines);
+
 /// Begins an empty file.
 void write_header(hid_t file, const ResultHeader& header);
 /// Throws InputError unless there is a file of this name that may hold results.

@@ -44,7 +44,9 @@
 ///                               of the state at the end of the path, where asked for: attributes
 ///                               largest_displacement_error, .._size, the same of displacement, moment, energy;
 ///                               vertex_displacement (vertices,3), element_displacement, element_moment (elements);
-///                               points: one (3) for each point that is followed; or attribute not_estimated: why not
+///                               points: one (3) for each point that is followed; quantities and sections, where
+///                               there are any: names and not_estimated (why not; empty: estimated), one to a line,
+///                               value, error (n; NaN: not estimated); or attribute not_estimated: why not
 ///     /steps/000001/state       the solver's own numbers, for resuming: see StateSnapshot and PathPoint
 ///     /buckling/0, 1, ...       linear buckling, where asked for: attributes load_factor, residual, confirmed; mode
 ///     (n,3) /monitor                  step, load_factor, newton_iterations, residual, the energies and every monitored

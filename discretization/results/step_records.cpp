@@ -127,6 +127,24 @@ void write_error(hid_t group, const std::string& name, const RecordedError& erro
   hdf5::write_attribute(group, name + "_size", error.size);
 }
 
+/// Where there are any. A value that is not estimated has the reason, and no number as its error.
+void write_values(hid_t parent, const std::string& name, const std::vector<EstimatedValue>& values) {
+  if (values.empty()) return;
+  const auto group = hdf5::create_group(parent, name);
+  std::vector<std::string> names, reasons;
+  std::vector<double> sizes, errors;
+  for (const EstimatedValue& one : values) {
+    names.push_back(one.name);
+    reasons.push_back(one.is_estimated() ? "" : one.not_estimated);
+    sizes.push_back(one.value);
+    errors.push_back(one.error);
+  }
+  write_lines(group, "names", names);
+  hdf5::write_dataset(group, "value", sizes, 1);
+  hdf5::write_dataset(group, "error", errors, 1);
+  write_lines(group, "not_estimated", reasons);
+}
+
 void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   const auto group = hdf5::create_group(step, "error_estimate");
   if (!estimate.not_estimated.empty()) return hdf5::write_attribute(group, "not_estimated", estimate.not_estimated);
@@ -136,6 +154,8 @@ void write_error_estimate(hid_t step, const RecordedErrorEstimate& estimate) {
   write_error(group, "energy", estimate.energy);
   const auto points = hdf5::create_group(group, "points");
   for (const auto& point : estimate.points) hdf5::write_dataset(points, point.name, point.components, 1);
+  write_values(group, "quantities", estimate.quantities);
+  write_values(group, "sections", estimate.sections);
 }
 
 void write_buckling(hid_t file, const std::vector<RecordedBucklingMode>& modes) {

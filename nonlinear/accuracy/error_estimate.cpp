@@ -59,7 +59,7 @@ struct NotEstimated {
   std::string reason;
 };
 
-/// Newton's method in the richer space.
+/// Newton's method in the richer space, step by step.
 class RicherSolve {
  public:
   RicherSolve(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& start,
@@ -247,6 +247,20 @@ ErrorEstimate estimate_in(const RicherScene& richer, BeamProblem& of, const Solv
 }
 
 }  // namespace
+
+State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+               double load_factor) {
+  RicherSolve solve(problem, parameters, state, load_factor);
+  const double most = std::max(solve.residual(), parameters.newton.residual_tolerance);
+  try {
+    solve.correct();
+  } catch (const LinearSolverError&) {
+    return state;
+  } catch (const NotEstimated&) {  // nothing that is a number
+    return state;
+  }
+  return solve.residual() <= most ? solve.state() : state;
+}
 
 Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters) {
   const Model& model = problem.model;

@@ -50,6 +50,12 @@ struct ErrorEstimate {
 ErrorEstimate estimate_error(BeamProblem& problem, const SolverParameters& parameters, const State& state,
                              double load_factor);
 
+/// `state` after one Newton iteration more, whatever its residual: next to a critical load a small residual is not a
+/// small error, which is that over the smallest eigenvalue. The same state where the residual grows, beyond the
+/// tolerance, or the tangent is singular. Collective.
+State polished(const Teuchos::RCP<BeamProblem>& problem, const SolverParameters& parameters, const State& state,
+               double load_factor);
+
 /// The same scene in the richer space. Throws InputError.
 Teuchos::RCP<BeamProblem> richer_problem(const BeamProblem& problem, const SolverParameters& parameters);
 

@@ -229,13 +229,26 @@ class AccurateSolver {
     else
       estimate = simulation_->estimate_error();
     estimate_ = with_least_displacement(estimate, least_displacement_);
-    if (estimate.exists())
-      rounds_.back().error = observer_.error_of ? observer_.error_of(*simulation_, estimate_) : judged_error(estimate_);
+    if (estimate.exists()) rounds_.back().error = error_of(estimate_);
+    if (!is_reached(rounds_.back().error) && rounds_.back().error < kRoundingMayShow && !parameters_.analysis.control)
+      polish(estimate);
     if (is_reached(rounds_.back().error)) estimate_buckling();
     finish_round(estimate.exists() ? rounds_.back().remark : estimate.not_estimated);
     if (observer_.end) observer_.end(*simulation_, report_, estimate);
     estimate_.richer = Teuchos::null;
     estimate_.richer_state = {};
+  }
+
+  double error_of(const ErrorEstimate& estimate) const {
+    return observer_.error_of ? observer_.error_of(*simulation_, estimate) : judged_error(estimate);
+  }
+
+  /// An estimate that is nearly small enough may be what Newton's method has left: another iteration tells.
+  void polish(ErrorEstimate& estimate) {
+    simulation_->polish();
+    estimate = simulation_->estimate_error();
+    estimate_ = with_least_displacement(estimate, least_displacement_);
+    rounds_.back().error = estimate.exists() ? error_of(estimate_) : std::numeric_limits<double>::quiet_NaN();
   }
 
   void estimate_buckling() {

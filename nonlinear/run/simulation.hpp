@@ -65,6 +65,8 @@ class Simulation {
 
   /// How far state() is from the solution of the continuous equations, see error_estimate.hpp. Collective.
   ErrorEstimate estimate_error() const { return mixbeam::estimate_error(*problem_, parameters_, state_, load_factor_); }
+  /// See error_estimate.hpp. Collective.
+  void polish() { state_ = polished(problem_, parameters_, state_, load_factor_); }
   /// The same structure in the richer space of an estimate that exists, to evaluate anything there. `layers`: those of
   /// its state, which took one more Newton step for them. Collective.
   Simulation richer(const ErrorEstimate& estimate, std::vector<EndLayer>& layers) const;

@@ -456,11 +456,13 @@ class Plots(unittest.TestCase):
             text = asked_portal()
             first, last = text.index('<ParameterList name="Sections">'), text.index('<ParameterList name="Points">')
             (folder / "strong.xml").write_text(text[:first] + listed("Sections", section) + text[last:])
-            for command in (("run", "strong.xml", "--output", ".", "--quiet"), ("report", "strong.h5")):
+            for command in (("run", "strong.xml", "--output", ".", "--quiet", "--summary", "s.json"), ("report", "strong.h5")):
                 ended = subprocess.run([PROGRAM, *command], cwd=folder, capture_output=True, text=True, check=False)
                 self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
             page = (folder / "strong.html").read_text()
             self.assertEqual(words in page, beyond)
+            for one in json.loads((folder / "s.json").read_text())["quantities"]:
+                self.assertIn(f"<td>{one['error']:.6g}</td>", page)
             self.assertIn(">unit<", page)
             self.assertIn(">kN m<", page)
 

@@ -394,6 +394,14 @@ class Runs(InFolder):
         self.assertEqual((values["most"].member, values["most"].arc_length), ("rod", 0.0))
         self.assertEqual(run.quantities(step=None)["drop"].shape, (len(run),))
         self.assertEqual(run.quantities(step=None)["most"].member[-1], "rod")
+        errors = run.value_errors()
+        self.assertEqual(errors["drop"][1], values["drop"])
+        self.assertIn("largest von Mises stress", errors)
+        kept = run.results.steps[-1].errors("quantities")
+        self.assertEqual(list(kept), ["drop", "most"])  # values, no places
+        for name, (value, error) in kept.items():  # two solutions of the richer space: 1e-4 of what they differ by
+            np.testing.assert_allclose((error, value), errors[name], rtol=1e-4)
+        self.assertEqual(run.results.steps[0].errors("quantities"), {})  # the end of the path alone, and files without
 
 
 class Guest(InFolder):

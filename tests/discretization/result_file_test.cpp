@@ -267,6 +267,7 @@ TEST_F(ResultFileTest, ErrorEstimates) {
   estimate.moment = {1e-3, 2.0};
   estimate.energy = {-1e-4, 3.0};
   estimate.points = {{"tip", {4, 5, 6}}};
+  estimate.quantities = {{"sag", -2.0, 0.125}, {"inside", 3.0, std::nan(""), "no formula"}};
   first.error_estimate = estimate;
   second.error_estimate = RecordedErrorEstimate{};
   second.error_estimate->not_estimated = "too coarse";
@@ -279,6 +280,11 @@ TEST_F(ResultFileTest, ErrorEstimates) {
   EXPECT_EQ(read_doubles(file_, group + "/vertex_displacement"), (std::vector<double>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(read_doubles(file_, group + "/element_moment"), std::vector<double>{0.25});
   EXPECT_EQ(read_doubles(file_, group + "/points/tip"), (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(read_doubles(file_, group + "/quantities/value"), (std::vector<double>{-2, 3}));
+  EXPECT_EQ(read_doubles(file_, group + "/quantities/error")[0], 0.125);
+  EXPECT_TRUE(std::isnan(read_doubles(file_, group + "/quantities/error")[1]));
+  EXPECT_EQ(read_text(file_, group + "/quantities/names"), "sag\ninside\n");
+  EXPECT_EQ(read_text(file_, group + "/quantities/not_estimated"), "\nno formula\n");
   EXPECT_EQ(read_number(file_, group, "moment_size"), 2.0);
   EXPECT_EQ(read_number(file_, group, "energy_error"), -1e-4);
   const hid_t file = H5Fopen(file_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);

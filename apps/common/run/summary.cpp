@@ -198,6 +198,16 @@ bool Summary::check_upper_bound(const std::string& name, double value, double bo
   return check({name, value, exact_text(bound), source, 0.0, Comparison::upper_bound, false});
 }
 
+void Summary::check_limit(const std::string& name, const std::string& where, double size, double error,
+                          const std::string& not_estimated, double limit) {
+  const std::string source = "limit of the scene";
+  if (not_estimated.empty())
+    check_upper_bound(name + (error > 0.0 ? " and its error" : "") + where, size + error, limit, source);
+  else
+    fail(name + where, formatted("at most %.10g", limit), source,
+         formatted("%.10g, with an error that is not known: ", size) + not_estimated);
+}
+
 bool Summary::check_printed_digits(const std::string& name, double value, const std::string& printed,
                                    const std::string& source, int units_in_last_place) {
   return check(

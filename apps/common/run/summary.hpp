@@ -137,6 +137,9 @@ class Summary {
                       const std::string& source);
   bool check_expected(const std::string& name, double value, const ExpectedValue& expected);
   bool check_upper_bound(const std::string& name, double value, double bound, const std::string& source);
+  /// Of a size with its error; `not_estimated`: why that is not known, which fails the check.
+  void check_limit(const std::string& name, const std::string& where, double size, double error,
+                   const std::string& not_estimated, double limit);
   /// For a value that is a word.
   bool check_word(const std::string& name, const std::string& word, const std::string& reference,
                   const std::string& source);

@@ -18,50 +18,7 @@ constexpr double kSafety = 1.5;
 constexpr double kRounding = 1e-10;
 
 constexpr const char* kHidden = "an element is longer than the layer in which its end bends, and no formula tells more";
-
-/// Both states, and the layers that neither sees.
-class ErrorOfValues {
- public:
-  ErrorOfValues(const Simulation& simulation, const ErrorEstimate& estimate)
-      : simulation_(simulation), estimate_(estimate) {
-    if (!estimate.exists()) return;
-    richer_.emplace(simulation.richer(estimate, layers_));
-  }
-
-  const std::vector<EndLayer>& layers() const { return layers_; }
-
-  /// `values`: of the columns of the set; NaN: not known.
-  std::vector<EstimatedValue> of(const QuantitySet& set, const std::vector<double>& values) const {
-    std::vector<EstimatedValue> all;
-    for (std::size_t i = 0; i < values.size(); ++i) all.push_back({set.names()[i], values[i]});
-    if (!richer_) {
-      for (EstimatedValue& one : all) one.not_estimated = estimate_.not_estimated;
-      return all;
-    }
-    const std::vector<Reaction> reactions = richer_->reactions();
-    QuantityState there{richer_->model(),   richer_->state(),         richer_->load_factor(),
-                        reactions,          richer_->strain_energy(), simulation_.stability().negative,
-                        simulation_.jumps()};
-    there.layers = &layers_;
-    const std::vector<double> better = set.values(there);
-    const std::vector<unsigned char> hidden = set.hidden_in_layers(there);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const bool is_same = better[i] == values[i] || (std::isnan(values[i]) && std::isnan(better[i]));
-      if (is_same) all[i].error = 0.0;
-      if (!is_same) all[i].error = kSafety * std::abs(better[i] - values[i]) + kRounding * std::abs(values[i]);
-      if (hidden[i] != 0) all[i].error = std::nan("");
-      if (!all[i].is_estimated())
-        all[i].not_estimated = hidden[i] != 0 ? kHidden : "it is no number with one order more";
-    }
-    return all;
-  }
-
- private:
-  const Simulation& simulation_;
-  const ErrorEstimate& estimate_;
-  std::optional<Simulation> richer_;
-  std::vector<EndLayer> layers_;
-};
+constexpr const char* kNoNumber = "it is no number with one order more";
 
 Quantity largest(const std::string& kind, const std::string& member) {
   Quantity quantity;
@@ -78,29 +35,21 @@ QuantitySet set_of(const std::vector<Quantity>& quantities, const Scene& scene) 
   return QuantitySet(quantities, scene, {source, {"Quantities"}});
 }
 
-/// Those of the columns that are values, not places.
-std::vector<EstimatedValue> values_alone(const QuantitySet& set, const std::vector<EstimatedValue>& all) {
-  std::vector<EstimatedValue> values;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (set.columns()[i].is_value) values.push_back(all[i]);
-  return values;
-}
-
 /// `present`: of each quantity.
-std::vector<EstimatedValue> errors_of(const ErrorOfValues& errors, const QuantitySet& set,
-                                      const std::vector<double>& present) {
+std::vector<EstimatedValue> errors_of(const QuantitySet& set, const std::vector<double>& present,
+                                      const Simulation& simulation, const RicherStates& richer) {
   std::vector<double> values(set.columns().size(), std::nan(""));
   for (std::size_t i = 0; i < values.size(); ++i)
     if (set.columns()[i].is_value) values[i] = present[set.columns()[i].quantity];
-  return values_alone(set, errors.of(set, values));
+  return with_errors(set, values, simulation, richer);
 }
 
-std::vector<EstimatedValue> section_errors(const ErrorOfValues& errors, const Simulation& simulation,
+std::vector<EstimatedValue> section_errors(const Simulation& simulation, const RicherStates& richer,
                                            StepRecord& record) {
   StressSummary& stresses = *record.stresses;
   const QuantitySet forces =
       set_of({largest("material force", "*"), largest("material moment", "*")}, simulation.scene());
-  std::vector<EstimatedValue> found = values_alone(forces, errors.of(forces, values_of(forces, simulation, record)));
+  std::vector<EstimatedValue> found = with_errors(forces, values_of(forces, simulation, record), simulation, richer);
   if (stresses.members.empty()) return found;
   std::vector<Quantity> asked = {largest("von Mises stress", "*")};
   std::vector<double> present = {stresses.members.front().stresses.von_mises.value};
@@ -113,7 +62,7 @@ std::vector<EstimatedValue> section_errors(const ErrorOfValues& errors, const Si
     asked.push_back(largest("utilisation", "*"));
     present.push_back(stresses.utilisation.value);
   }
-  const std::vector<EstimatedValue> stress = errors_of(errors, set_of(asked, simulation.scene()), present);
+  const std::vector<EstimatedValue> stress = errors_of(set_of(asked, simulation.scene()), present, simulation, richer);
   found.push_back(stress.front());
   for (std::size_t i = 0; i < stresses.members.size(); ++i) stresses.members[i].estimated = stress[i + 1];
   if (!has_utilisation) return found;
@@ -139,35 +88,78 @@ std::string text_of(const std::vector<EndLayer>& layers, const Scene& scene) {
 
 }  // namespace
 
+RicherStates::RicherStates(const Simulation& simulation, const ErrorEstimate& estimate)
+    : layers(1), not_estimated(estimate.not_estimated) {
+  if (!estimate.exists()) return;
+  states.push_back(simulation.richer(estimate, layers.front()));
+  if (layers.front().empty()) return;
+  states.push_back(states.front().at(estimate.richer_state, simulation.load_factor(), simulation.stability()));
+  layers.emplace_back();
+}
+
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const std::vector<QuantityState>& richer, const std::string& not_estimated) {
+  std::vector<std::vector<double>> better;
+  for (const QuantityState& state : richer) better.push_back(set.values(state));
+  std::vector<unsigned char> hidden(values.size(), 0);
+  if (!richer.empty()) hidden = set.hidden_in_layers(richer.front());
+  std::vector<EstimatedValue> all;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!set.columns()[i].is_value) continue;
+    EstimatedValue& one = all.emplace_back(EstimatedValue{set.names()[i], values[i]});
+    double change = 0.0, before = values[i];  // by one order more, then by layers: they may cancel each other here
+    for (auto there = better.rbegin(); there != better.rend(); ++there) {
+      const double next = (*there)[i];
+      if (!(next == before) && !(std::isnan(next) && std::isnan(before))) change += std::abs(next - before);
+      before = next;
+    }
+    if (!richer.empty() && hidden[i] == 0)
+      one.error = change == 0.0 ? 0.0 : kSafety * change + kRounding * std::abs(values[i]);
+    if (!one.is_estimated()) one.not_estimated = richer.empty() ? not_estimated : hidden[i] != 0 ? kHidden : kNoNumber;
+  }
+  return all;
+}
+
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const Simulation& simulation, const RicherStates& richer) {
+  std::vector<std::vector<Reaction>> reactions;
+  for (const Simulation& state : richer.states) reactions.push_back(state.reactions());
+  std::vector<QuantityState> there;
+  for (std::size_t i = 0; i < reactions.size(); ++i) {
+    const Simulation& state = richer.states[i];
+    there.push_back({state.model(), state.state(), state.load_factor(), reactions[i], state.strain_energy(),
+                     simulation.stability().negative, simulation.jumps()});
+    there.back().layers = &richer.layers[i];
+  }
+  return with_errors(set, values, there, richer.not_estimated);
+}
+
 void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,
                       StepRecord& record) {
   if (quantities == nullptr && (!record.stresses || record.stresses->members.empty())) return;
-  const ErrorOfValues errors(simulation, estimate);
+  const RicherStates richer(simulation, estimate);
   ErrorSummary& summary = *record.error_estimate;
   for (const MonitoredQuantity& series : record.monitored)
     if (quantities != nullptr && series.name == kQuantitySeries)
-      summary.quantities = errors.of(*quantities, series.components);
-  if (record.stresses) summary.sections = section_errors(errors, simulation, record);
-  summary.layers = text_of(errors.layers(), simulation.scene());
+      summary.quantities = with_errors(*quantities, series.components, simulation, richer);
+  if (record.stresses) summary.sections = section_errors(simulation, richer, record);
+  summary.layers = text_of(richer.layers.front(), simulation.scene());
 }
 
 namespace {
 
 double judged_error_of(const std::string& name, const QuantitySet& quantities, const Simulation& simulation,
                        const ErrorEstimate& estimate) {
-  const ErrorOfValues errors(simulation, estimate);
-  std::vector<EstimatedValue> found;
-  if (name == "stress") {
-    const QuantitySet stress = set_of({largest("von Mises stress", "*")}, simulation.scene());
-    found = values_alone(stress, errors.of(stress, values_of(stress, simulation)));
-  } else {
-    const std::vector<EstimatedValue> all = errors.of(quantities, values_of(quantities, simulation));
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (quantities.columns()[i].is_value && quantities.name_of(quantities.columns()[i]) == name)
-        found.push_back(all[i]);
-  }
+  const bool is_stress = name == "stress";
+  const QuantitySet set = is_stress ? set_of({largest("von Mises stress", "*")}, simulation.scene()) : quantities;
+  const std::vector<EstimatedValue> all =
+      with_errors(set, values_of(set, simulation), simulation, RicherStates(simulation, estimate));
+  auto next = all.begin();
   EstimatedValue worst{name, 0.0, 0.0, ""};
-  for (const EstimatedValue& one : found) {
+  for (const QuantitySet::Column& column : set.columns()) {
+    if (!column.is_value) continue;
+    const EstimatedValue& one = *next++;
+    if (!is_stress && set.name_of(column) != name) continue;
     if (!one.is_estimated()) return std::nan("");
     worst.value = std::max(worst.value, std::abs(one.value));
     worst.error = std::max(worst.error, one.error);

@@ -9,6 +9,24 @@
 
 namespace mixbeam {
 
+/// A state in a richer space.
+struct RicherStates {
+  RicherStates(const Simulation& simulation, const ErrorEstimate& estimate);
+
+  std::vector<Simulation> states{};             ///< with the layers that no space sees, then without, if there are any
+  std::vector<std::vector<EndLayer>> layers{};  ///< that count in each of them
+  std::string not_estimated{};                  ///< why there are no states
+};
+
+/// `values`: of all columns of the set (NaN: not known); `richer`: what the set is to be evaluated in, one for each of
+/// RicherStates::states, none: `not_estimated` tells why. Of the columns that are values, not places. Collective.
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const std::vector<QuantityState>& richer, const std::string& not_estimated);
+
+/// The same of a simulation, to whose scene the set belongs.
+std::vector<EstimatedValue> with_errors(const QuantitySet& set, const std::vector<double>& values,
+                                        const Simulation& simulation, const RicherStates& richer);
+
 /// Adds to the estimate of a step what it tells of `quantities` (null: none are asked for), whose values the record
 /// has, and of stresses, if the record has them: their values less those in the richer space, theory (70). Collective.
 void add_value_errors(const QuantitySet* quantities, const Simulation& simulation, const ErrorEstimate& estimate,

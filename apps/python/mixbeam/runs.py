@@ -266,6 +266,11 @@ class Run:
         """Estimated discretization errors: {name: (error, size of the quantity)}; a text: why there are none."""
         return self._core.error_estimate(self._number(step))
 
+    def value_errors(self, step=-1):
+        """Estimated errors of the quantities that the scene asks for, and, in a step with stresses, of the largest section
+        forces, stress and utilisation: {name: (error, value)}; a text in place of both: why there is none."""
+        return self._core.value_errors(self._number(step))
+
     def state(self, step=-1):
         """The solver's own numbers: {name: array}."""
         return self._core.state(self._number(step))
