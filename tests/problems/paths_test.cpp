@@ -223,6 +223,48 @@ TEST(Paths, StabilityIsNotLookedAtWhereNotAskedFor) {
   EXPECT_EQ(straight.result.steps, 1);
 }
 
+/// What is controlled does not move before the column buckles, and a load that pulls does not make it buckle, however
+/// large: then the load sets out once more, pushing. P by elliptic integrals (a quarter of the column that is clamped
+/// at both ends, known_paths_test.cpp).
+TEST(Paths, WhatALoadThatGrowsDoesNotReachOneThatFallsMay) {
+  constexpr double kPush = 41.5702557932 / 16.0, kShortening = 0.1, kMostPull = 1e6, kGrowth = 3.0;  // steps double
+  SolverParameters parameters = on_branch(Branch::positive);
+  parameters.analysis.control = MonitoredComponent{"tip", 0, -kShortening};
+  const Walk pulled = walk(column(100.0, 1.0, -1.0), parameters);
+  EXPECT_NEAR(pulled.result.load_factor, -kPush, kPlaced * kPush);
+  double first = 0.0, largest = 0.0;
+  for (const StepReport& report : pulled.steps) {
+    if (first == 0.0) first = report.load_factor;
+    largest = std::max(largest, report.load_factor);
+  }
+  EXPECT_GT(largest, kMostPull * std::max(1.0, first)) << "all loads are tried that mean something";
+  EXPECT_LT(largest, kGrowth * kMostPull * std::max(1.0, first)) << "and no more";
+  const Walk pushed = walk(column(100.0, 1.0, 1.0), parameters);
+  EXPECT_NEAR(pushed.result.load_factor, kPush, kPlaced * kPush);
+  for (const StepReport& report : pushed.steps) EXPECT_GE(report.load_factor, 0.0) << "one sense is enough";
+}
+
+/// A rod that cannot stretch, pulled at 45 degrees, never gets its tip beyond the direction of the load: the target is
+/// sought up to a million times the first load, and the report says so.
+TEST(Paths, ATargetOutOfReachIsGivenUp) {
+  constexpr double kOutOfReach = 0.75;           // above the root of 1/2
+  constexpr double kMost = 1e6, kGrowth = 10.0;  // with a step along the path, which stiffens
+  Scene scene = column(100.0, 1.0, 0.0);
+  scene.point_loads = {dead_load("tip", {1, 1, 0})};
+  SolverParameters parameters;
+  parameters.analysis.control = MonitoredComponent{"tip", 1, kOutOfReach};
+  Simulation simulation(scene, parameters, this_rank());
+  double first = 0.0, largest = 0.0;
+  const LoadPathResult result = simulation.run([&](const StepReport& report, const State&) {
+    if (first == 0.0) first = report.load_factor;
+    largest = std::max(largest, std::abs(report.load_factor));
+  });
+  EXPECT_FALSE(result.finished);
+  EXPECT_NE(result.failure.find("does not reach its target up to load factor"), std::string::npos) << result.failure;
+  EXPECT_GT(largest, kMost * std::max(1.0, first));
+  EXPECT_LT(largest, kGrowth * kMost * std::max(1.0, first));
+}
+
 // ---- Lee's frame: reference values by shooting, P at the limit points, v downwards and u there
 
 Scene lee_frame(double force, double axial = 4320.0) {
