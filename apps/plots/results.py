@@ -193,7 +193,8 @@ def _members(group):
         names = [name for name, _ in groups]
         firsts, counts = (np.array([one.attribute(what, int) for _, one in groups]) for what in ("first_sample", "samples"))
     else:
-        firsts, counts = (group.read(name, (None,), kind=WHOLE).astype(int) for name in ("first_sample", "samples"))
+        counts = group.read("samples", (None,), kind=WHOLE).astype(int)
+        firsts = group.read("first_sample", counts.shape, kind=WHOLE).astype(int)
         names = [_text(name) for name in group.read("names", counts.shape, kind=TEXT)]
     if not len(counts) or counts.min() < 2 or 8 * counts.sum() > group.size or (firsts != np.cumsum(counts) - counts).any():
         raise group.refused("", "numbers of samples that do not fit one another or the file")

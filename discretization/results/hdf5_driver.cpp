@@ -104,9 +104,19 @@ hid_t registered_driver() {
   return number;
 }
 
+constexpr std::size_t kMostBytesOfStructure = std::size_t{1} << 20;
+
 Handle opened(const void* medium, FileUse use) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make file access properties");
   if (H5Pset_driver(access, registered_driver(), &medium) < 0) throw Error("cannot choose the driver of the file");
+  if (use == FileUse::read) {  // each object is visited once or twice: what is kept of one takes kilobytes
+    H5AC_cache_config_t cache{};
+    cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+    H5Pget_mdc_config(access, &cache);
+    cache.set_initial_size = true;
+    cache.max_size = cache.initial_size = cache.min_size = kMostBytesOfStructure;
+    H5Pset_mdc_config(access, &cache);
+  }
   const char* const unused = "results";
   if (use == FileUse::create)
     return {H5Fcreate(unused, H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file"};

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <sstream>
 
 namespace mixbeam {
@@ -172,11 +173,15 @@ std::vector<SampledMember> read_members(hid_t file) {
   const std::vector<std::string> names = hdf5::read_texts(group, "names");
   const auto counts = [&](const char* name) { return hdf5::read_dataset(group, name, 1, hdf5::Stored::integers); };
   const std::vector<double> samples = counts("samples"), orders = counts("order"), elements = counts("elements");
-  if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size() ||
-      std::any_of(samples.begin(), samples.end(), [](double n) { return n < 0.0; }))
-    throw hdf5::Error("cannot read the members: their numbers are inconsistent");
+  const auto refuse = [] { throw hdf5::Error("cannot read the members: their numbers are inconsistent"); };
+  if (samples.size() != names.size() || orders.size() != names.size() || elements.size() != names.size()) refuse();
+  const std::vector<hsize_t> in_file = hdf5::open_dataset(group, "arc_length", hdf5::Stored::reals).shape;
+  if (in_file.size() != 1 || std::accumulate(samples.begin(), samples.end(), 0.0) != static_cast<double>(in_file[0]))
+    refuse();
   std::vector<SampledMember> members(names.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
+    if (samples[i] < 0.0 || elements[i] < 0.0 || elements[i] > samples[i])
+      refuse();  // no more than the file has room for
     members[i].name = names[i];
     members[i].number = static_cast<int>(i);
     members[i].order = static_cast<int>(orders[i]);

@@ -235,8 +235,7 @@ PathPoint read_point(hid_t step, const std::string& name) {
 }
 
 std::optional<RecordedJump> read_jump(hid_t step) {
-  const auto names = hdf5::link_names(step);
-  if (std::find(names.begin(), names.end(), kJump) == names.end()) return std::nullopt;
+  if (!hdf5::has_link(step, kJump)) return std::nullopt;
   RecordedJump jump;
   visit_fields(jump, kJumpFields, Reading{hdf5::open_group(step, kJump)});
   return jump;
@@ -268,10 +267,9 @@ StateSnapshot read_state(hid_t group) {
 
 std::vector<RecordedCriticalPoint> read_critical_points(hid_t step) {
   std::vector<RecordedCriticalPoint> points;
-  const auto names = hdf5::link_names(step);
-  if (std::find(names.begin(), names.end(), "critical_points") == names.end()) return points;
+  if (!hdf5::has_link(step, "critical_points")) return points;
   const auto group = hdf5::open_group(step, "critical_points");
-  const std::size_t count = hdf5::link_names(group).size();
+  const std::size_t count = hdf5::count_links(group);
   for (std::size_t i = 0; i < count; ++i)
     points.push_back(read_critical_point(hdf5::open_group(group, std::to_string(i))));
   return points;

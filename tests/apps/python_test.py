@@ -10,6 +10,7 @@ import gc
 import multiprocessing
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -326,6 +327,25 @@ class Bits(InFolder):
         self.assertTrue(same_state(mixbeam.run(scene).state(), run.state()))
         with self.assertRaisesRegex(mixbeam.InputError, "accuracy"):
             mixbeam.resume("accurate.h5")
+
+    def test_a_forged_mesh_is_refused_before_it_is_made(self):
+        import h5py
+        scene = cantilever()
+        scene.members["rod"].elements = None
+        scene.accuracy = 1e-4
+        mixbeam.run(scene, output="honest.h5")
+        huge = 2 ** 31 - 1  # its vertices alone would take 100 GB
+        for name, number in (("order", 0), ("order", -1), ("order", huge), ("elements", 0), ("elements", -1), ("elements", huge), (None, 0)):
+            shutil.copy("honest.h5", "forged.h5")
+            with h5py.File("forged.h5", "r+") as file:
+                file.attrs.modify("format_version", np.int32(2))  # of which files have no seal
+                if name:
+                    file["members"][name][...] = number
+            if not name:
+                mixbeam.open("forged.h5")
+                continue
+            with self.assertRaisesRegex(mixbeam.InputError, "forged.h5.*(members are not those|numbers are inconsistent)", msg=(name, number)):
+                mixbeam.open("forged.h5")
 
 
 class Runs(InFolder):
