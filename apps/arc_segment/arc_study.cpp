@@ -1,33 +1,61 @@
 // The paper's third example: a circular arc under a force out of its plane.
-#include "apps/arc_segment/arc.hpp"
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
 #include "apps/common/tables/printed_digits.hpp"
-#include "apps/common/tables/table_printer.hpp"
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/errors.hpp"
+#include "kernels/math/gauss.hpp"
+#include "kernels/math/legendre.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <ostream>
-#include <string>
-#include <tuple>
-#include <vector>
 
 namespace mixbeam {
 
 namespace {
 
-/// A row of the paper's table of tip displacements.
-struct PaperRow {
-  double slenderness;
-  int order;
-  int elements;
-  std::array<std::string, 3> tip;  ///< u1, u2, u3 with 6 significant digits, as printed
-};
+constexpr int kPrintedFigures = 6;  // the paper rounds its table to these
+const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Arc-segment under out-of-plane force\"";
+const std::string kPaperTable = "Humer, Steinbrecher, Pechstein, table of tip displacements of the arc-segment";
+/// Digits of the manuscript, by slenderness.
+const std::vector<std::pair<double, PaperTable>> kTables = {{10,
+                                                             {kPaperTable,
+                                                              {{1, 4, {"-23.75125", "-13.59944", "54.49189"}},
+                                                               {2, 4, {"-23.65101", "-13.63756", "54.08983"}},
+                                                               {3, 4, {"-23.64497", "-13.63205", "54.095"}},
+                                                               {4, 4, {"-23.64501", "-13.63207", "54.09503"}},
+                                                               {1, 32, {"-23.64685", "-13.63184", "54.10082"}},
+                                                               {2, 32, {"-23.64503", "-13.63208", "54.09503"}},
+                                                               {3, 32, {"-23.64501", "-13.63207", "54.09503"}},
+                                                               {4, 32, {"-23.64501", "-13.63207", "54.09503"}}},
+                                                              kPrintedFigures}},
+                                                            {100,
+                                                             {kPaperTable,
+                                                              {{1, 4, {"-23.66304", "-13.57181", "53.87134"}},
+                                                               {2, 4, {"-23.56625", "-13.61001", "53.46957"}},
+                                                               {3, 4, {"-23.5602", "-13.6045", "53.47483"}},
+                                                               {4, 4, {"-23.56024", "-13.60452", "53.47486"}},
+                                                               {1, 32, {"-23.56202", "-13.60429", "53.48064"}},
+                                                               {2, 32, {"-23.56026", "-13.60453", "53.47486"}},
+                                                               {3, 32, {"-23.56024", "-13.60452", "53.47486"}},
+                                                               {4, 32, {"-23.56024", "-13.60452", "53.47486"}}},
+                                                              kPrintedFigures}},
+                                                            {1000,
+                                                             {kPaperTable,
+                                                              {{1, 4, {"-23.66215", "-13.57153", "53.86514"}},
+                                                               {2, 4, {"-23.56541", "-13.60974", "53.46337"}},
+                                                               {3, 4, {"-23.55935", "-13.60423", "53.46863"}},
+                                                               {4, 4, {"-23.55939", "-13.60425", "53.46866"}},
+                                                               {1, 32, {"-23.56118", "-13.60401", "53.47444"}},
+                                                               {2, 32, {"-23.55941", "-13.60426", "53.46866"}},
+                                                               {3, 32, {"-23.55939", "-13.60425", "53.46866"}},
+                                                               {4, 32, {"-23.55939", "-13.60425", "53.46866"}}},
+                                                              kPrintedFigures}}};
 
 /// A tip displacement computed without finite elements.
 struct IndependentValue {
@@ -37,41 +65,6 @@ struct IndependentValue {
   bool shear_rigid, inextensible;
   std::array<std::string, 3> tip;
 };
-
-constexpr int kPrintedFigures = 6;  // the paper rounds its table to these
-
-const std::vector<PaperRow> kRowsBeforeRounding = {
-    {10, 1, 4, {"-23.75125", "-13.59944", "54.49189"}},    {10, 2, 4, {"-23.65101", "-13.63756", "54.08983"}},
-    {10, 3, 4, {"-23.64497", "-13.63205", "54.095"}},      {10, 4, 4, {"-23.64501", "-13.63207", "54.09503"}},
-    {10, 1, 32, {"-23.64685", "-13.63184", "54.10082"}},   {10, 2, 32, {"-23.64503", "-13.63208", "54.09503"}},
-    {10, 3, 32, {"-23.64501", "-13.63207", "54.09503"}},   {10, 4, 32, {"-23.64501", "-13.63207", "54.09503"}},
-    {100, 1, 4, {"-23.66304", "-13.57181", "53.87134"}},   {100, 2, 4, {"-23.56625", "-13.61001", "53.46957"}},
-    {100, 3, 4, {"-23.5602", "-13.6045", "53.47483"}},     {100, 4, 4, {"-23.56024", "-13.60452", "53.47486"}},
-    {100, 1, 32, {"-23.56202", "-13.60429", "53.48064"}},  {100, 2, 32, {"-23.56026", "-13.60453", "53.47486"}},
-    {100, 3, 32, {"-23.56024", "-13.60452", "53.47486"}},  {100, 4, 32, {"-23.56024", "-13.60452", "53.47486"}},
-    {1000, 1, 4, {"-23.66215", "-13.57153", "53.86514"}},  {1000, 2, 4, {"-23.56541", "-13.60974", "53.46337"}},
-    {1000, 3, 4, {"-23.55935", "-13.60423", "53.46863"}},  {1000, 4, 4, {"-23.55939", "-13.60425", "53.46866"}},
-    {1000, 1, 32, {"-23.56118", "-13.60401", "53.47444"}}, {1000, 2, 32, {"-23.55941", "-13.60426", "53.46866"}},
-    {1000, 3, 32, {"-23.55939", "-13.60425", "53.46866"}}, {1000, 4, 32, {"-23.55939", "-13.60425", "53.46866"}},
-};
-
-const std::string kPaperTable = "Humer, Steinbrecher, Pechstein, table of tip displacements of the arc-segment";
-
-// The source has its centre at -e2: there u2 has the other sign.
-const std::string kIndependentSource =
-    "shooting on the rod ODE, Runge-Kutta 7(8), step doubling below 1e-10 (u2 mirrored: centre at +e2)";
-
-/// All 24 rows, by slenderness.
-const std::vector<PaperRow>& paper_table() {
-  static const std::vector<PaperRow> rows = [] {
-    std::vector<PaperRow> rounded = kRowsBeforeRounding;
-    for (PaperRow& row : rounded)
-      for (std::string& number : row.tip) number = rounded_to_figures(number, kPrintedFigures);
-    return rounded;
-  }();
-  return rows;
-}
-
 const std::vector<IndependentValue> kIndependentValues = {
     {"rho=10", 10, 1, false, false, {"-23.645012476468", "-13.632073912208", "54.095027011161"}},
     {"rho=100", 100, 1, false, false, {"-23.560239545026", "-13.604521347307", "53.474858791825"}},
@@ -80,174 +73,266 @@ const std::vector<IndependentValue> kIndependentValues = {
     {"rho=100, rigid", 100, 1, true, true, {"-23.559383718350", "-13.604243719187", "53.468598442323"}},
     {"rho=10000", 1e4, 1, false, false, {"-23.559383803932", "-13.604243746950", "53.468599068354"}}};
 
-const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Arc-segment under out-of-plane force\"";
-const std::string kGoal = "goal of mixbeam: one load step and at most 11 iterations, up to the rigid limit";
-constexpr int kGoalIterations = 11;
-
+// The source has its centre at -e2: there u2 has the other sign.
+const std::string kIndependentSource =
+    "shooting on the rod ODE, Runge-Kutta 7(8), step doubling below 1e-10 (u2 mirrored: centre at +e2)";
 /// What the source claims for its values; the mesh has a much smaller error.
 constexpr double kIndependentTolerance = 1e-10;
-constexpr int kIndependentElements = 32;
-constexpr int kIndependentOrder = 4;
+constexpr int kIndependentElements = 32, kIndependentOrder = 4;
+
+const std::string kGoal = "goal of mixbeam: one load step and at most 11 iterations, up to the rigid limit";
+constexpr int kGoalIterations = 11;
 
 constexpr double kRateTolerance = 0.15;
 /// Newton is led to round-off, whose share in a displacement of a quarter of R is about this on fine meshes.
 constexpr double kResidualTolerance = 1e-13;
 constexpr double kRoundOff = 1e-12;
+constexpr double kRigid = std::numeric_limits<double>::infinity();
 
-const std::vector<const char*> kComponentNames = {"u1", "u2", "u3"};
-
-std::string short_text(double number) { return formatted("%g", number); }
-
-Vector3 tip_displacement(const Simulation& simulation) {
-  return simulation.displacement(simulation.scene().members.front().end_point);
+/// p(xi) of the least-squares polynomial of degree k of the curve over one element, measured in k + 1 Gauss points.
+Vec3<double> projected_position(const ReferenceCurve& curve, double start, double h, int order, double xi) {
+  std::vector<double> points(order + 1), weights(order + 1), basis(order + 1), basis_at_point(order + 1);
+  gauss_rule(order + 1, points.data(), weights.data());
+  legendre(order, xi, basis.data());
+  Vec3<double> sum{{0.0, 0.0, 0.0}};
+  for (int q = 0; q <= order; ++q) {
+    legendre(order, points[q], basis_at_point.data());
+    double factor = 0.0;
+    for (int j = 0; j <= order; ++j) factor += 0.5 * (2 * j + 1) * weights[q] * basis_at_point[j] * basis[j];
+    sum += factor * curve.position(start + 0.5 * h * (1.0 + points[q]));
+  }
+  return sum;
 }
 
-/// The arc as it stands, and the shapes of the paper's figure.
-void record_shapes(Application& app, const ArcScene& arc) {
-  constexpr int kSamples = 17;  // of each element
-  app.check_expected(app.solve_and_record(app.scene, app.solver, "single", kSamples));
-  const Member& member = app.scene.members.front();
-  for (double slenderness : study_list<double>(app, "Slenderness"))
-    app.solve_and_record(arc.variant({slenderness, member.order, member.elements}), app.solver,
-                         "single_rho" + short_text(slenderness), kSamples);
+/// What the paper's tables add to the tip displacement u(L) of the arc. The paper measures against an element-wise
+/// least-squares projection p of the reference curve r0 to polynomials of degree k (with k + 1 Gauss points), and
+/// follows the deformed curve by r' of k Gauss points; neither reaches the end of a curved element:
+///   printed value = u(L) + t - (p(L) - p(0)),   t = sum over elements and k Gauss points of the tangent r0'.
+/// Does not depend on the load; vanishes with the mesh (rate k + 1).
+Vec3<double> offset_of_paper(const Simulation& simulation) {
+  const Member& member = simulation.scene().members.front();
+  const auto whole = simulation.model().whole_mesh();
+  const MeshMember& mesh_member = whole->members[0];
+  const ReferenceCurve& curve = mesh_member.curve;
+  const double h = mesh_member.element_length(0);
+  std::vector<double> points(member.order), weights(member.order);
+  gauss_rule(member.order, points.data(), weights.data());
+  Vec3<double> offset = projected_position(curve, 0.0, h, member.order, -1.0) -
+                        projected_position(curve, curve.length - h, h, member.order, 1.0);
+  for (int e = 0; e < member.elements; ++e)
+    for (int q = 0; q < member.order; ++q)
+      offset += 0.5 * h * weights[q] * curve.tangent(h * (e + 0.5 * (1.0 + points[q])));
+  return offset;
 }
 
-struct TipResult {
-  PaperRow paper;
-  Vector3 u;
-  Vec3<double> in_paper_measure;
-  int iterations;
+/// The displacement along a computed arc as the polynomials that it is, away from the simulation, to be compared with
+/// that of another mesh. Complete on every rank.
+class DisplacementField {
+ public:
+  /// Collective.
+  explicit DisplacementField(const Simulation& simulation)
+      : order(simulation.scene().members.front().order), elements(simulation.scene().members.front().elements) {
+    values_.resize(static_cast<std::size_t>(elements) * (order + 1) * 3);
+    const MemberSamples samples = simulation.samples(order + 1).front();  // complete on rank 0
+    for (std::size_t i = 0; i < samples.displacement.size(); ++i)
+      std::copy(samples.displacement[i].begin(), samples.displacement[i].end(), values_.begin() + 3 * i);
+    Teuchos::broadcast(*simulation.model().map()->getComm(), 0, static_cast<int>(values_.size()), values_.data());
+  }
+
+  /// u at xi in [-1, 1] along an element.
+  Vec3<double> at(int element, double xi) const {
+    const double* node = &values_[static_cast<std::size_t>(element) * (order + 1) * 3];
+    Vec3<double> sum{{0.0, 0.0, 0.0}};
+    for (int i = 0; i <= order; ++i, node += 3) {
+      double lagrange = 1.0;
+      for (int j = 0; j <= order; ++j)
+        if (j != i) lagrange *= (0.5 * order * (1.0 + xi) - j) / (i - j);
+      sum += lagrange * Vec3<double>{{node[0], node[1], node[2]}};
+    }
+    return sum;
+  }
+
+  const int order, elements;
+
+ private:
+  std::vector<double> values_;  // (element, node 0..k, component), nodes equidistant from end to end
 };
 
-std::vector<TipResult> compute_paper_table(Application& app, const ArcScene& arc) {
-  std::vector<TipResult> results;
-  for (const PaperRow& row : paper_table()) {
-    const Simulation simulation = app.solve(arc.variant({row.slenderness, row.order, row.elements}));
-    const Vector3 u = tip_displacement(simulation);
-    results.push_back({row, u, Vec3<double>{{u[0], u[1], u[2]}} + offset_of_paper(simulation),
-                       simulation.result().newton_iterations});
-  }
-  return results;
-}
-
-void write_table(const Application& app, const std::vector<TipResult>& results) {
-  app.out() << "\nDisplacement of the tip against the exact arc";
-  StudyTable csv(app, "table.csv",
-                 {"slenderness", "order", "elements", "u1", "u2", "u3", "u1_paper_measure", "u2_paper_measure",
-                  "u3_paper_measure", "paper_u1", "paper_u2", "paper_u3", "iterations"},
-                 6);
-  for (const TipResult& result : results) {
-    const PaperRow& row = result.paper;
-    const auto& [u, measured] = std::tie(result.u, result.in_paper_measure);
-    csv.add_row({row.slenderness, row.order, row.elements, u[0], u[1], u[2], measured[0], measured[1], measured[2],
-                 row.tip[0], row.tip[1], row.tip[2], result.iterations});
-  }
-}
-
-void compare_with_paper(Application& app, const std::vector<TipResult>& results) {
-  TablePrinter table(
-      "\nArc-segment under out-of-plane force: displacement of the tip. The arc curves towards +e2, so that u2 < 0 as "
-      "in\n"
-      "the paper, and u is in the paper's measure: against a projection of the arc to polynomials of degree k.",
-      {"k", "elements"}, {"u1", "u2", "u3"});
-  double slenderness = 0.0;
-  for (const TipResult& result : results) {
-    const PaperRow& row = result.paper;
-    if (row.slenderness != slenderness) table.add_group("slenderness " + short_text(slenderness = row.slenderness));
-    std::vector<ComparedValue> values;
-    const std::string name = formatted("rho=%g k=%d, %d elements: ", row.slenderness, row.order, row.elements);
-    for (int i = 0; i < 3; ++i)
-      values.push_back(compared(app, name + kComponentNames[i] + " in the paper's measure", result.in_paper_measure[i],
-                                row.tip[i], kPaperTable));
-    table.add_row({std::to_string(row.order), std::to_string(row.elements)}, values);
-  }
-  table.print(app.out());
-}
-
-void compare_with_independent_values(Application& app, const ArcScene& arc) {
-  TablePrinter table("\nDisplacement of the tip beside values computed without finite elements (" +
-                         std::to_string(kIndependentElements) + " elements of order " +
-                         std::to_string(kIndependentOrder) + ")",
-                     {"arc", ""}, {"tip displacement"}, "shooting");
-  for (const IndependentValue& value : kIndependentValues) {
-    const Simulation simulation = app.solve(arc.variant({value.slenderness, kIndependentOrder, kIndependentElements,
-                                                         value.force_factor, value.shear_rigid, value.inextensible}));
-    const Vector3 u = tip_displacement(simulation);
-    for (int i = 0; i < 3; ++i) {
-      const bool agrees =
-          app.summary.check_relative(value.name + ": " + kComponentNames[i], u[i], printed_value(value.tip[i]),
-                                     kIndependentTolerance, kIndependentSource);
-      table.add_row({i == 0 ? value.name : "", kComponentNames[i]},
-                    {{value.tip[i], u[i], agrees ? Agreement::agrees : Agreement::differs}});
+/// sqrt(1/L int |a - b|^2 ds); the elements of `coarse` must consist of whole elements of `fine`.
+double l2_difference(const DisplacementField& coarse, const DisplacementField& fine) {
+  const int points = std::max(coarse.order, fine.order) + 1;
+  const int parts = fine.elements / coarse.elements;
+  std::vector<double> xi(points), weights(points);
+  gauss_rule(points, xi.data(), weights.data());
+  double sum = 0.0;
+  for (int e = 0; e < fine.elements; ++e)
+    for (int q = 0; q < points; ++q) {
+      const double place = (e % parts + 0.5 * (1.0 + xi[q])) / parts;  // in the coarse element, 0 to 1
+      const Vec3<double> difference = coarse.at(e / parts, 2.0 * place - 1.0) - fine.at(e, xi[q]);
+      sum += 0.5 * weights[q] * dot(difference, difference);
     }
-  }
-  table.print(app.out());
+  return std::sqrt(sum / fine.elements);
 }
 
-/// Newton's iterations in one load step, from thick to rigid.
-void report_iterations(Application& app, const ArcScene& arc) {
-  constexpr double rigid = std::numeric_limits<double>::infinity();
-  const int elements = app.study().get<int>("Iteration Elements");
-  auto slendernesses = study_list<double>(app, "Iteration Slenderness");
-  slendernesses.push_back(rigid);
-  app.out() << "\nNewton iterations in one load step, " << elements << " elements";
-  StudyTable table(app, "", {"slenderness", "k", "iterations"}, 3);
-  for (double slenderness : slendernesses) {
-    const bool is_rigid = slenderness == rigid;
-    const std::string name = is_rigid ? "rigid" : short_text(slenderness);
-    for (int order : study_list<int>(app, "Orders")) {
-      const ArcVariant variant{is_rigid ? arc.slenderness() : slenderness, order, elements, 1.0, is_rigid, is_rigid};
-      const Simulation simulation = app.solve(arc.variant(variant), with_fixed_steps(app.solver, 1), "");
-      const int iterations = simulation.result().newton_iterations;
-      table.add_row({name, order, iterations});
-      app.summary.check_upper_bound(
-          (is_rigid ? name : "rho=" + name) + " k=" + std::to_string(order) + ": Newton iterations in one load step",
-          iterations, kGoalIterations, kGoal);
+/// The scene, one circular arc, and what is computed of its variants.
+class ArcStudy {
+ public:
+  /// Throws InputError unless the scene is one circular arc.
+  explicit ArcStudy(Application& app) : app_(app) {
+    const Scene& scene = app.scene;
+    if (scene.members.size() != 1 || scene.members.front().curve.shape != CurveShape::circular_arc)
+      throw InputError("the study needs a scene of one member, an arc; other scenes: --single");
+    const Member& arc = scene.members.front();
+    const Section& section = section_of(scene, arc);
+    radius_ = vector_algebra::norm(vector_algebra::difference(position_of(scene, arc.start_point), arc.curve.center));
+    const double side = std::sqrt(12.0 * section.bending_stiffness[1] / section.axial_stiffness);  // EI = EA a^2/12
+    slenderness_ = radius_ / side;
+  }
+
+  /// Records the arc at three slendernesses (single_rho*.h5), compares with the paper's table (table.csv) and with
+  /// independent values, checks Newton's iterations up to the rigid limit, and the rates of convergence
+  /// (convergence.csv).
+  void run() {
+    constexpr int kSamples = 17;  // of each element
+    app_.check_expected(app_.solve_and_record(app_.scene, app_.solver, "single", kSamples));
+    const Member& member = app_.scene.members.front();
+    for (double slenderness : study_list<double>(app_, "Slenderness"))
+      app_.solve_and_record(variant(slenderness, member.order, member.elements), app_.solver,
+                            "single_rho" + formatted("%g", slenderness), kSamples);
+    compare_with_paper();
+    compare_with_independent_values();
+    report_iterations();
+    report_convergence();
+  }
+
+ private:
+  /// R/a, square section of side a. Stiffnesses follow the side (EA, GA ~ a^2, GIt, EI ~ a^4), and so do the loads
+  /// (~ a^4): the displacement stays about the same.
+  Scene variant(double slenderness, int order, int elements, bool shear_rigid = false,
+                bool inextensible = false) const {
+    Scene scene = with_mesh(with_side(app_.scene, slenderness_ / slenderness), order, elements);
+    for (Section& section : scene.sections) {
+      if (inextensible) section.axial_stiffness = kRigid;
+      if (shear_rigid) section.shear_stiffness = {kRigid, kRigid};
     }
+    return scene;
   }
-}
 
-std::vector<int> meshes_that_divide(Application& app, int reference_elements) {
-  const auto elements = study_list<int>(app, "Elements");
-  for (int n : elements)
-    if (reference_elements % n != 0)
-      throw InputError("list \"Study\": \"Reference Elements\" = " + std::to_string(reference_elements) +
-                       "; allowed: a multiple of every number of \"Elements\", and " + std::to_string(n) + " is one");
-  return elements;
-}
+  Vector3 tip_of(const Simulation& simulation) const {
+    return simulation.displacement(app_.scene.members.front().end_point);
+  }
 
-/// Error of the displacement along the arc against a much finer mesh.
-void report_convergence(Application& app, const ArcScene& arc) {
-  const int reference_order = app.study().get<int>("Reference Order");
-  const int reference_elements = app.study().get<int>("Reference Elements");
-  const auto elements = meshes_that_divide(app, reference_elements);
-  SolverParameters solver = app.solver;
-  solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
-  StudyTable csv(app, "convergence.csv", {"order", "slenderness", "elements", "l2_error"});
-  ConvergenceTable table("\nError of the displacement, 1/R sqrt(1/L int |u - u_ref|^2 ds), against " +
-                             std::to_string(reference_elements) + " elements of order " +
-                             std::to_string(reference_order),
-                         elements, kRoundOff);
-  for (double slenderness : study_list<double>(app, "Slenderness")) {
-    table.add_group("slenderness " + short_text(slenderness));
-    const DisplacementField reference(
-        app.solve(arc.variant({slenderness, reference_order, reference_elements}), solver, ""));
-    for (int order : study_list<int>(app, "Orders")) {
-      std::vector<double> errors;
-      for (int n : elements) {
-        const DisplacementField field(app.solve(arc.variant({slenderness, order, n}), solver, ""));
-        errors.push_back(l2_difference(field, reference) / arc.radius());
-        csv.add_row({order, slenderness, n, errors.back()});
+  void compare_with_paper() {
+    TablePrinter table(
+        "\nArc-segment under out-of-plane force: displacement of the tip. The arc curves towards +e2, so that u2 < 0 "
+        "as "
+        "in\nthe paper, and u is in the paper's measure: against a projection of the arc to polynomials of degree k.",
+        {"k", "elements"}, {"u1", "u2", "u3"});
+    std::vector<std::vector<CsvCell>> rows;
+    for (const auto& [slenderness, paper] : kTables) {
+      table.add_group("slenderness " + formatted("%g", slenderness));
+      for (const PaperTable::Row& row : paper.rows) {
+        const Simulation simulation = app_.solve(variant(slenderness, row.order, row.elements));
+        const Vector3 u = tip_of(simulation);
+        const Vec3<double> measured = Vec3<double>{{u[0], u[1], u[2]}} + offset_of_paper(simulation);
+        const auto printed = paper.row(row.order, row.elements);
+        table.add_row(
+            {std::to_string(row.order), std::to_string(row.elements)},
+            compared(app_, formatted("rho=%g k=%d, %d elements: u", slenderness, row.order, row.elements),
+                     " in the paper's measure", {measured[0], measured[1], measured[2]}, printed, kPaperTable));
+        rows.push_back({slenderness, row.order, row.elements, u[0], u[1], u[2], measured[0], measured[1], measured[2],
+                        printed[0], printed[1], printed[2], simulation.result().newton_iterations});
       }
-      const auto rate = table.add_row(order, errors);
-      if (rate)
-        app.summary.check_absolute(
-            "rho=" + short_text(slenderness) + " k=" + std::to_string(order) + ": convergence rate", *rate, order + 1,
-            kRateTolerance, kPaper + ": optimal rate k + 1");
+    }
+    table.print(app_.out());
+    app_.out() << "\nDisplacement of the tip against the exact arc";
+    StudyTable csv(app_, "table.csv",
+                   words("slenderness,order,elements,u1,u2,u3,u1_paper_measure,u2_paper_measure,u3_paper_measure,"
+                         "paper_u1,paper_u2,paper_u3,iterations"),
+                   6);
+    for (const auto& row : rows) csv.add_row(row);
+  }
+
+  void compare_with_independent_values() {
+    TablePrinter table("\nDisplacement of the tip beside values computed without finite elements (" +
+                           std::to_string(kIndependentElements) + " elements of order " +
+                           std::to_string(kIndependentOrder) + ")",
+                       {"arc", ""}, {"tip displacement"}, "shooting");
+    for (const IndependentValue& value : kIndependentValues) {
+      const Scene scene =
+          variant(value.slenderness, kIndependentOrder, kIndependentElements, value.shear_rigid, value.inextensible);
+      const Vector3 u = tip_of(app_.solve(with_loads(scene, value.force_factor)));
+      for (int i = 0; i < 3; ++i) {
+        const std::string name = "u" + std::to_string(i + 1);
+        const bool agrees = app_.summary.check_relative(value.name + ": " + name, u[i], printed_value(value.tip[i]),
+                                                        kIndependentTolerance, kIndependentSource);
+        table.add_row({i == 0 ? value.name : "", name},
+                      {{value.tip[i], u[i], agrees ? Agreement::agrees : Agreement::differs}});
+      }
+    }
+    table.print(app_.out());
+  }
+
+  /// Newton's iterations in one load step, from thick to rigid.
+  void report_iterations() {
+    const int elements = study_number(app_, "Iteration Elements");
+    auto slendernesses = study_list<double>(app_, "Iteration Slenderness");
+    slendernesses.push_back(kRigid);
+    app_.out() << "\nNewton iterations in one load step, " << elements << " elements";
+    StudyTable table(app_, "", {"slenderness", "k", "iterations"}, 3);
+    for (double slenderness : slendernesses) {
+      const bool is_rigid = slenderness == kRigid;
+      const std::string name = is_rigid ? "rigid" : formatted("%g", slenderness);
+      for (int order : study_list<int>(app_, "Orders")) {
+        const Scene scene = variant(is_rigid ? slenderness_ : slenderness, order, elements, is_rigid, is_rigid);
+        const int iterations = solve_in_steps(app_, scene, 1).result().newton_iterations;
+        table.add_row({name, order, iterations});
+        app_.summary.check_upper_bound(
+            (is_rigid ? name : "rho=" + name) + " k=" + std::to_string(order) + ": Newton iterations in one load step",
+            iterations, kGoalIterations, kGoal);
+      }
     }
   }
-  table.print(app.out());
-}
+
+  /// Error of the displacement along the arc against a much finer mesh.
+  void report_convergence() {
+    const int reference_order = study_number(app_, "Reference Order");
+    const int reference_elements = study_number(app_, "Reference Elements");
+    const auto elements = study_list<int>(app_, "Elements");
+    for (int n : elements)
+      if (reference_elements % n != 0)
+        throw InputError("list \"Study\": \"Reference Elements\" = " + std::to_string(reference_elements) +
+                         "; allowed: a multiple of every number of \"Elements\", and " + std::to_string(n) + " is one");
+    SolverParameters solver = app_.solver;
+    solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
+    StudyTable csv(app_, "convergence.csv", {"order", "slenderness", "elements", "l2_error"});
+    ConvergenceTable table("\nError of the displacement, 1/R sqrt(1/L int |u - u_ref|^2 ds), against " +
+                               std::to_string(reference_elements) + " elements of order " +
+                               std::to_string(reference_order),
+                           elements, kRoundOff);
+    for (double slenderness : study_list<double>(app_, "Slenderness")) {
+      table.add_group("slenderness " + formatted("%g", slenderness));
+      const auto field = [&](int order, int n) {
+        return DisplacementField(app_.solve(variant(slenderness, order, n), solver, ""));
+      };
+      const DisplacementField reference = field(reference_order, reference_elements);
+      for (int order : study_list<int>(app_, "Orders")) {
+        std::vector<double> errors;
+        for (int n : elements) {
+          errors.push_back(l2_difference(field(order, n), reference) / radius_);
+          csv.add_row({order, slenderness, n, errors.back()});
+        }
+        if (const auto rate = table.add_row(order, errors))
+          app_.summary.check_absolute(formatted("rho=%g k=%d: convergence rate", slenderness, order), *rate, order + 1,
+                                      kRateTolerance, kPaper + ": optimal rate k + 1");
+      }
+    }
+    table.print(app_.out());
+  }
+
+  Application& app_;
+  double radius_ = 0.0, slenderness_ = 0.0;  ///< of the scene as it stands
+};
 
 ListSpec arc_spec() {
   constexpr double kMost = 1e12;
@@ -266,20 +351,6 @@ ListSpec arc_spec() {
   return spec;
 }
 
-/// Records the arc at three slendernesses (single_rho*.h5), compares with the paper's table (table.csv) and with
-/// independent values, checks Newton's iterations up to the rigid limit, and the rates of convergence
-/// (convergence.csv).
-void run_arc_study(Application& app) {
-  const ArcScene arc(app.scene);
-  record_shapes(app, arc);
-  const auto results = compute_paper_table(app, arc);
-  compare_with_paper(app, results);
-  write_table(app, results);
-  compare_with_independent_values(app, arc);
-  report_iterations(app, arc);
-  report_convergence(app, arc);
-}
-
 }  // namespace
 
 }  // namespace mixbeam
@@ -288,5 +359,5 @@ int main(int argc, char** argv) {
   return mixbeam::run_study(
       argc, argv, "arc_segment",
       "45 degree arc clamped at one end under a force out of its plane; the paper's table, convergence.",
-      mixbeam::arc_spec(), mixbeam::run_arc_study);
+      mixbeam::arc_spec(), [](mixbeam::Application& app) { mixbeam::ArcStudy(app).run(); });
 }

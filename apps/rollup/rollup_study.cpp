@@ -1,12 +1,14 @@
 // The paper's first example: a rod bent to a double circle by a moment at its tip.
 #include "apps/common/studies/study.hpp"
 #include "apps/common/studies/variants.hpp"
+#include "apps/common/studies/vertex_places.hpp"
 #include "apps/common/tables/convergence_table.hpp"
 #include "apps/common/tables/formatted.hpp"
-#include "apps/common/tables/table_printer.hpp"
-#include "apps/rollup/bent_rod.hpp"
+#include "discretization/text/errors.hpp"
+#include "kernels/math/gauss.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <ostream>
 
 namespace mixbeam {
@@ -16,11 +18,10 @@ namespace {
 const std::string kPaper = "Humer, Steinbrecher, Pechstein, section \"Rod bent to circle\"";
 const std::string kClosedForm = "closed form: constant curvature M/EI, no force strains";
 const std::string kGoal = "goal of mixbeam: pure bending in 3 iterations of one load step, at any slenderness";
+constexpr int kGoalIterations = 3;
 
 /// Exact but for the roundings of some hundred operations; positions divided by L, rotations in radians.
 constexpr double kExact = 1e-12;
-constexpr int kGoalIterations = 3;
-
 /// The figures go down to round-off: what Newton leaves with the default of 1e-11 would be seen on fine meshes.
 constexpr double kResidualTolerance = 1e-13;
 /// Round-off of stiffer rods alone is more than that: strains of 1e-16 times a stiffness far above that of bending.
@@ -34,7 +35,8 @@ constexpr double kLocked = 10.0;
 constexpr int kLockingElements = 16;
 constexpr double kLockingSlenderness = 1000.0;
 
-constexpr int kSmoothSamples = 33;  // of each element in single.h5, where an element is a quarter of a circle
+constexpr int kSmoothSamples = 33;   // of each element in single.h5, where an element is a quarter of a circle
+constexpr int kMoreGaussPoints = 3;  // than the k + 1 that a polynomial of degree k needs: the exact circle is none
 
 constexpr int kPrototypeElements = 32;
 const std::vector<const char*> kPrototypeErrors = {"8.59e-04", "2.77e-05", "6.28e-07",
@@ -45,166 +47,232 @@ struct NamedIntegration {
   const char* name;
   std::vector<int> locking_orders;  ///< that the paper's figures show at slenderness 1000, of k = 1..4
 };
+const std::vector<NamedIntegration> kIntegrations = {{ForceIntegration::full, "full", {2, 3, 4}},
+                                                     {ForceIntegration::axial_reduced, "axial reduced", {3}},
+                                                     {ForceIntegration::shear_reduced, "shear reduced", {2, 4}},
+                                                     {ForceIntegration::both_reduced, "both reduced", {}}};
+const NamedIntegration& kBothReduced = kIntegrations.back();
 
-const std::vector<NamedIntegration> kSelective = {{ForceIntegration::full, "full", {2, 3, 4}},
-                                                  {ForceIntegration::axial_reduced, "axial reduced", {3}},
-                                                  {ForceIntegration::shear_reduced, "shear reduced", {2, 4}}};
-const NamedIntegration kBothReduced = {ForceIntegration::both_reduced, "both reduced", {}};
-
-/// One row of convergence.csv.
+/// One computed rod, and how far it is from where it should be: positions divided by L, rotations in radians.
 struct RollupRun {
-  BentRod rod;
+  const NamedIntegration* how = nullptr;
+  double slenderness = 0.0;  ///< L/a, square section of side a
+  int order = 1, elements = 1;
   int load_steps = 0, iterations = 0;
-  double l2_error = 0.0;
-  VertexErrors vertices;
+  double l2_error = 0.0;    ///< the paper's: 1/L sqrt(1/L int |r - r_exact|^2 ds)
+  double tip = 0.0;         ///< distance of the last vertex from the end of the circle
+  double circle = 0.0;      ///< largest distance of any vertex from its place on the circle
+  double quadrature = 0.0;  ///< the same from where quadrature_positions() puts it
+  double rotation = 0.0;    ///< largest angle between any vertex's rotation and the exact one
+
+  bool is(const NamedIntegration& integration, double of_slenderness, int k, int count) const {
+    return how == &integration && slenderness == of_slenderness && order == k && elements == count;
+  }
 };
-using Runs = std::vector<RollupRun>;
 
 std::string name_of(const char* integration, double slenderness, int order) {
   return formatted("%s, rho=%g k=%d", integration, slenderness, order);
 }
 
-RollupRun compute(Application& app, const PureBending& bending, const BentRod& rod, const SolverParameters& solver) {
-  const Simulation simulation = app.solve(bending.variant(rod), solver, "");
-  return {rod, simulation.result().steps, simulation.result().newton_iterations, bending.centerline_error(simulation),
-          bending.vertex_errors(simulation)};
-}
+/// The scene and its exact solution: a circle of radius EI/M, without force strains.
+class RollupStudy {
+ public:
+  /// Throws InputError unless the scene is one straight member from the origin along x, clamped at its start, with a
+  /// dead moment about z at its end and nothing else.
+  explicit RollupStudy(Application& app) : app_(app) {
+    const Scene& scene = app.scene;
+    const PointLoad load = is_straight_cantilever(scene) ? scene.point_loads.front() : PointLoad{};
+    if (load.force != Vector3{} || load.moment[0] != 0.0 || load.moment[1] != 0.0 || load.moment[2] == 0.0)
+      throw InputError(
+          "the study needs a scene of one straight member from the origin along x, clamped at its start, with a dead "
+          "moment about z at its end and nothing else; other scenes: --single");
+    length_ = position_of(scene, scene.members.front().end_point)[0];
+    bending_stiffness_ = section_of(scene, scene.members.front()).bending_stiffness[1];
+    curvature_ = load.moment[2] / bending_stiffness_;
+  }
 
-/// Whatever the mesh, the tip closes the circle, rotations are exact, and vertices are where exact tangents put them.
-void check_exact_values(Application& app, const PureBending& bending) {
-  const int elements = app.study().get<int>("Exact Elements");
-  app.out() << "\nWhat is exact on every mesh, and what is not: " << elements
-            << " elements, one load step (positions / L, angles in radians)\n";
-  StudyTable table(app, "",
-                   {"slenderness", "k", "iterations", "tip position", "rotation of any vertex",
-                    "vertex from k-point Gauss rule", "vertex from the circle"},
-                   7);
-  for (double slenderness : study_list<double>(app, "Exact Slenderness"))
-    for (int order : study_list<int>(app, "Exact Orders")) {
-      const BentRod rod{kBothReduced.integration, slenderness, order, elements};
-      SolverParameters solver = with_fixed_steps(app.solver, 1);
-      solver.newton.residual_tolerance = slenderness < kStiff ? kResidualTolerance : kResidualToleranceOfStiff;
-      const RollupRun run = compute(app, bending, rod, solver);
-      table.add_row({slenderness, order, run.iterations, run.vertices.tip, run.vertices.rotation,
-                     run.vertices.quadrature, run.vertices.circle});
-      const std::string name = name_of("exact values", slenderness, order) + ": ";
-      app.summary.check_upper_bound(name + "tip, distance from the circle / L", run.vertices.tip, kExact, kClosedForm);
-      app.summary.check_upper_bound(name + "vertices, distance from Gauss rule of the exact tangent / L",
-                                    run.vertices.quadrature, kExact, kClosedForm);
-      app.summary.check_upper_bound(name + "vertices, angle to the exact rotation", run.vertices.rotation, kExact,
-                                    kClosedForm);
-      app.summary.check_upper_bound(name + "Newton iterations in one load step", run.iterations, kGoalIterations,
-                                    kGoal);
+  /// Records the scene as it stands (single.h5); checks what pure bending gives exactly, and in how many iterations;
+  /// writes convergence.csv, prints the errors of the centerline, checks their rates and which elements lock.
+  void run() {
+    app_.check_expected(app_.solve_and_record(app_.scene, app_.solver, "single", kSmoothSamples));
+    check_exact_values();
+    compute_all();
+    report_errors();
+    report_locking();
+    compare_with_prototype();
+  }
+
+ private:
+  Vec3<double> exact_position(double arc_length) const {
+    const double angle = curvature_ * arc_length, half_sine = std::sin(0.5 * angle);
+    return {{std::sin(angle) / curvature_, 2.0 * half_sine * half_sine / curvature_, 0.0}};  // 1 - cos, no cancellation
+  }
+
+  /// Exact positions of all vertices of the discrete solution when both parts of the force-strain energy are reduced:
+  /// rotations are exact and force strains vanish at k Gauss points in each element, so r' is the exact tangent there,
+  /// and a vertex is where the Gauss rule for the integral of the tangent puts it. That is on the circle up to
+  /// O(h^2k), and exactly on it wherever whole elements add up to a full turn, at the tip for one.
+  std::vector<Vec3<double>> quadrature_positions(int order, int elements) const {
+    std::vector<double> points(order), weights(order);
+    gauss_rule(order, points.data(), weights.data());
+    const double h = length_ / elements;
+    std::vector<Vec3<double>> positions = {{{0.0, 0.0, 0.0}}};
+    for (int e = 0; e < elements; ++e) {
+      Vec3<double> end = positions.back();
+      for (int q = 0; q < order; ++q) {
+        const double angle = curvature_ * h * (e + 0.5 * (1.0 + points[q]));
+        end += 0.5 * h * weights[q] * Vec3<double>{{std::cos(angle), std::sin(angle), 0.0}};
+      }
+      positions.push_back(end);
     }
-}
-
-void compute_all(Application& app, const PureBending& bending, const NamedIntegration& how,
-                 const std::vector<double>& slendernesses, const std::vector<int>& orders, Runs& runs) {
-  SolverParameters solver = app.solver;
-  solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
-  for (double slenderness : slendernesses)
-    for (int order : orders)
-      for (int elements : study_list<int>(app, "Elements"))
-        runs.push_back(compute(app, bending, {how.integration, slenderness, order, elements}, solver));
-}
-
-Runs compute_all(Application& app, const PureBending& bending) {
-  const auto orders = study_list<int>(app, "Orders");
-  Runs runs;
-  for (const NamedIntegration& how : kSelective) {
-    const bool full = how.integration == ForceIntegration::full;
-    compute_all(app, bending, how, study_list<double>(app, full ? "Slenderness" : "Slenderness of Selective Reduction"),
-                orders, runs);
+    return positions;
   }
-  compute_all(app, bending, kBothReduced, study_list<double>(app, "Slenderness"),
-              study_list<int>(app, "Orders Both Reduced"), runs);
-  return runs;
-}
 
-const char* integration_name(ForceIntegration integration) {
-  for (const NamedIntegration& how : kSelective)
-    if (how.integration == integration) return how.name;
-  return kBothReduced.name;
-}
-
-void write_convergence(const Application& app, const Runs& runs) {
-  StudyTable csv(app, "convergence.csv",
-                 {"integration", "order", "slenderness", "elements", "l2_error", "tip_error", "vertex_error",
-                  "iterations", "load_steps"});
-  for (const RollupRun& run : runs)
-    csv.add_row({integration_name(run.rod.integration), run.rod.order, run.rod.slenderness, run.rod.elements,
-                 run.l2_error, run.vertices.tip, run.vertices.circle, run.iterations, run.load_steps});
-}
-
-/// Runs that differ in their mesh only follow each other. Checks the rates of those that cannot lock.
-void report_errors(Application& app, const Runs& runs) {
-  const auto elements = study_list<int>(app, "Elements");
-  ConvergenceTable table("\nError of the centerline, 1/L sqrt(1/L int |r - r_exact|^2 ds)", elements, kRoundOff);
-  std::string group;
-  for (std::size_t first = 0; first + elements.size() <= runs.size(); first += elements.size()) {
-    const BentRod& rod = runs[first].rod;
-    const char* integration = integration_name(rod.integration);
-    const bool full = rod.integration == ForceIntegration::full;
-    const std::string heading =
-        formatted("%s%s, slenderness %g", integration, full ? " integration" : "", rod.slenderness);
-    if (heading != group) table.add_group(group = heading);
-    std::vector<double> errors;
-    for (std::size_t i = 0; i < elements.size(); ++i) errors.push_back(runs[first + i].l2_error);
-    const auto rate = table.add_row(rod.order, errors);
-    if (rod.integration == kBothReduced.integration && rate)
-      app.summary.check_absolute(name_of(integration, rod.slenderness, rod.order) + ": convergence rate", *rate,
-                                 rod.order + 1, kRateTolerance, kPaper + ": optimal rate k + 1");
+  /// With the force stiffness of a square section: EA = 12 slenderness^2 EI/L^2, GA = EA/2. Collective.
+  RollupRun compute(const NamedIntegration& how, double slenderness, int order, int elements,
+                    const SolverParameters& solver) {
+    Scene scene = with_mesh(app_.scene, order, elements);
+    scene.members.front().force_integration = how.integration;
+    const double axial = 12.0 * std::pow(slenderness / length_, 2) * bending_stiffness_;
+    for (Section& section : scene.sections) {
+      section.axial_stiffness = axial;
+      section.shear_stiffness = {0.5 * axial, 0.5 * axial};
+    }
+    const Simulation simulation = app_.solve(scene, solver, "");
+    const LoadPathResult& result = simulation.result();
+    RollupRun run = {&how, slenderness, order, elements, result.steps, result.newton_iterations};
+    run.l2_error = simulation.l2_norm(order + kMoreGaussPoints, [this](const PointSample& sample, int) {
+      return sample.position - exact_position(sample.arc_length);
+    }) / length_;
+    const auto whole = simulation.model().whole_mesh();
+    const auto quadrature = quadrature_positions(order, whole->elements_of(0));
+    for (const MeshElement& element : whole->elements) {
+      const int vertex = element.vertex[1];
+      const VertexPlace place = place_of(simulation, vertex);
+      const double s = whole->vertex_position[vertex][0];
+      const Quaternion<double> back = exp_quaternion(Vec3<double>{{0.0, 0.0, -curvature_ * s}});
+      run.tip = length_of(place.position - exact_position(s)) / length_;
+      run.circle = std::max(run.circle, run.tip);
+      run.quadrature = std::max(run.quadrature, length_of(place.position - quadrature[element.index + 1]) / length_);
+      run.rotation = std::max(run.rotation, angle_of(back * place.rotation));
+    }
+    return run;
   }
-  table.print(app.out());
-}
 
-const RollupRun* find(const Runs& runs, const BentRod& wanted) {
-  const auto same = [&](const RollupRun& run) {
-    return run.rod.integration == wanted.integration && run.rod.slenderness == wanted.slenderness &&
-           run.rod.order == wanted.order && run.rod.elements == wanted.elements;
-  };
-  const auto found = std::find_if(runs.begin(), runs.end(), same);
-  return found == runs.end() ? nullptr : &*found;
-}
+  /// Whatever the mesh, the tip closes the circle, rotations are exact, and vertices are where exact tangents put them.
+  void check_exact_values() {
+    const int elements = study_number(app_, "Exact Elements");
+    app_.out() << "\nWhat is exact on every mesh, and what is not: " << elements
+               << " elements, one load step (positions / L, angles in radians)\n";
+    StudyTable table(app_, "",
+                     {"slenderness", "k", "iterations", "tip position", "rotation of any vertex",
+                      "vertex from k-point Gauss rule", "vertex from the circle"},
+                     7);
+    for (double slenderness : study_list<double>(app_, "Exact Slenderness"))
+      for (int order : study_list<int>(app_, "Exact Orders")) {
+        SolverParameters solver = with_fixed_steps(app_.solver, 1);
+        solver.newton.residual_tolerance = slenderness < kStiff ? kResidualTolerance : kResidualToleranceOfStiff;
+        const RollupRun run = compute(kBothReduced, slenderness, order, elements, solver);
+        table.add_row({slenderness, order, run.iterations, run.tip, run.rotation, run.quadrature, run.circle});
+        const auto check = [&](const char* what, double value, double bound, const std::string& source) {
+          app_.summary.check_upper_bound(name_of("exact values", slenderness, order) + what, value, bound, source);
+        };
+        check(": tip, distance from the circle / L", run.tip, kExact, kClosedForm);
+        check(": vertices, distance from Gauss rule of the exact tangent / L", run.quadrature, kExact, kClosedForm);
+        check(": vertices, angle to the exact rotation", run.rotation, kExact, kClosedForm);
+        check(": Newton iterations in one load step", run.iterations, kGoalIterations, kGoal);
+      }
+  }
 
-/// Error over that of both reduced integrations: printed, and checked against what the paper's figures show.
-void report_locking(Application& app, const Runs& runs) {
-  app.out() << "\nLocking at slenderness " << kLockingSlenderness << " with " << kLockingElements
-            << " elements: more than " << kLocked << " times the error with both parts reduced";
-  StudyTable table(app, "", {"integration", "k", "ratio", "locks"}, 4);
-  for (int order : study_list<int>(app, "Orders")) {
-    for (const NamedIntegration& how : kSelective) {
-      const RollupRun* run = find(runs, {how.integration, kLockingSlenderness, order, kLockingElements});
-      const RollupRun* best = find(runs, {kBothReduced.integration, kLockingSlenderness, order, kLockingElements});
-      if (run == nullptr || best == nullptr) continue;  // the user's lists do not hold this mesh
-      const double ratio = run->l2_error / best->l2_error;
-      table.add_row({how.name, order, ratio, ratio > kLocked ? "yes" : "no"});
-      const std::string name = name_of(how.name, kLockingSlenderness, order);
-      const bool locks = std::count(how.locking_orders.begin(), how.locking_orders.end(), order) > 0;
-      if (locks)
-        app.summary.check_upper_bound(name + ": locks, error with both reduced / error", 1.0 / ratio, 1.0 / kLocked,
-                                      kPaper);
-      else
-        app.summary.check_upper_bound(name + ": does not lock, error / error with both reduced", ratio, kLocked,
-                                      kPaper);
+  void compute_all() {
+    StudyTable csv(
+        app_, "convergence.csv",
+        words("integration,order,slenderness,elements,l2_error,tip_error,vertex_error,iterations,load_steps"));
+    SolverParameters solver = app_.solver;
+    solver.newton.residual_tolerance = std::min(solver.newton.residual_tolerance, kResidualTolerance);
+    for (const NamedIntegration& how : kIntegrations) {
+      const bool is_whole = how.integration == ForceIntegration::full || &how == &kBothReduced;
+      const auto slendernesses =
+          study_list<double>(app_, is_whole ? "Slenderness" : "Slenderness of Selective Reduction");
+      for (double slenderness : slendernesses)
+        for (int order : study_list<int>(app_, &how == &kBothReduced ? "Orders Both Reduced" : "Orders"))
+          for (int elements : study_list<int>(app_, "Elements")) {
+            const RollupRun run = compute(how, slenderness, order, elements, solver);
+            csv.add_row({how.name, order, slenderness, elements, run.l2_error, run.tip, run.circle, run.iterations,
+                         run.load_steps});
+            runs_.push_back(run);
+          }
     }
   }
-}
 
-void compare_with_prototype(Application& app, const Runs& runs) {
-  TablePrinter table("\nError of the centerline beside that of a prototype of the element (" +
-                         std::to_string(kPrototypeElements) + " elements, both parts reduced)",
-                     {"k"}, {"slenderness 10", "slenderness 1000"}, "prototype");
-  for (int order = 1; order <= static_cast<int>(kPrototypeErrors.size()); ++order) {
-    std::vector<ComparedValue> values;
-    for (double slenderness : {10.0, 1000.0}) {
-      const RollupRun* run = find(runs, {kBothReduced.integration, slenderness, order, kPrototypeElements});
-      if (run != nullptr) values.push_back({kPrototypeErrors[order - 1], run->l2_error, Agreement::informative});
+  /// Runs that differ in their mesh only follow each other. Checks the rates of those that cannot lock.
+  void report_errors() {
+    const auto elements = study_list<int>(app_, "Elements");
+    ConvergenceTable table("\nError of the centerline, 1/L sqrt(1/L int |r - r_exact|^2 ds)", elements, kRoundOff);
+    std::string group;
+    for (std::size_t first = 0; first + elements.size() <= runs_.size(); first += elements.size()) {
+      const RollupRun& run = runs_[first];
+      const bool full = run.how->integration == ForceIntegration::full;
+      const std::string heading =
+          formatted("%s%s, slenderness %g", run.how->name, full ? " integration" : "", run.slenderness);
+      if (heading != group) table.add_group(group = heading);
+      std::vector<double> errors;
+      for (std::size_t i = 0; i < elements.size(); ++i) errors.push_back(runs_[first + i].l2_error);
+      const auto rate = table.add_row(run.order, errors);
+      if (run.how == &kBothReduced && rate)
+        app_.summary.check_absolute(name_of(run.how->name, run.slenderness, run.order) + ": convergence rate", *rate,
+                                    run.order + 1, kRateTolerance, kPaper + ": optimal rate k + 1");
     }
-    if (values.size() == 2) table.add_row({std::to_string(order)}, values);
+    table.print(app_.out());
   }
-  table.print(app.out());
-}
+
+  /// Null where the user's lists do not hold it.
+  const RollupRun* find(const NamedIntegration& how, double slenderness, int order, int elements) const {
+    for (const RollupRun& run : runs_)
+      if (run.is(how, slenderness, order, elements)) return &run;
+    return nullptr;
+  }
+
+  /// Error over that of both reduced integrations: printed, and checked against what the paper's figures show.
+  void report_locking() {
+    app_.out() << "\nLocking at slenderness " << kLockingSlenderness << " with " << kLockingElements
+               << " elements: more than " << kLocked << " times the error with both parts reduced";
+    StudyTable table(app_, "", {"integration", "k", "ratio", "locks"}, 4);
+    for (int order : study_list<int>(app_, "Orders"))
+      for (const NamedIntegration& how : kIntegrations) {
+        const RollupRun* run = find(how, kLockingSlenderness, order, kLockingElements);
+        const RollupRun* best = find(kBothReduced, kLockingSlenderness, order, kLockingElements);
+        if (run == nullptr || best == nullptr || run == best) continue;
+        const double ratio = run->l2_error / best->l2_error;
+        table.add_row({how.name, order, ratio, ratio > kLocked ? "yes" : "no"});
+        const std::string name = name_of(how.name, kLockingSlenderness, order);
+        if (std::count(how.locking_orders.begin(), how.locking_orders.end(), order) > 0)
+          app_.summary.check_upper_bound(name + ": locks, error with both reduced / error", 1.0 / ratio, 1.0 / kLocked,
+                                         kPaper);
+        else
+          app_.summary.check_upper_bound(name + ": does not lock, error / error with both reduced", ratio, kLocked,
+                                         kPaper);
+      }
+  }
+
+  void compare_with_prototype() {
+    TablePrinter table("\nError of the centerline beside that of a prototype of the element (" +
+                           std::to_string(kPrototypeElements) + " elements, both parts reduced)",
+                       {"k"}, {"slenderness 10", "slenderness 1000"}, "prototype");
+    for (int order = 1; order <= static_cast<int>(kPrototypeErrors.size()); ++order) {
+      std::vector<ComparedValue> values;
+      for (double slenderness : {10.0, 1000.0})
+        if (const RollupRun* run = find(kBothReduced, slenderness, order, kPrototypeElements))
+          values.push_back({kPrototypeErrors[order - 1], run->l2_error, Agreement::informative});
+      if (values.size() == 2) table.add_row({std::to_string(order)}, values);
+    }
+    table.print(app_.out());
+  }
+
+  Application& app_;
+  double length_ = 0.0, bending_stiffness_ = 0.0, curvature_ = 0.0;
+  std::vector<RollupRun> runs_;
+};
 
 ListSpec rollup_spec() {
   constexpr double kMost = 1e10;
@@ -221,19 +289,6 @@ ListSpec rollup_spec() {
   return spec;
 }
 
-/// Records the scene as it stands (single.h5); checks what pure bending gives exactly, and in how many iterations;
-/// writes convergence.csv, prints the errors of the centerline, checks their rates and which elements lock.
-void run_rollup_study(Application& app) {
-  const PureBending bending(app.scene);
-  app.check_expected(app.solve_and_record(app.scene, app.solver, "single", kSmoothSamples));
-  check_exact_values(app, bending);
-  const Runs runs = compute_all(app, bending);
-  write_convergence(app, runs);
-  report_errors(app, runs);
-  report_locking(app, runs);
-  compare_with_prototype(app, runs);
-}
-
 }  // namespace
 
 }  // namespace mixbeam
@@ -242,5 +297,5 @@ int main(int argc, char** argv) {
   return mixbeam::run_study(
       argc, argv, "rollup",
       "a straight cantilever bent to a double circle by a moment at its tip; convergence and locking.",
-      mixbeam::rollup_spec(), mixbeam::run_rollup_study);
+      mixbeam::rollup_spec(), [](mixbeam::Application& app) { mixbeam::RollupStudy(app).run(); });
 }

@@ -13,7 +13,16 @@ namespace mixbeam {
 
 namespace {
 
-/// How a turned configuration differs from the one before, after turning it back.
+const std::string kPaper =
+    "Humer, Steinbrecher, Pechstein, section \"Superimposed rotation of deformed cantilever\": preserved up to double "
+    "precision";
+/// Round-off of some hundred operations on numbers of size one.
+constexpr double kPreserved = 1e-12;
+/// The same for configurations turned back by up to 63 radians, whose sine and cosine carry the rounding of that angle.
+constexpr double kSameConfiguration = 1e-11;
+constexpr int kPointsPerElement = 9;
+
+/// How a turned configuration differs from the one before the rotation, after turning it back.
 struct Deviation {
   double rotation = 0.0;         ///< prescribed so far [rad]
   double relative_u3 = 0.0;      ///< displacement of the tip along the axis of rotation, change over L
@@ -21,39 +30,49 @@ struct Deviation {
   double position = 0.0;         ///< farthest vertex, distance over L
   double triad = 0.0;            ///< vertex whose triad differs most, angle [rad]
   int iterations = 0;            ///< Newton's, for this increment
+
+  std::vector<CsvCell> cells(const CsvCell& first) const {
+    return {first, relative_u3, relative_energy, position, triad, iterations};
+  }
 };
 
 /// Follows a run: keeps the state at the start of the prescribed rotation and compares every later one with it.
 class TurnedRod {
  public:
-  /// The support with a prescribed rotation says axis, centre and stage; `tip` is the point watched.
-  TurnedRod(const Scene& scene, const std::string& tip) : tip_(tip) {
+  /// The support with a prescribed rotation says axis, centre and stage.
+  explicit TurnedRod(const Scene& scene) {
     const auto turns = [](const Support& s) { return length_of(to_vec(s.prescribed_rotation)) > 0.0; };
     const auto support = std::find_if(scene.supports.begin(), scene.supports.end(), turns);
     if (support == scene.supports.end())
       throw InputError(
           "the scene has no support with a \"Prescribed Rotation\": nothing turns, so nothing can be compared");
-    support_ = *support;
-    center_ = to_vec(position_of(scene, support_.point));
-    whole_rotation_ = length_of(to_vec(support_.prescribed_rotation));
-    axis_ = (1.0 / whole_rotation_) * to_vec(support_.prescribed_rotation);
+    stage_ = support->stage;
+    center_ = to_vec(position_of(scene, support->point));
+    whole_rotation_ = length_of(to_vec(support->prescribed_rotation));
+    axis_ = (1.0 / whole_rotation_) * to_vec(support->prescribed_rotation);
   }
 
   /// Collective; to be called after every converged step.
   void observe(const Simulation& simulation, const StepReport& report) {
-    const double amplitude = report.load_factor - (support_.stage - 1);
-    if (amplitude < -kSameLoadFactor * support_.stage) return;
-    const Configuration now = configuration_of(simulation);
+    const double amplitude = report.load_factor - (stage_ - 1);
+    if (amplitude < -kSameLoadFactor * stage_) return;
+    const std::string& tip = simulation.scene().members.front().end_point;
+    const Configuration now = {dot(to_vec(simulation.displacement(tip)), axis_), simulation.strain_energy().moment,
+                               vertex_places(simulation)};
     if (deviations_.empty()) start_ = now;
     const double length = simulation.model().mesh().member_length.front();
     deviations_.push_back(compare(now, std::min(amplitude, 1.0) * whole_rotation_, length));
     if (deviations_.size() > 1) deviations_.back().iterations = report.newton_iterations;
   }
+  RunObserver observer() {
+    return [this](const Simulation& running, const StepReport& report) { observe(running, report); };
+  }
 
   /// The state before the rotation first (no deviation, no iterations), then every increment.
   const std::vector<Deviation>& deviations() const { return deviations_; }
-  /// Largest absolute values of all increments, and the largest number of iterations among them.
-  Deviation largest() const {
+
+  /// Checks the largest absolute values of all increments, and returns them with the largest number of iterations.
+  Deviation checked(Summary& summary, const std::string& name) const {
     Deviation largest;
     for (const Deviation& d : deviations_) {
       largest.relative_u3 = std::max(largest.relative_u3, std::abs(d.relative_u3));
@@ -62,6 +81,13 @@ class TurnedRod {
       largest.triad = std::max(largest.triad, d.triad);
       largest.iterations = std::max(largest.iterations, d.iterations);
     }
+    const auto check = [&](const char* what, double value, double bound) {
+      summary.check_upper_bound(name + what + ", largest of all increments", value, bound, kPaper);
+    };
+    check(": change of u3(L) / L", largest.relative_u3, kPreserved);
+    check(": relative change of the moment energy", largest.relative_energy, kPreserved);
+    check(": farthest vertex after turning back / L", largest.position, kSameConfiguration);
+    check(": triad of a vertex after turning back", largest.triad, kSameConfiguration);
     return largest;
   }
 
@@ -71,15 +97,6 @@ class TurnedRod {
     double moment_energy = 0.0;
     std::vector<VertexPlace> vertices;
   };
-
-  Configuration configuration_of(const Simulation& simulation) const {
-    Configuration configuration;
-    configuration.along_axis = dot(to_vec(simulation.displacement(tip_)), axis_);
-    configuration.moment_energy = simulation.strain_energy().moment;
-    for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex)
-      configuration.vertices.push_back(place_of(simulation, vertex));
-    return configuration;
-  }
 
   Deviation compare(const Configuration& turned, double rotation, double length) const {
     Deviation deviation;
@@ -96,64 +113,23 @@ class TurnedRod {
     return deviation;
   }
 
-  std::string tip_;
-  Support support_;
+  int stage_ = 1;
   Vec3<double> center_{}, axis_{};
   double whole_rotation_ = 0.0;
   Configuration start_;
   std::vector<Deviation> deviations_;
 };
 
-const std::string kPaper =
-    "Humer, Steinbrecher, Pechstein, section \"Superimposed rotation of deformed cantilever\": preserved up to double "
-    "precision";
-
-/// Round-off of some hundred operations on numbers of size one.
-constexpr double kPreserved = 1e-12;
-
-/// The same for configurations turned back by up to 63 radians, whose sine and cosine carry the rounding of that angle.
-constexpr double kSameConfiguration = 1e-11;
-
-/// Quantity of the list "Expected": energy of the moment strains at the end of the run.
-
-constexpr int kPointsPerElement = 9;
-
-std::string tip_of(const Scene& scene) { return scene.members.front().end_point; }
-
-void check(Summary& summary, const std::string& name, const Deviation& largest) {
-  summary.check_upper_bound(name + ": change of u3(L) / L, largest of all increments", largest.relative_u3, kPreserved,
-                            kPaper);
-  summary.check_upper_bound(name + ": relative change of the moment energy, largest of all increments",
-                            largest.relative_energy, kPreserved, kPaper);
-  summary.check_upper_bound(name + ": farthest vertex after turning back / L, largest of all increments",
-                            largest.position, kSameConfiguration, kPaper);
-  summary.check_upper_bound(name + ": triad of a vertex after turning back, largest of all increments", largest.triad,
-                            kSameConfiguration, kPaper);
-}
-
-/// Change since the bent state, turned back, at every increment.
-void write_deviations(const Application& app, const TurnedRod& rod) {
-  StudyTable csv(app, "deviation.csv",
-                 {"rotation", "relative_u3", "relative_energy", "vertex_position", "vertex_triad", "iterations"}, 6);
-  for (const Deviation& d : rod.deviations())
-    csv.add_row({d.rotation, d.relative_u3, d.relative_energy, d.position, d.triad, d.iterations});
-}
-
-ListSpec rotation_study_spec() {
-  ListSpec spec("Element orders to compare.");
-  spec.add(counts("Orders", {1, 2, 3, 4}, 8, "Element orders k, each on the mesh of the scene."));
-  return spec;
-}
-
 /// The scene as it stands: prints and checks the deviations at every increment, writes deviation.csv and single.h5.
 void run_rotation(Application& app) {
-  TurnedRod rod(app.scene, tip_of(app.scene));
-  const Simulation simulation = app.solve_and_record(
-      app.scene, app.solver, "single", kPointsPerElement,
-      [&rod](const Simulation& running, const StepReport& report) { rod.observe(running, report); });
+  TurnedRod rod(app.scene);
+  const Simulation simulation =
+      app.solve_and_record(app.scene, app.solver, "single", kPointsPerElement, rod.observer());
   app.check_expected(simulation, [&simulation](const ExpectedValue&) { return simulation.strain_energy().moment; });
-  write_deviations(app, rod);
-  check(app.summary, "scene", rod.largest());
+  StudyTable csv(app, "deviation.csv",
+                 words("rotation,relative_u3,relative_energy,vertex_position,vertex_triad,iterations"), 6);
+  for (const Deviation& d : rod.deviations()) csv.add_row(d.cells(d.rotation));
+  rod.checked(app.summary, "scene");
 }
 
 /// That, and the other element orders.
@@ -164,13 +140,9 @@ void run_rotation_study(Application& app) {
   StudyTable table(app, "", {"k", "u3(L) / L", "moment energy", "vertices / L", "triads [rad]", "iterations"}, 6);
   for (int order : study_list<int>(app, "Orders")) {
     const Scene scene = with_mesh(app.scene, order, app.scene.members.front().elements);
-    TurnedRod rod(scene, tip_of(scene));
-    app.solve(scene, app.solver, "",
-              [&rod](const Simulation& running, const StepReport& report) { rod.observe(running, report); });
-    const Deviation largest = rod.largest();
-    table.add_row(
-        {order, largest.relative_u3, largest.relative_energy, largest.position, largest.triad, largest.iterations});
-    check(app.summary, "k=" + std::to_string(order), largest);
+    TurnedRod rod(scene);
+    app.solve(scene, app.solver, "", rod.observer());
+    table.add_row(rod.checked(app.summary, "k=" + std::to_string(order)).cells(order));
   }
 }
 
@@ -182,7 +154,8 @@ int main(int argc, char** argv) {
   mixbeam::ApplicationDefinition definition;
   definition.name = "superimposed_rotation";
   definition.purpose = "cantilever bent by a moment, then turned with its clamp (objectivity).";
-  definition.study = mixbeam::rotation_study_spec();
+  definition.study = mixbeam::ListSpec("Element orders to compare.");
+  definition.study.add(mixbeam::counts("Orders", {1, 2, 3, 4}, 8, "Element orders k, each on the mesh of the scene."));
   definition.single = mixbeam::run_rotation;
   definition.run_study = mixbeam::run_rotation_study;
   return mixbeam::run_application(argc, argv, definition);

@@ -1,6 +1,8 @@
 #include "apps/common/studies/study.hpp"
 
+#include "apps/common/studies/variants.hpp"
 #include "apps/common/tables/formatted.hpp"
+#include "apps/common/tables/printed_digits.hpp"
 #include "mixbeam/version.hpp"
 
 #include <algorithm>
@@ -108,6 +110,38 @@ ComparedValue compared(Application& app, const std::string& name, double own, co
   if (printed.empty()) return {"", own, Agreement::informative};
   const bool agrees = app.summary.check_printed_digits(name, own, printed, source);
   return {printed, own, agrees ? Agreement::agrees : Agreement::differs};
+}
+
+std::array<std::string, 3> PaperTable::row(int order, int elements) const {
+  for (const Row& one : rows) {
+    if (one.order != order || one.elements != elements) continue;
+    std::array<std::string, 3> texts = one.printed;
+    for (std::string& number : texts)
+      if (figures > 0) number = rounded_to_figures(number, figures);
+    return texts;
+  }
+  return {};
+}
+
+std::vector<ComparedValue> compared(Application& app, const std::string& before, const std::string& after,
+                                    const Vector3& own, const std::array<std::string, 3>& printed,
+                                    const std::string& source) {
+  std::vector<ComparedValue> values;
+  for (std::size_t i = 0; i < own.size(); ++i)
+    values.push_back(compared(app, before + std::to_string(i + 1) + after, own[i], printed[i], source));
+  return values;
+}
+
+void require_point(const Application& app, const std::string& name) {
+  for (const Point& point : app.scene.points)
+    if (point.name == name) return;
+  throw app.xml.source.error({"Scene", "Points"}, "no point \"" + name +
+                                                      "\"; the study reports its displacement (--single takes any "
+                                                      "scene)");
+}
+
+Simulation solve_in_steps(Application& app, const Scene& scene, int steps, const RunObserver& observer) {
+  return app.solve(scene, with_fixed_steps(app.solver, steps), "", observer);
 }
 
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more) {

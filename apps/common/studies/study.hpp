@@ -5,6 +5,7 @@
 #include "apps/common/tables/csv_table.hpp"
 #include "apps/common/tables/table_printer.hpp"
 
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <limits>
@@ -36,7 +37,8 @@ ParameterSpec sizes(const std::string& name, const std::vector<double>& by_defau
                     const std::string& meaning);
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-/// An array of the list "Study".
+/// A number of the list "Study"; an array of it.
+inline int study_number(Application& app, const std::string& name) { return app.study().get<int>(name); }
 template <class Value>
 std::vector<Value> study_list(Application& app, const std::string& name) {
   return app.study().get<Teuchos::Array<Value>>(name).toVector();
@@ -66,6 +68,31 @@ int run_study(int argc, char** argv, const std::string& name, const std::string&
 /// Checks a value against the digits that a source prints, for a table of both; an empty text: there is none.
 ComparedValue compared(Application& app, const std::string& name, double own, const std::string& printed,
                        const std::string& source);
+
+/// A table of a paper: three printed numbers for an order and a number of elements.
+struct PaperTable {
+  struct Row {
+    int order, elements;
+    std::array<std::string, 3> printed;
+  };
+  std::string source;
+  std::vector<Row> rows;
+  int figures = 0;  ///< that the paper shows of the numbers in `rows`; 0: all
+
+  /// Texts of a row, empty where there is none.
+  std::array<std::string, 3> row(int order, int elements) const;
+};
+
+/// compared() of three components, called before + "1" + after, ...
+std::vector<ComparedValue> compared(Application& app, const std::string& before, const std::string& after,
+                                    const Vector3& own, const std::array<std::string, 3>& printed,
+                                    const std::string& source);
+
+/// Throws InputError with the place unless the scene has a point of this name, which the study reports.
+void require_point(const Application& app, const std::string& name);
+
+/// Equal load steps, this many for each stage, quietly; `observer` after each.
+Simulation solve_in_steps(Application& app, const Scene& scene, int steps, const RunObserver& observer = {});
 
 /// What measurements were made with, and what else is to be known of them: machine.csv.
 void write_machine(const Application& app, const std::vector<std::pair<std::string, std::string>>& more = {});

@@ -5,6 +5,7 @@
 #include "nonlinear/run/simulation.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace mixbeam {
 
@@ -20,6 +21,14 @@ inline VertexPlace place_of(const Simulation& simulation, int vertex) {
   const auto motion = vertex_motion(simulation.model(), simulation.state(), vertex);
   return {to_vec(reference_position(simulation.model(), vertex)) + Vec3<double>{{motion[0], motion[1], motion[2]}},
           exp_quaternion(Vec3<double>{{motion[3], motion[4], motion[5]}})};
+}
+
+/// Of all vertices of this rank's mesh.
+inline std::vector<VertexPlace> vertex_places(const Simulation& simulation) {
+  std::vector<VertexPlace> places;
+  for (int vertex = 0; vertex < simulation.model().mesh().vertices(); ++vertex)
+    places.push_back(place_of(simulation, vertex));
+  return places;
 }
 
 /// Without overflow or underflow of the squares.
