@@ -41,7 +41,12 @@ auto in_turn(const Action& action) {
   return action();
 }
 
+/// Name and entries of a parameter list: {name: [type, value] of a parameter, a dict of a list}.
+pybind11::tuple parameters_of(const XmlParameters& parameters);
+
 /// Adds the class of a run to the module: what it hands out.
 void bind_run(pybind11::module_& module);
+/// Adds what programs with a study in Python work with, see study.cpp.
+void bind_study(pybind11::module_& module);
 
 }  // namespace mixbeam

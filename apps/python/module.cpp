@@ -47,9 +47,14 @@ py::dict entries_of(const Teuchos::ParameterList& list) {
   return entries;
 }
 
+}  // namespace
+
 py::tuple parameters_of(const XmlParameters& parameters) {
   return py::make_tuple(parameters.list->name(), entries_of(*parameters.list));
 }
+
+namespace {
+
 py::tuple parse(const std::string& text, const std::string& file) {
   return parameters_of(in_turn([&] { return parsed_scene(text, file); }));
 }
@@ -237,5 +242,6 @@ PYBIND11_MODULE(_core, module) {
   module.def("batch", batch);
   module.def("verify", verify);
   bind_run(module);
+  bind_study(module);
   py::module_::import("atexit").attr("register")(py::cpp_function([] { Guest::instance().end_of_interpreter(); }));
 }

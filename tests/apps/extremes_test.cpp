@@ -55,6 +55,27 @@ TEST(Extremes, AMissedCriticalPointIsNoticed) {
   expect_in(text_of(folder / "output.txt"), {"FAIL  truss_rise 0.01: critical load factors"});
 }
 
+/// Random imperfect structures alone, from a series of which some paths pass several critical points.
+std::string random_structures(int count, double reference_step, const fs::path& folder) {
+  std::string scene = text_of(with_study(1, folder));
+  scene = changed(scene, "value=\"1\"", "value=\"" + std::to_string(count) + "\"", "Random Structures");
+  scene = changed(scene, "value=\"0.1\"", "value=\"" + std::to_string(reference_step) + "\"", "Reference Step");
+  const std::size_t sweeps = scene.find("{slenderness");
+  scene.replace(sweeps, scene.find('}', sweeps) + 1 - sweeps, "{order}");
+  write_text(folder / "scene.xml", scene);
+  return (folder / "scene.xml").string();
+}
+
+TEST(Extremes, RandomPathsAreRightOrRefused) {
+  const auto folder = folder_for("extremes_random");
+  EXPECT_EQ(run_program("extremes", random_structures(60, 0.03, folder), folder), 0) << text_of(folder / "output.txt");
+  const std::string table = text_of(folder / "random_paths.csv");
+  constexpr int kKnown = 30;
+  int right = 0;
+  for (std::size_t at = table.find(",right,"); at != std::string::npos; at = table.find(",right,", at + 1)) ++right;
+  EXPECT_GT(right, kKnown);
+}
+
 TEST(Extremes, CoarseMeshBreaksThePromise) {
   const auto folder = folder_for("extremes_coarse");
   const std::string scene = with_study(1, folder);

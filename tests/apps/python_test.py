@@ -20,6 +20,7 @@ import threading
 import time
 import unittest
 from pathlib import Path
+from types import SimpleNamespace
 
 if "MIXBEAM_PYTHON_TEST" not in os.environ:  # a process of multiprocessing has the words of its parent
     os.environ["MIXBEAM_PYTHON_TEST"] = os.pathsep.join(str(Path(sys.argv.pop(1)).resolve()) for _ in range(2))
@@ -552,6 +553,21 @@ class Guest(InFolder):
                               env=clean, capture_output=True, text=True)
         self.assertIn(str(self.folder / "own"), said.stdout, said.stderr)
         self.assertIn("auto", said.stdout)
+
+
+class Studies(InFolder):
+    def test_a_mirrored_end_is_wrong(self):
+        """The judge of random paths: a column beyond its load that has bent to the other side."""
+        sys.path[:0] = [str(SOURCES / "apps" / "extremes"), str(SOURCES / "apps" / "common" / "studies")]
+        from judged_path import is_same_end
+        ends = []
+        for across in (0.3, -0.3):
+            scene = cantilever(across)
+            scene.point_loads["thrust"] = mixbeam.PointLoad(point="tip", force=(-10.0, 0, 0))
+            run = mixbeam.run(scene)
+            ends.append(SimpleNamespace(displacements=[run.displacement("tip")]))
+        self.assertTrue(is_same_end(scene, ends[0], ends[0]))
+        self.assertFalse(is_same_end(scene, *ends))
 
 
 class Pictures(InFolder):

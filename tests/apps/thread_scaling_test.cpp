@@ -99,7 +99,6 @@ TEST(ThreadScalingApplication, TinySizeWritesEveryPhase) {
   expect_figures_agree(rows, 40);
   const auto cases = rows_of(folder / "cases.csv");
   ASSERT_GT(cases.size(), 1U);
-  ASSERT_EQ(cases[0].at(7), "memory_bytes_per_element");
   EXPECT_GT(std::stod(cases[1].at(7)), 0.0);
   for (const char* file : {"machine.csv", "ceilings.csv", "cases.csv"})
     EXPECT_GT(rows_of(folder / file).size(), 2U) << file;

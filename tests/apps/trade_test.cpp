@@ -48,31 +48,6 @@ TEST(Trade, TinySizeConvergesAsTheorySays) {
   expect_in(text_of(folder / "orders.csv"), {"\nlargest,seconds,0.01,1.0,3,3,", "\ndisplacement,flops,0.01,1.0,3,3,"});
 }
 
-/// What the study holds against what: each kind of check, of each benchmark to which it belongs.
-std::vector<std::string> checks_of_few_cells() {
-  std::vector<std::string> names = {"tip moves back", "tip moves up", "tip turns"};
-  for (const std::string benchmark : {"thick_cantilever", "rollup", "slope_discontinuity", "gripper"})
-    for (const std::string check : {": difference of the references", ": error for a wanted accuracy of 1e-03",
-                                    ": error for a wanted accuracy of 1e-05"})
-      names.push_back(benchmark + check);
-  for (const std::string order : {"1", "2", "3"})
-    names.push_back("thick_cantilever k=" + order + ": rate of the centerline");
-  for (const std::string quantity : {"displacement", "centerline", "moment"})
-    for (const std::string check : {": cells beyond a factor of 5", ": largest true error over estimate"})
-      names.push_back("estimate of the " + quantity + check);
-  return names;
-}
-
-TEST(Trade, EveryPromiseIsChecked) {
-  const auto folder = folder_for("trade_checks");
-  const std::string study = changed(kFewCells, "{1, 2}", "{1}", "Threads");
-  const std::string arguments = trade_scene(study, folder) + " --summary " + (folder / "summary.json").string();
-  EXPECT_EQ(run_program("trade", arguments, folder), 0) << text_of(folder / "output.txt");
-  const std::string summary = text_of(folder / "summary.json");
-  for (const std::string& name : checks_of_few_cells())
-    EXPECT_NE(summary.find("\"name\": \"" + name + "\""), std::string::npos) << name;
-}
-
 TEST(Trade, MeshesTooCoarseForARateAreNoticed) {
   const auto folder = folder_for("trade_coarse");
   const std::string study = one_thread(changed(kFewCells, "{4, 8, 16, 32}", "{1, 2}"));

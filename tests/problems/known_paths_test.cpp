@@ -1,8 +1,6 @@
 // Paths near singular points that are easily got wrong, each with an answer that no finite element computed: shooting
 // on the rod equations, or a closed form. The table below is data; one judge looks at every path, and once more at the
 // same path with each number of the answer changed, which it must refuse.
-#include "apps/common/studies/imperfect_structures.hpp"
-#include "apps/common/studies/judged_path.hpp"
 #include "discretization/scene/section_shape.hpp"
 #include "nonlinear/run/accurate_run.hpp"
 #include "tests/support/constrained_scenes.hpp"
@@ -952,41 +950,6 @@ std::string name_of_path(const testing::TestParamInfo<KnownPath>& info) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, KnownPaths, testing::ValuesIn(known_paths()), name_of_path);
-
-// ---- random imperfect structures, see judged_path.hpp
-
-constexpr std::uint64_t kSeriesSeed = 15;
-constexpr int kStructures = 60, kParts = 4;
-constexpr double kReferenceStep = 0.03;
-
-class RandomPaths : public testing::TestWithParam<int> {};
-
-TEST_P(RandomPaths, AreRightOrRefused) {
-  int known = 0, refused = 0;
-  for (int number = GetParam(); number < kStructures; number += kParts) {
-    const ImperfectStructure structure = imperfect_structure(kSeriesSeed, number);
-    const JudgedPath judged = judge_path(structure.scene, {}, kReferenceStep, this_rank());
-    EXPECT_NE(judged.outcome, PathOutcome::wrong)
-        << structure.scene.name << ", " << structure.load << ", imperfection " << structure.imperfection << ", "
-        << structure.estimate << " of the critical load: off by " << judged.difference << " of the length, "
-        << judged.followed.negative << " negative eigenvalues, " << judged.followed.critical_points
-        << " critical points";
-    known += judged.reference_known ? 1 : 0;
-    refused += judged.outcome == PathOutcome::refused ? 1 : 0;
-  }
-  EXPECT_GT(2 * known, kStructures / kParts);
-  EXPECT_LE(refused, 1);
-}
-
-INSTANTIATE_TEST_SUITE_P(Parts, RandomPaths, testing::Range(0, kParts));
-
-TEST(JudgedPaths, AMirroredEndIsWrong) {
-  const Scene scene = thrust_column(1.5 * kEuler, 0.15 * kEuler, true);
-  const FollowedPath end = follow(scene, {}, this_rank());
-  const FollowedPath mirrored = follow(thrust_column(1.5 * kEuler, -0.15 * kEuler, true), {}, this_rank());
-  EXPECT_TRUE(is_same_end(scene, end, end));
-  EXPECT_FALSE(is_same_end(scene, end, mirrored));
-}
 
 }  // namespace
 }  // namespace mixbeam::test::known_paths_test

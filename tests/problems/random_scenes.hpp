@@ -3,7 +3,7 @@
 /// language leaves open.
 #pragma once
 
-#include "apps/common/studies/random_numbers.hpp"
+#include "tests/support/random_numbers.hpp"
 #include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/text/number_text.hpp"
 

@@ -154,7 +154,8 @@ class Application {
 };
 
 struct ApplicationDefinition {
-  std::string name;                         ///< also of the default scene file, <name>.xml beside the executable
+  std::string name;                         ///< also of the default scene file, <name>.xml
+  std::filesystem::path folder{};           ///< of that file; empty: the one of the executable
   std::string purpose;                      ///< one sentence
   ListSpec study;                           ///< declaration of the list "Study"
   std::optional<ListSpec> batch{};          ///< declaration of the list "Batch"; none: the program takes no such list

@@ -13,12 +13,14 @@ namespace mixbeam {
 
 namespace {
 
-std::string default_scene_file(const std::string& name) {
-  return (std::filesystem::read_symlink("/proc/self/exe").parent_path() / (name + ".xml")).string();
+std::string default_scene_file(const ApplicationDefinition& of) {
+  const bool beside_program = of.folder.empty();
+  const auto folder = beside_program ? std::filesystem::read_symlink("/proc/self/exe").parent_path() : of.folder;
+  return (folder / (of.name + ".xml")).string();
 }
 
 void set_up(Application& app, const CommandLine& line, const ApplicationDefinition& definition) {
-  set_up_run(app, line, line.scene_file ? *line.scene_file : default_scene_file(definition.name), definition);
+  set_up_run(app, line, line.scene_file ? *line.scene_file : default_scene_file(definition), definition);
   app.output = line.output ? *line.output : "results/" + definition.name;
   on_first_rank(app.communicator, [&app] { prepare_output_folder(app.output); });
 }
