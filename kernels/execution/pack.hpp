@@ -37,8 +37,8 @@ MIXBEAM_REGISTERS(4)
 MIXBEAM_REGISTERS(8)
 #undef MIXBEAM_REGISTERS
 
-/// W numbers side by side. Pack<1>, for processors without lanes and for tests, and Pack<0>, which counts operations,
-/// are single numbers (below).
+/// W numbers side by side. Pack<1>, for processors without lanes and for tests, is a single number (below); so is
+/// Pack<0>, which counts operations (tests/support/counted_number.hpp).
 template <int W, bool IsSingle = (W < 2)>
 struct Pack {
   using Vector = typename Registers<W>::Numbers;
@@ -96,17 +96,7 @@ struct Pack {
   friend Pack select(const Mask& mask, const Pack& a, const Pack& b) { return Pack(mask ? a.v : b.v); }
 };
 
-/// Floating-point operations of a piece of code. Comparisons, changes of sign and absolute values are not counted.
-struct OperationCount {
-  long sums = 0, products = 0;
-  long divisions = 0, functions = 0;  ///< functions: roots, sine, cosine, atan2, one each
-  /// As a machine's peak is counted: one for each operation, so that a fused multiply-add makes two.
-  long flops() const { return sums + products + divisions + functions; }
-};
-
-/// One number in place of several. W = 0 counts what is done with it: a kernel that runs on it tells how many
-/// operations it takes for one element or vertex. Lanes that need a rare branch are treated one by one in loops over W
-/// lanes, so that what is counted is the usual way.
+/// One number in place of several.
 template <int W>
 struct Pack<W, true> {
   /// What comparisons give: all bits or none, as in a lane.
@@ -134,40 +124,22 @@ struct Pack<W, true> {
   KOKKOS_FORCEINLINE_FUNCTION double operator[](int) const { return v; }
   KOKKOS_FORCEINLINE_FUNCTION void set(int, double x) { v = x; }
 
-  /// All operations of this thread since it was set (W = 0).
-  static OperationCount& count() {
-    static thread_local OperationCount operations;
-    return operations;
-  }
-
   KOKKOS_FORCEINLINE_FUNCTION Pack& operator+=(const Pack& b) { return *this = *this + b; }
   KOKKOS_FORCEINLINE_FUNCTION Pack& operator-=(const Pack& b) { return *this = *this - b; }
   KOKKOS_FORCEINLINE_FUNCTION Pack& operator*=(const Pack& b) { return *this = *this * b; }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator+(const Pack& a, const Pack& b) {
-    if constexpr (W == 0) ++count().sums;
-    return a.v + b.v;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator-(const Pack& a, const Pack& b) {
-    if constexpr (W == 0) ++count().sums;
-    return a.v - b.v;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator*(const Pack& a, const Pack& b) {
-    if constexpr (W == 0) ++count().products;
-    return a.v * b.v;
-  }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator/(const Pack& a, const Pack& b) {
-    if constexpr (W == 0) ++count().divisions;
-    return a.v / b.v;
-  }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator+(const Pack& a, const Pack& b) { return a.v + b.v; }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator-(const Pack& a, const Pack& b) { return a.v - b.v; }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator*(const Pack& a, const Pack& b) { return a.v * b.v; }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack operator/(const Pack& a, const Pack& b) { return a.v / b.v; }
   KOKKOS_FORCEINLINE_FUNCTION friend Pack operator-(const Pack& a) { return -a.v; }
   KOKKOS_FORCEINLINE_FUNCTION friend Mask operator<(const Pack& a, const Pack& b) { return mask(a.v < b.v); }
   KOKKOS_FORCEINLINE_FUNCTION friend Mask operator<=(const Pack& a, const Pack& b) { return mask(a.v <= b.v); }
   KOKKOS_FORCEINLINE_FUNCTION friend Mask operator>(const Pack& a, const Pack& b) { return mask(a.v > b.v); }
   KOKKOS_FORCEINLINE_FUNCTION friend Mask operator>=(const Pack& a, const Pack& b) { return mask(a.v >= b.v); }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack sqrt(const Pack& a) { return function(std::sqrt(a.v)); }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack sin(const Pack& a) { return function(std::sin(a.v)); }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack cos(const Pack& a) { return function(std::cos(a.v)); }
-  KOKKOS_FORCEINLINE_FUNCTION friend Pack atan2(const Pack& y, const Pack& x) { return function(std::atan2(y.v, x.v)); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack sqrt(const Pack& a) { return std::sqrt(a.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack sin(const Pack& a) { return std::sin(a.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack cos(const Pack& a) { return std::cos(a.v); }
+  KOKKOS_FORCEINLINE_FUNCTION friend Pack atan2(const Pack& y, const Pack& x) { return std::atan2(y.v, x.v); }
   KOKKOS_FORCEINLINE_FUNCTION friend Pack fabs(const Pack& a) { return std::fabs(a.v); }
   KOKKOS_FORCEINLINE_FUNCTION friend Pack select(const Mask& mask, const Pack& a, const Pack& b) {
     return mask.bits != 0 ? a : b;
@@ -175,21 +147,7 @@ struct Pack<W, true> {
 
  private:
   KOKKOS_FORCEINLINE_FUNCTION static Mask mask(bool holds) { return {holds ? -1 : 0}; }
-  KOKKOS_FORCEINLINE_FUNCTION static Pack function(double value) {
-    if constexpr (W == 0) ++count().functions;
-    return value;
-  }
 };
-
-using CountedNumber = Pack<0>;
-
-/// Operations of one call of `work`.
-template <class Work>
-OperationCount operations_of(const Work& work) {
-  CountedNumber::count() = OperationCount();
-  work();
-  return CountedNumber::count();
-}
 
 template <int W>
 bool any(const typename Pack<W>::Mask& mask) {

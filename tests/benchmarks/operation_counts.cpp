@@ -1,11 +1,12 @@
 // Counts floating-point operations and bytes of the phases of an iteration for each element of a chain, by running the
 // kernels on numbers that count, and writes the table that the studies of cost read. With the path of that table:
 // compares.
+#include "tests/support/counted_number.hpp"
+
 #include "apps/common/studies/phase_costs.hpp"
 #include "kernels/chains/elimination.hpp"
 #include "kernels/chains/level.hpp"
 #include "kernels/element/layout.hpp"
-#include "kernels/execution/pack.hpp"
 #include "kernels/loops/dispatch.hpp"
 #include "kernels/loops/element_loops.hpp"
 #include "kernels/loops/planar_block.hpp"

@@ -1,5 +1,5 @@
 // Operations are counted as a reader of the formulas counts them.
-#include "kernels/execution/pack.hpp"
+#include "tests/support/counted_number.hpp"
 
 #include "kernels/chains/elimination.hpp"
 #include "kernels/math/rotation.hpp"
