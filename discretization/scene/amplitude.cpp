@@ -44,27 +44,23 @@ class CourseFinder {
   CourseFinder(const Expression& formula, int stages) : formula_(formula), stages_(stages) {}
 
   Course find() {
-    sample(0.0, stages_, kSamples * stages_);
-    if (!all_finite(nodes_)) return {};  // told where the scene is read, or where the path meets it
-    double low = nodes_.front().value, high = low;
-    for (const Node& node : nodes_)
-      std::tie(low, high) = std::pair{std::min(low, node.value), std::max(high, node.value)};
-    course_.range = high - low;
-    tiny_ = std::max(kLeastSwing * course_.range, kRounding * std::max(std::abs(low), std::abs(high)));
-    std::vector<Node> inside = std::move(nodes_), before, after;
-    sample(-1.0, 0.0, kSamplesOutside);
-    before = std::move(nodes_);
-    sample(stages_, stages_ + 1.0, kSamplesOutside);
-    after = std::move(nodes_);
+    std::vector<Node> nodes = sampled(0.0, stages_, kSamples * stages_);
+    if (!all_finite(nodes)) return {};  // told where the scene is read, or where the path meets it
+    const auto [low, high] =
+        std::minmax_element(nodes.begin(), nodes.end(), [](const Node& a, const Node& b) { return a.value < b.value; });
+    course_.range = high->value - low->value;
+    tiny_ = std::max(kLeastSwing * course_.range, kRounding * std::max(std::abs(low->value), std::abs(high->value)));
+    const std::vector<Node> before = sampled(-1.0, 0.0, kSamplesOutside),
+                            after = sampled(stages_, stages_ + 1.0, kSamplesOutside);
     if (all_finite(before))
-      inside.insert(inside.begin(), before.begin(), before.end() - 1);
+      nodes.insert(nodes.begin(), before.begin(), before.end() - 1);
     else
       course_.turns.push_back({0.0, 0.0});
     if (all_finite(after))
-      inside.insert(inside.end(), after.begin() + 1, after.end());
+      nodes.insert(nodes.end(), after.begin() + 1, after.end());
     else
       course_.turns.push_back({1.0 * stages_, 1.0 * stages_});
-    divide_at_jumps(inside);
+    divide_at_jumps(nodes);
     return std::move(course_);
   }
 
@@ -76,13 +72,13 @@ class CourseFinder {
     return std::all_of(nodes.begin(), nodes.end(), [](const Node& node) { return std::isfinite(node.value); });
   }
 
-  void sample(double from, double to, int parts) {
-    nodes_.clear();
-    nodes_.reserve(parts + 1);
+  std::vector<Node> sampled(double from, double to, int parts) const {
+    std::vector<Node> nodes(parts + 1);
     for (int i = 0; i <= parts; ++i) {
       const double at = i == parts ? to : from + (to - from) * i / parts;
-      nodes_.push_back({at, formula_(at)});
+      nodes[i] = {at, formula_(at)};
     }
+    return nodes;
   }
 
   void divide_at_jumps(const std::vector<Node>& nodes) {
@@ -164,7 +160,6 @@ class CourseFinder {
   const Expression& formula_;
   int stages_;
   double tiny_ = 0.0;
-  std::vector<Node> nodes_;
   Course course_;
 };
 
@@ -185,8 +180,9 @@ constexpr int kPlainSamples = 64;
 constexpr int kParts = 8;
 /// What it leaves a straight line by, over its length, before a step along that line is another one.
 constexpr double kOffLine = 1e-2;
-/// Shares of a piece that are its end.
-constexpr double kEndOfPiece = 1e-12;
+/// Shares of a piece that are its end, and in which rates at the ends of the range are taken: loads that cancel each
+/// other over the whole piece do not at its ends.
+constexpr double kEndOfPiece = 1e-12, kShareOfRates = 1e-3;
 
 }  // namespace
 
@@ -359,7 +355,11 @@ double LoadClock::value(const Amplitude& amplitude, double parameter) const {
   const Moment moment = at(parameter);
   const double value = amplitude.at(moment.load_factor);
   if (moment.beyond == 0.0) return value;
-  return value + moment.beyond * (amplitude.at(piece_->to) - amplitude.at(piece_->from));
+  if (moving_.size() < 2 || piece_->is_jump)
+    return value + moment.beyond * (amplitude.at(piece_->to) - amplitude.at(piece_->from));
+  const double share = std::copysign(kShareOfRates, moment.beyond);
+  const Moment inside = at(parameter - moment.beyond - share);
+  return value + moment.beyond * (value - amplitude.at(inside.load_factor)) / share;
 }
 
 double LoadClock::largest_rate(Stage stage, const std::string& formula) const {

@@ -134,10 +134,12 @@ class Adviser {
         "Support the structure: it is a mechanism" + of_mode() + ". Add a support or spring there, or close a joint.");
   }
   void prescribe_displacement() {
+    const bool is_automatic = parameters_.load_path.method == LoadPathMethod::automatic;
     add(AdviceKind::prescribe_displacement,
         "If the load has reached its largest value: prescribe the displacement of the loaded point in place of the "
         "force (\"Prescribed Displacement\" of a support there), which is possible beyond the limit point" +
-            of_mode() + ".");
+            of_mode() +
+            (is_automatic ? "." : "; \"Method\" = \"automatic\" in \"Load Path\" follows the path beyond it."));
   }
   void add_imperfection() {
     add(AdviceKind::add_imperfection,

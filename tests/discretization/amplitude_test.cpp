@@ -107,5 +107,26 @@ TEST(LoadClock, MakesRampsOfFormulas) {
   EXPECT_NEAR(amplitude(pieces[1].from), 0.25, kOfInversion);
 }
 
+// Loads that cancel each other at both ends of a piece do not beyond it: t and t^2 go on at the rates that they have at
+// its ends in the parameter (t + t^2) / 2: 2 and 0, 2 / 3 and 4 / 3.
+TEST(LoadClock, GoesOnWhereLoadsCancel) {
+  constexpr double kOfDifference = 2e-3;  // rates are those over a share of 1e-3
+  Scene scene;
+  scene.point_loads.resize(2);
+  scene.point_loads[0].amplitude = "t";
+  scene.point_loads[1].amplitude = "t^2";
+  LoadClock clock(scene);
+  ASSERT_EQ(clock.pieces(1).size(), 1u);
+  EXPECT_FALSE(clock.pieces(1)[0].is_plain);
+  LoadPiece piece = clock.pieces(1)[0];
+  piece.high = 1.0;
+  clock.run(piece);
+  const Amplitude linear(1, 1, "t"), square(1, 1, "t^2");
+  EXPECT_NEAR(clock.value(linear, -0.5), -0.5 * 2.0, kOfDifference);
+  EXPECT_NEAR(clock.value(square, -0.5), 0.0, kOfDifference);
+  EXPECT_NEAR(clock.value(linear, 1.5), 1.0 + 0.5 * 2.0 / 3, kOfDifference);
+  EXPECT_NEAR(clock.value(square, 1.5), 1.0 + 0.5 * 4.0 / 3, kOfDifference);
+}
+
 }  // namespace
 }  // namespace mixbeam

@@ -196,6 +196,7 @@ TEST(FailureReport, OfALimitPoint) {
   EXPECT_TRUE(report.tangent.nearly_singular);
   EXPECT_LE(report.tangent.negative, 1);  // so close to the fold Newton's method may end on either side of it
   EXPECT_EQ(report.next.front().kind, AdviceKind::prescribe_displacement);
+  expect_in(report.next.front().text, {"\"Method\" = \"automatic\""});
   ASSERT_FALSE(report.tangent.modes.empty());
   for (const MovingVertex& vertex : report.tangent.modes.front().vertices)  // the frame snaps in its plane
     EXPECT_NEAR(std::abs(vertex.direction[2]), vertex.turns ? 1.0 : 0.0, 1e-6);

@@ -373,6 +373,30 @@ TEST(LoadPath, PulsesAreNotPassedUnseen) {
   EXPECT_EQ(follow(perfect_column("0.49*max(0, 1 - abs(t-0.3)/5e-5)"), {}).reports.back().point.critical_points, 0);
 }
 
+// Two loads of which none turns back, while their sum does. The toggle (one half of it) has snapped when they cancel,
+// and its path leads through loads that no load factor stands for. The end is that of the sum's own rise and fall.
+TEST(LoadPath, LoadsTurnAsASum) {
+  constexpr double kRise = 0.3, kPull = -600.0;
+  Scene sum;
+  sum.sections = {section(1e4, kRigid, 1.0, 1.0)};
+  sum.points = {{"foot", {-1, 0, 0}}, {"tip", {0, kRise, 0}}};
+  sum.members = {line("leg", "foot", "tip", 5, 4)};
+  sum.supports = {hinged("foot"), clamp("tip")};
+  sum.supports[1].displacement_fixed[1] = false;
+  Scene stages = sum;
+  sum.point_loads = {dead_load("tip", {0, kPull, 0}), dead_load("tip", {0, -kPull, 0})};
+  sum.point_loads[0].amplitude = "t";
+  sum.point_loads[1].amplitude = "t^2";
+  stages.stages = 2;
+  stages.point_loads = {dead_load("tip", {0, kPull / 4, 0}), dead_load("tip", {0, -kPull / 4, 0})};
+  stages.point_loads[1].stage = 2;
+  const Path path = follow(sum, {}), reference = follow(stages, {});
+  ASSERT_TRUE(path.result.finished) << path.result.failure;
+  ASSERT_TRUE(reference.result.finished) << reference.result.failure;
+  EXPECT_TRUE(agrees(path.tip, reference.tip, kSameEquilibrium));
+  EXPECT_LT(path.tip[1], -1.5 * kRise) << "it has snapped";
+}
+
 // The load goes straight from the value before a jump to that after it, in a step of its own.
 TEST(LoadPath, JumpsAreSteps) {
   Scene scene = elastica(10.0);
