@@ -4,8 +4,6 @@
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "discretization/scene/load_cases.hpp"
-#include "discretization/scene/section_law.hpp"
-#include "discretization/text/expression.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 
@@ -167,20 +165,21 @@ void warn_of_light(const SceneSurvey& survey, WarningList& list) {
                          ": no solid is so light; usually g/cm3, where m, N and kg ask for kg/m3");
 }
 
-/// A formula whose values at the points of the elements are not what it is between them. `range`: where it acts.
-void warn_of_narrow(const Member& member, const std::string& at, const std::string& text, const FormulaPieces& pieces,
-                    const FormulaFunction& function, const std::array<double, 2>& range, WarningList& list) {
+/// A formula whose values at the points of the elements are not what it is between them.
+void warn_of_narrow(const Member& member, const FormulaAlong& formula, WarningList& list) {
   const GaussPoints& rule = gauss_points(member.order + 1);
   const std::vector<double> station = divide(member).station;
+  const bool is_load = formula.list != "Taper" && formula.list != "Curve";
   MissedIntegral sum, most;
   std::array<double, 2> where{};
   std::vector<double> value;
   for (std::size_t e = 1; e < station.size(); ++e) {
     const double first = station[e - 1], last = station[e], middle = 0.5 * (first + last);
-    if (middle < range[0] || middle > range[1]) continue;
+    if (middle < formula.range[0] || middle > formula.range[1]) continue;
     value.clear();
-    for (const double xi : rule.xi) value.push_back(function(middle + 0.5 * (last - first) * xi));
-    MissedIntegral here = integrate_at_points(pieces, function, first, last, rule.xi, rule.weight, value);
+    for (const double xi : rule.xi) value.push_back(formula.function(middle + 0.5 * (last - first) * xi));
+    MissedIntegral here =
+        integrate_at_points(*formula.pieces, formula.function, first, last, rule.xi, rule.weight, value);
     if (here.total == 0.0)  // smooth
       for (std::size_t q = 0; q < value.size(); ++q)
         here.total += 0.5 * (last - first) * rule.weight[q] * std::abs(value[q]);
@@ -192,49 +191,24 @@ void warn_of_narrow(const Member& member, const std::string& at, const std::stri
   }
   if (!(sum.missed > kMissedOfFormula * sum.total)) return;
   list.add("narrow formulas",
-           at + "\"" + excerpt(text) + "\" changes between the points of the " + std::to_string(station.size() - 1) +
+           warned_place(is_load ? formula.list : "Members", (is_load ? "on " : "") + member.name) + "\"" +
+               excerpt(formula.text) + "\" changes between the points of the " + std::to_string(station.size() - 1) +
                " elements of order " + std::to_string(member.order) + ": the sum over them misses " +
-               rounded(100.0 * sum.missed / sum.total, 3) + " % of it, most of it from x = " + rounded(where[0], 4) +
-               " to " + rounded(where[1], 4) +
-               "; the integral over each element is used in its place, but not how it varies inside; \"Stations\" "
-               "there, or \"Accuracy\" without \"Elements\", resolve it");
+               rounded(100.0 * sum.missed / sum.total, 3) +
+               (formula.list == "Curve" ? " % of its squared curvature" : " % of it") +
+               ", most of it from x = " + rounded(where[0], 4) + " to " + rounded(where[1], 4) + "; " +
+               (formula.list == "Curve"
+                    ? ""
+                    : "the integral over each element is used in its place, but not how it varies inside; ") +
+               "\"Stations\" there, or \"Accuracy\" without \"Elements\", resolve it");
 }
 
 void warn_of_narrow_formulas(const SceneSurvey& survey, WarningList& list) {
   const Scene& scene = survey.scene;
-  const auto is_chosen = [&](const Member& member) { return scene.accuracy && !member.keeps_elements; };
-  const auto look = [&](const std::string& kind, const std::string& name, const std::array<std::string, 3>& formula,
-                        const std::array<double, 2>& range) {
-    if (formula[0].empty() && formula[1].empty() && formula[2].empty()) return;
-    const Member& member = *survey.names.member(name);
-    if (is_chosen(member)) return;
-    const double length = survey.curves[static_cast<std::size_t>(&member - scene.members.data())].length;
-    const FormulaVector pieces = pieces_of(formula, length);
-    for (int i = 0; i < 3; ++i) {
-      if (!pieces.component[i]) continue;
-      const Expression expression(formula[i], {"s", "x"});
-      warn_of_narrow(
-          member, warned_place(kind, "on " + name), formula[i], *pieces.component[i],
-          [&](double x) {
-            return expression({x * length, x});
-          },
-          range, list);
-    }
-  };
-  for (const DistributedLoad& load : scene.distributed_loads) {
-    look("Distributed Loads", load.member, load.force_formula, load.range);
-    look("Distributed Loads", load.member, load.couple_formula, load.range);
-  }
-  for (const Eigenstrain& strain : scene.eigenstrains) {
-    look("Eigenstrains", strain.member, strain.strain_formula, {0.0, 1.0});
-    look("Eigenstrains", strain.member, strain.curvature_formula, {0.0, 1.0});
-  }
-  for (const Member& member : scene.members) {
-    if (member.taper.empty() || is_chosen(member)) continue;
-    if (const auto pieces = pieces_of_taper(scene, member))
-      warn_of_narrow(member, warned_place("Members", member.name), member.taper, *pieces,
-                     relative_compliance(SectionLaw(scene, member)), {0.0, 1.0}, list);
-  }
+  for (const FormulaAlong& formula : formulas_along(
+           scene, [&](const Member& member) { return !scene.accuracy || member.keeps_elements; },
+           [&](std::size_t m) -> const ReferenceCurve& { return survey.curves[m]; }, false))
+    warn_of_narrow(scene.members[formula.member], formula, list);
 }
 
 }  // namespace

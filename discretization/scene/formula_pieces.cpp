@@ -1,5 +1,7 @@
 #include "discretization/scene/formula_pieces.hpp"
 
+#include "discretization/geometry/polynomial_curve.hpp"
+#include "discretization/scene/names.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/text/expression.hpp"
 #include "discretization/text/number_text.hpp"
@@ -13,6 +15,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 
 namespace mixbeam {
@@ -185,6 +188,34 @@ class PieceSearch {
 
 double finite_or_zero(double value) { return std::isfinite(value) ? value : 0.0; }
 
+/// Whichever component it is that a notch weakens; zero where the law has none.
+FormulaFunction relative_compliance(const SectionLaw& law) {
+  return [law, first = law.compliance(0.0)](double x) {
+    double sum = 0.0;
+    try {
+      const Matrix6 here = law.compliance(x);
+      for (int i = 0; i < 6; ++i)
+        if (first[i][i] > 0.0) sum += here[i][i] / first[i][i];
+    } catch (const std::invalid_argument&) {  // who asks for it there will tell
+    }
+    return sum;
+  };
+}
+
+/// Quarters of the polynomials that formulas have become. Their ends need not be exact: nothing breaks there.
+std::shared_ptr<const FormulaPieces> pieces_of(const Curve& curve) {
+  constexpr int kQuarters = 4;
+  FormulaPieces pieces{{0.0}};
+  for (const PolynomialPiece& piece : make_formula_curve(curve).pieces)
+    for (int i = 0; i < kQuarters; ++i) {
+      const double t = piece.first(), part = (piece.last() - t) / kQuarters;
+      const double chord = norm(piece.position(t + (i + 1) * part) - piece.position(t + i * part));
+      pieces.end.push_back(pieces.end.back() + chord);
+    }
+  for (double& end : pieces.end) end /= pieces.end.back();
+  return std::make_shared<const FormulaPieces>(std::move(pieces));
+}
+
 /// What was looked at once.
 std::shared_ptr<const FormulaPieces> remembered(const std::string& key, const std::function<FormulaPieces()>& look) {
   constexpr std::size_t kMostRemembered = 10'000;  // members with a length each: then begins anew
@@ -212,10 +243,6 @@ std::vector<std::pair<double, double>> FormulaPieces::points(double a, double b)
   return all;
 }
 
-std::shared_ptr<const FormulaPieces> pieces_of(const std::string& key, const FormulaFunction& function) {
-  return remembered(key, [&] { return PieceSearch(function).run(); });
-}
-
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length) {
   constexpr int kDigits = 12;  // of copies whose lengths differ by rounding
   FormulaVector result;
@@ -230,19 +257,6 @@ FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length
   return result;
 }
 
-FormulaFunction relative_compliance(const SectionLaw& law) {
-  return [law, first = law.compliance(0.0)](double x) {
-    double sum = 0.0;
-    try {
-      const Matrix6 here = law.compliance(x);
-      for (int i = 0; i < 6; ++i)
-        if (first[i][i] > 0.0) sum += here[i][i] / first[i][i];
-    } catch (const std::invalid_argument&) {  // who asks for it there will tell
-    }
-    return sum;
-  };
-}
-
 std::shared_ptr<const FormulaPieces> pieces_of_taper(const Scene& scene, const Member& member) {
   if (member.end_section.empty() || member.taper.empty()) return nullptr;
   const SectionLaw law(scene, member);
@@ -254,6 +268,55 @@ std::shared_ptr<const FormulaPieces> pieces_of_taper(const Scene& scene, const M
     const FormulaPieces of_weight = PieceSearch([&](double x) { return finite_or_zero(weight(x)); }).run();
     return PieceSearch(relative_compliance(law), of_weight).run();
   });
+}
+
+std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function<bool(const Member&)>& wanted,
+                                         const std::function<const ReferenceCurve&(size_t)>& curve, bool places) {
+  std::vector<FormulaAlong> all;
+  std::optional<SceneNames> names;
+  const auto add = [&](const std::string& list, const std::string& name, const std::array<std::string, 3>& formula,
+                       const std::array<double, 2>& range) {
+    if (formula[0].empty() && formula[1].empty() && formula[2].empty()) return;
+    if (!names) names.emplace(scene);
+    const size_t m = static_cast<size_t>(names->member(name) - scene.members.data());
+    if (!wanted(scene.members[m])) return;
+    const double length = curve(m).length;
+    const FormulaVector pieces = pieces_of(formula, length);
+    for (int i = 0; i < 3; ++i) {
+      if (!pieces.component[i]) continue;
+      const auto value = [length, expression = Expression(formula[i], {"s", "x"})](double x) {
+        return expression({x * length, x});
+      };
+      all.push_back({m, list, formula[i], range, pieces.component[i], value});
+    }
+  };
+  for (const DistributedLoad& load : scene.distributed_loads)
+    for (const auto* formula : {&load.force_formula, &load.couple_formula})
+      add("Distributed Loads", load.member, *formula, load.range);
+  for (const Eigenstrain& strain : scene.eigenstrains)
+    for (const auto* formula : {&strain.strain_formula, &strain.curvature_formula})
+      add("Eigenstrains", strain.member, *formula, {0.0, 1.0});
+  for (size_t m = 0; m < scene.members.size(); ++m) {
+    const Member& member = scene.members[m];
+    if (!wanted(member)) continue;
+    if (const auto pieces = pieces_of_taper(scene, member))
+      all.push_back({m, "Taper", member.taper, {0.0, 1.0}, pieces, relative_compliance(SectionLaw(scene, member))});
+    if (member.curve.shape != CurveShape::parametric) continue;
+    std::string text = member.curve.formula[0], key;
+    for (int i = 1; i < 3; ++i) text += ", " + member.curve.formula[i];
+    key = "curve|" + text + "|" + shortest(member.curve.range[0]) + "|" + shortest(member.curve.range[1]);
+    // one direction of the tangent, which no bump is normal to by chance
+    const auto tangent = [along = curve(m)](double x) {
+      return dot(along.tangent(x * along.length), Vec3<double>{{0.48, 0.6, 0.64}});
+    };
+    const auto bending = [along = curve(m)](double x) {
+      const Vec3<double> kappa = along.curvature(x * along.length);
+      return kappa[1] * kappa[1] + kappa[2] * kappa[2];
+    };
+    const auto pieces = places ? remembered(key, [&] { return PieceSearch(tangent).run(); }) : pieces_of(member.curve);
+    all.push_back({m, "Curve", text, {0.0, 1.0}, pieces, bending});
+  }
+  return all;
 }
 
 MissedIntegral integrate_at_points(const FormulaPieces& pieces, const FormulaFunction& function, double a, double b,

@@ -1,6 +1,7 @@
 /// Where functions along a member change: peaks, boxes and jumps however narrow, so that no mesh passes them unseen.
 #pragma once
 
+#include "discretization/geometry/reference_curve.hpp"
 #include "discretization/scene/scene.hpp"
 
 #include <functional>
@@ -36,16 +37,24 @@ struct FormulaVector {
 /// in a process, whatever the number of members. Throws std::invalid_argument for a text that is no formula.
 FormulaVector pieces_of(const std::array<std::string, 3>& formula, double length);
 
-/// Of any function, which `key` tells from all others.
-std::shared_ptr<const FormulaPieces> pieces_of(const std::string& key, const FormulaFunction& function);
-
 /// Of the compliance of a member whose taper is a formula, likewise; null for all others. Throws as SectionLaw.
 std::shared_ptr<const FormulaPieces> pieces_of_taper(const Scene& scene, const Member& member);
 
-class SectionLaw;
-/// Sum over all components of the compliance over that at x = 0, whichever of them it is that a notch weakens; zero
-/// where the law has none.
-FormulaFunction relative_compliance(const SectionLaw& law);
+/// What a formula says along a member: that of a load, of an eigenstrain, of the member's taper or of its curve.
+struct FormulaAlong {
+  size_t member = 0;
+  std::string list{}, text{};             ///< `list`: where it stands in the scene
+  std::array<double, 2> range{0.0, 1.0};  ///< where it acts
+  std::shared_ptr<const FormulaPieces> pieces{};
+  /// Value; of a taper the sum of all components of the compliance over those at x = 0; of a curve its squared
+  /// curvature.
+  FormulaFunction function{};
+};
+/// All that are not constant, of those members that are `wanted`. `curve` of a member is asked where a formula needs
+/// it. `places`: also where curves need vertices; that takes many looks at them, and their pieces are those of the
+/// tangent.
+std::vector<FormulaAlong> formulas_along(const Scene& scene, const std::function<bool(const Member&)>& wanted,
+                                         const std::function<const ReferenceCurve&(size_t)>& curve, bool places);
 
 /// What sums over points miss of resultants and of first moments over half lengths of elements, and of what: the
 /// integral of |function|. Over lengths relative to the member.

@@ -2,8 +2,6 @@
 
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
-#include "discretization/scene/section_law.hpp"
-#include "discretization/text/number_text.hpp"
 #include "kernels/element/layout.hpp"
 #include "nonlinear/accuracy/bending_loads.hpp"
 
@@ -21,46 +19,22 @@ namespace {
 /// that keep their elements. Only the positions of these members count. Empty where no formula needs any.
 std::vector<Member> members_with_places(const Scene& scene) {
   std::vector<Member> members;
-  const auto add = [&](size_t m, const FormulaPieces* pieces) {
-    if (pieces == nullptr || pieces->places.empty() || scene.members[m].keeps_elements) return;
-    if (members.empty()) members = scene.members;
-    std::vector<InnerPoint>& inner = members[m].inner_points;
-    for (const double place : pieces->places) {
+  std::optional<Mesh> mesh;
+  const auto curve = [&](size_t m) -> const ReferenceCurve& {
+    if (!mesh) mesh = build_mesh(scene);
+    return mesh->members[m].curve;
+  };
+  for (const FormulaAlong& formula : formulas_along(
+           scene, [](const Member& member) { return !member.keeps_elements; }, curve, true)) {
+    if (members.empty() && !formula.pieces->places.empty()) members = scene.members;
+    for (const double place : formula.pieces->places) {
+      std::vector<InnerPoint>& inner = members[formula.member].inner_points;
       const auto after =
           std::find_if(inner.begin(), inner.end(), [&](const InnerPoint& p) { return p.position > place; });
       const double before = after == inner.begin() ? 0.0 : (after - 1)->position;
       const double next = after == inner.end() ? 1.0 : after->position;
       if (std::min(place - before, next - place) > kNearestPlaces) inner.insert(after, {"", place});
     }
-  };
-  std::optional<Mesh> mesh;
-  const auto add_vector = [&](const std::string& member, const std::array<std::string, 3>& formula) {
-    if (formula[0].empty() && formula[1].empty() && formula[2].empty()) return;
-    if (!mesh) mesh = build_mesh(scene);
-    const int m = member_index(scene, member);
-    const FormulaVector pieces = pieces_of(formula, mesh->members[m].curve.length);
-    for (const auto& component : pieces.component) add(m, component.get());
-  };
-  for (const DistributedLoad& load : scene.distributed_loads) {
-    add_vector(load.member, load.force_formula);
-    add_vector(load.member, load.couple_formula);
-  }
-  for (const Eigenstrain& strain : scene.eigenstrains) {
-    add_vector(strain.member, strain.strain_formula);
-    add_vector(strain.member, strain.curvature_formula);
-  }
-  for (size_t m = 0; m < scene.members.size(); ++m) {
-    add(m, pieces_of_taper(scene, scene.members[m]).get());
-    const Curve& curve = scene.members[m].curve;
-    if (curve.shape != CurveShape::parametric || scene.members[m].keeps_elements) continue;
-    if (!mesh) mesh = build_mesh(scene);
-    const ReferenceCurve& along = mesh->members[m].curve;
-    // one direction of the tangent, which no bump is normal to by chance
-    const auto tangent = [&](double x) { return dot(along.tangent(x * along.length), Vec{{0.48, 0.6, 0.64}}); };
-    std::string key = "curve";
-    for (const std::string& text : curve.formula) key += "|" + text;
-    for (const double end : curve.range) key += "|" + shortest(end);
-    add(m, pieces_of(key, tangent).get());
   }
   return members;
 }

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <functional>
 
 namespace mixbeam {
 namespace {
@@ -268,6 +269,44 @@ TEST(SceneWarnings, OfFormulasBetweenGaussPoints) {
   };
   expect_only(with_load("-1e3 * exp(-((x - 0.503) / 0.001)^2)"), {"arm", "misses", "x = 0.5 to 0.75", "Stations"});
   EXPECT_TRUE(warnings(with_load("-1e3 * exp(-((x - 0.503) / 0.3)^2)")).empty());  // wide enough
+}
+
+// Of each kind of formula one that is over between the points of the elements, which misses all of it, and its twin
+// that four elements resolve.
+TEST(SceneWarnings, OfNarrowFormulasOfAnyKind) {
+  const std::string narrow = "exp(-((x - 0.503) / 0.001)^2)", wide = "exp(-((x - 0.503) / 0.3)^2)";
+  const std::vector<std::function<void(Scene&, const std::string&)>> kinds = {
+      [](Scene& s, const std::string& bump) {
+        s.distributed_loads = {{"arm", {}, {}}};
+        s.distributed_loads[0].couple_formula[1] = bump;
+      },
+      [](Scene& s, const std::string& bump) {
+        s.eigenstrains = {{"arm"}};
+        s.eigenstrains[0].curvature_formula[1] = "1e-3 * " + bump;
+      },
+      [](Scene& s, const std::string& bump) {
+        s.sections.push_back(s.sections[0]);
+        s.sections[1].name = "notch";
+        const double left = bump.find("0.001") != std::string::npos ? 1e-4 : 0.5;  // a deep wide one has narrow flanks
+        for (double& stiffness : s.sections[1].bending_stiffness) stiffness *= left;
+        s.sections[1].torsional_stiffness *= left;
+        s.members[1].end_section = "notch";
+        s.members[1].taper = bump;
+      },
+      [](Scene& s, const std::string& bump) {
+        std::string of_t = bump;
+        of_t.replace(of_t.find("((x"), 3, "((t");
+        s.members[1].curve.shape = CurveShape::parametric;
+        s.members[1].curve.formula = {"5 * t", "0", "5 + 0.08 * t * (1 - t) * " + of_t};
+      }};
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+    const auto with_bump = [&](const std::string& bump) { return frame_with([&](Scene& s) { kinds[kind](s, bump); }); };
+    expect_only(with_bump(narrow), {"arm", "misses", "x = 0.5 to 0.75", "Stations"});
+    for (const std::string& text : warnings(with_bump(wide))) ADD_FAILURE() << kind << text;
+    Scene chosen = with_bump(narrow);
+    chosen.accuracy = 1e-6;
+    for (const std::string& text : warnings(chosen)) ADD_FAILURE() << kind << text;
+  }
 }
 
 TEST(SceneWarnings, OfPointsThatNoMemberTouches) {
