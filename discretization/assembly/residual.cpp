@@ -48,7 +48,7 @@ using Range = Kokkos::RangePolicy<ExecutionSpace>;
 
 double largest_component(const Vec& v) { return std::max({std::abs(v[0]), std::abs(v[1]), std::abs(v[2])}); }
 
-/// Without what is not a number.
+/// Ignores NaN.
 KOKKOS_INLINE_FUNCTION void raise(double& largest, const double* x, int count) {
   for (int i = 0; i < count; ++i) {
     const double a = x[i] < 0.0 ? -x[i] : x[i];

@@ -44,7 +44,7 @@ class MixedVector {
   DofVector& vertex_dofs() const { return *vertex_dofs_; }
 
   void fill(double value);
-  /// Then the interior is known to be zero; otherwise it may be zero too.
+  /// True: the interior is zero. False: unknown.
   bool shares_zeros() const { return interior_.data() == pool_->zeros.data(); }
   void assign(const MixedVector& other);
   void scale(double factor);

@@ -21,8 +21,8 @@ namespace {
 /// parabola. So much more is allowed for before an element is left out of the search.
 constexpr double kPeakOverSecondDifference = 2.0;
 
-/// Shares of the value. What an element may have above the best sample is rounding below this: a tenth of the
-/// digits that are promised, and what Newton's method leaves of a force that is the same in ten thousand elements.
+/// Elements whose upper bound exceeds the best sample by less than this (relative) are skipped: a tenth of the digits
+/// that are promised, and what Newton's method leaves of a force that is the same in ten thousand elements.
 constexpr double kNegligible = 1e-11;
 
 /// The search of a peak by parabolas ends where a step changes the value by less, or its place by less of the element.

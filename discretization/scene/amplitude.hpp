@@ -65,7 +65,7 @@ struct LoadPiece {
 /// The different amplitudes of a scene, and the parameter in which a path runs through them: in a piece from its start
 /// to that plus 1, theory (69), so that each piece is a stage in which loads grow like ramps, however the formula runs.
 /// In a jump the loads go straight from the values before to those after. Beyond the range in which the amplitudes rise
-/// or fall they go on in proportion: a path may leave the piece for a while.
+/// or fall they go on at their end rates: a path may leave the piece for a while.
 class LoadClock {
  public:
   explicit LoadClock(const Scene& scene);

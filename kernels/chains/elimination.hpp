@@ -16,7 +16,7 @@ struct LinkMatrix {
   Real first[triangle_size(N)], coupling[N][N], second[triangle_size(N)];
 };
 
-/// L D L^T of one vertex block V, D inverted; and how it hangs on its neighbours.
+/// L D L^T of one vertex block V, D inverted, and its coupling to the two neighbours.
 template <int N, class Real>
 struct VertexFactors {
   static constexpr int kSize = triangle_size(N) + 2 * N * N;

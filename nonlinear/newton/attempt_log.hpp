@@ -76,7 +76,7 @@ class AttemptLog {
   /// The attempt has failed.
   void failed(const BeamGroup& group, int iterations);
 
-  /// What follows the path takes no step from `load_factor`, for reasons of its own.
+  /// The path follower refused the step (`cause`) although Newton's method converged.
   void refused(double load_factor, const std::string& cause);
 
   /// Since the last completed step, the latest last; at most kMostKept.

@@ -41,12 +41,12 @@ class BeamProblem {
   /// Whether tangents are too large for factors: then eigenvalues are not counted.
   bool iterates() const { return solvers_.front()->iterates(); }
 
-  /// What the next tangent is solved with depends on that tangent alone, as where a path is resumed.
+  /// Drops cached factors, so that the next solve depends on its tangent alone. A resumed path starts in this state.
   void forget_tangents() {
     for (const auto& solver : solvers_) solver->forget();
   }
 
-  /// What tangents of the same structure in another space were solved with serves the first one here.
+  /// Seeds the solver with the factors of a problem on the same structure and another discretization.
   void take_over(BeamProblem& other) { take_solver()->take_over(*other.take_solver()); }
 
   const Model model;
@@ -56,7 +56,7 @@ class BeamProblem {
   /// rank.
   std::function<void()> leave_if_asked{};
   std::string last_failure;  ///< why the last linear solve failed; empty when it did not
-  std::string objection;     ///< why the path does not take what Newton's method has found
+  std::string objection;     ///< why the path rejected the last converged state
 
  private:
   static ModelOptions options_of(const SolverParameters& parameters) {

@@ -19,11 +19,12 @@ namespace mixbeam {
 /// How the tangents of one solve are taken.
 struct TangentChoice {
   double cap_raise = 1.0;  ///< of the usual cap
-  /// Increments are those of the capped tangent, all of them.
+  /// Keep the capped tangent's increments; do not correct them for the cap.
   bool keeps_cap = false;
   bool in_space = false;         ///< also in the plane of the scene: for right-hand sides that leave it
   bool counts_interior = false;  ///< Tangent::interior_count() is asked for
-  /// As of LinearSolver::solve. Newton increments are solved better where its convergence would suffer.
+  /// Relative energy error allowed in a solve. Newton increments get a tighter one where a loose one would cost an
+  /// iteration.
   double enough = 0.0;
 };
 

@@ -195,7 +195,7 @@ Correction Corrector::solve(const Teuchos::RCP<NOX::Abstract::Group>& group, int
   bool converged = false;
   try {
     converged = solver->solve() == NOX::StatusTest::Converged;
-  } catch (const std::logic_error&) {  // LOCA's bordering does not go on with numbers that are none
+  } catch (const std::logic_error&) {  // LOCA throws when a bordered solve meets NaN
     if (purpose_ == NewtonPurpose::step) problem_->attempts.failed(BeamGroup::of(*group), solver->getNumIterations());
   }
   const BeamGroup& last = BeamGroup::of(solver->getSolutionGroup());

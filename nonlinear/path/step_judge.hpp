@@ -37,7 +37,7 @@ struct StepTest {
   bool may_stiffen = false;
 };
 
-/// Steps of the load factor or of a controlled displacement may be as long as they please; by LOCA, where no other
+/// No limit on the length of steps of the load factor or of a controlled displacement; by LOCA, where no other
 /// method follows, critical points inside are looked for.
 inline constexpr StepTest kLoadStep{0.5, -0.5, false, false, true}, kExaminedStep{0.5, -0.5, true, false, true};
 /// Steps along the path, and where it is traced.

@@ -44,7 +44,7 @@ class Simulation {
   double load_factor() const { return load_factor_; }
   /// Whether state() is stable, as far as the path or a stored run states it; the words of files.
   const RecordedStability& stability() const { return stability_; }
-  /// Of the path so far, see RecordedJump.
+  /// Number of jumps so far.
   int jumps() const { return jumps_; }
   /// Share of the path that is behind state(): of its load factor, or of the way of the controlled displacement.
   double share_done() const;

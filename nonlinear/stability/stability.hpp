@@ -80,7 +80,7 @@ struct SpaceValues {
 double stress_of(const Model& model, const StateMagnitude& size);
 
 // Shared by stability.cpp and spectrum.cpp:
-/// Where an eigenvalue is zero the inverse is taken beside it; others of structures are far larger.
+/// Shift that makes a singular tangent invertible; all other eigenvalues are far larger.
 inline constexpr double kShiftBesideZero = 1e-7;
 /// Of the determinant of a symmetric tangent.
 inline int sign_of(int negative, int null) { return null > 0 ? 0 : (negative % 2 == 0 ? 1 : -1); }
@@ -94,7 +94,7 @@ class Stability {
   /// the nearest ones are computed, by spectrum(). Unsymmetric: the sign of the determinant alone.
   StabilityResult count(const State& state, double load_factor);
 
-  /// The same by the factors that Newton's method has, where these tell and no eigenvalue may be zero: no joints,
+  /// Same count from Newton's own factors, if they can tell and no eigenvalue may be zero: no joints,
   /// slanting supports or loads without potential, no cap, a network of some size. `at`: TangentKind::counts_interior.
   std::optional<StabilityResult> count_by(Linearization& at) const;
 
