@@ -215,11 +215,11 @@ class SolidStressField : public StressField {
       const auto compare = [&](bool there, std::size_t neighbour) {
         if (!there) return;
         highest = highest && values[n] >= values[neighbour];
-        start.bound += values[n] - values[neighbour];  // a parabola exceeds its samples by an eighth of this
+        start.bound += 0.5 * (values[n] - values[neighbour]);  // four times what a parabola exceeds its samples by
       };
       compare(row > first_row, n - columns);
       compare(row + 1 < rows, n + columns);
-      if (row == 1 && first_row == 1) start.bound += std::abs(values[n] - values[0]);
+      if (row == 1 && first_row == 1) start.bound += 0.5 * std::abs(values[n] - values[0]);
       compare(!rectangle_ || column > 0, first + (column + columns - 1) % columns);
       compare(!rectangle_ || column + 1 < columns, first + (column + 1) % columns);
       if (!highest || (count == kMostStarts && values[n] <= starts[count - 1].value)) continue;

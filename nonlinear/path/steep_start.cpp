@@ -1,5 +1,6 @@
 #include "nonlinear/path/steep_start.hpp"
 
+#include "discretization/mesh/element_view.hpp"
 #include "discretization/scene/section_law.hpp"
 #include "discretization/state/difference.hpp"
 #include "nonlinear/diagnosis/limp_members.hpp"
@@ -104,15 +105,13 @@ bool is_dead(const Scene& scene) {
 template <class Counts>
 double least_tension(const Model& model, const State& state, const Counts& counts) {
   double least = std::numeric_limits<double>::infinity(), all = least;
-  for (const ElementBlock& block : model.structure().blocks)
-    for (int e = 0; e < block.count; ++e) {
-      if (!counts(model.scene().sections[block.section(e)])) continue;
-      const double* interior =
-          state.views.interior.data() + block.interior_offset + static_cast<size_t>(e) * block.interior.unknowns();
-      const int points =
-          block.general_section ? block.interior.force_points : axial_points(block.order, block.force_integration);
-      for (int q = 0; q < points; ++q) least = std::min(least, interior[block.interior.force(q)]);
-    }
+  for_each_element(model.structure(), state, [&](const ElementView& element) {
+    const ElementBlock& block = element.block();
+    if (!counts(model.scene().sections[block.section(element.index())])) return;
+    const int points =
+        block.general_section ? block.interior.force_points : axial_points(block.order, block.force_integration);
+    for (int q = 0; q < points; ++q) least = std::min(least, element.force(q)[0]);
+  });
   Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_MIN, 1, &least, &all);
   return all;
 }
