@@ -2,95 +2,45 @@
 
 #include "apps/common/tables/formatted.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <regex>
 #include <stdexcept>
 
 namespace mixbeam {
 namespace {
 
-constexpr std::size_t kMostDigits = 17;  // of a double, and few enough for a 64-bit integer
+/// Rounding of decimal numbers in binary: what ends in a five counts as half a digit.
+constexpr double kRoundingOfHalves = 1e-12;
 
-// A printed number: sign, digits without point, how many of them follow the point, power of ten.
-struct Decimal {
-  bool negative = false;
-  std::string digits;
+/// A printed number: what stands before its power of ten, with so many digits behind the point.
+struct Printed {
+  double value = 0.0, mantissa = 0.0;
   int decimals = 0;
-  int exponent = 0;
-  std::string exponent_text{};  // "e-07", kept to write it the same way
+  std::string exponent{};  ///< "e-07", kept to write it the same way
+
+  explicit Printed(const std::string& text) {
+    char* end = nullptr;
+    value = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != '\0' || text.find_first_not_of("+-.0123456789eE") != std::string::npos)
+      throw std::invalid_argument("'" + text + "' is not a printed decimal number");
+    const auto mark = std::min(text.find_first_of("eE"), text.size()), point = text.find('.');
+    mantissa = std::strtod(text.substr(0, mark).c_str(), nullptr);
+    if (point != std::string::npos) decimals = static_cast<int>(mark - point) - 1;
+    exponent = text.substr(mark);
+  }
+  double power() const { return exponent.empty() ? 1.0 : std::pow(10.0, std::atoi(exponent.c_str() + 1)); }
 };
-
-Decimal read_decimal(const std::string& text) {
-  static const std::regex form(R"(([+-]?)(\d*)(?:\.(\d*))?((?:[eE]([+-]?\d{1,4}))?))");
-  std::smatch parts;
-  if (!std::regex_match(text, parts, form) || parts.length(2) + parts.length(3) == 0)
-    throw std::invalid_argument("'" + text + "' is not a printed decimal number");
-  Decimal decimal{parts[1] == "-", parts.str(2) + parts.str(3), static_cast<int>(parts.length(3))};
-  decimal.exponent_text = parts[4];
-  decimal.exponent = parts.length(5) == 0 ? 0 : std::stoi(parts[5]);
-  return decimal;
-}
-
-// Digits of |value| / 10^exponent down to `decimals` places, correctly rounded: from all 17 digits of the value when a
-// power of ten is in the way, since a division would round once more.
-std::string scaled_digits(double value, const Decimal& style) {
-  if (!style.exponent_text.empty()) {
-    const std::string all = formatted("%.16e", value);
-    const auto mark = all.find('e');
-    const std::string exponent = std::to_string(std::stoi(all.substr(mark + 1)) - style.exponent);
-    value = std::strtod((all.substr(0, mark + 1) + exponent).c_str(), nullptr);
-  }
-  return formatted("%.*f", style.decimals, value);
-}
-
-std::string without_point(const std::string& text) {
-  std::string digits;
-  for (const char c : text)
-    if (c >= '0' && c <= '9') digits += c;
-  const auto first = digits.find_first_not_of('0');
-  return first == std::string::npos ? "0" : digits.substr(first);
-}
-
-long long signed_integer(const std::string& text, bool negative) {
-  const long long integer = std::atoll(without_point(text).c_str());
-  return negative ? -integer : integer;
-}
-
-std::string with_point(std::string digits, int decimals) {
-  if (decimals <= 0) return digits + std::string(static_cast<std::size_t>(-decimals), '0');
-  const auto places = static_cast<std::size_t>(decimals);
-  if (digits.size() <= places) digits.insert(0, places + 1 - digits.size(), '0');
-  return digits.insert(digits.size() - places, ".");
-}
-
-// Adds one to the last digit; true when the number became longer (999 -> 1000).
-bool round_up(std::string& digits) {
-  for (std::size_t i = digits.size(); i-- > 0;) {
-    if (digits[i] != '9') {
-      ++digits[i];
-      return false;
-    }
-    digits[i] = '0';
-  }
-  digits.insert(0, "1");
-  return true;
-}
 
 }  // namespace
 
-double printed_value(const std::string& printed) {
-  const Decimal decimal = read_decimal(printed);
-  const std::string text = decimal.digits + "e" + std::to_string(decimal.exponent - decimal.decimals);
-  const double magnitude = std::strtod(text.c_str(), nullptr);
-  return decimal.negative ? -magnitude : magnitude;
-}
+double printed_value(const std::string& printed) { return Printed(printed).value; }
 
 std::string in_style_of(double value, const std::string& printed) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
-  const Decimal style = read_decimal(printed);
-  return scaled_digits(value, style) + style.exponent_text;
+  const Printed style(printed);
+  return formatted("%.*f", style.decimals, value / style.power()) + style.exponent;
 }
 
 std::string in_known_digits(double value, double error) {
@@ -102,33 +52,18 @@ std::string in_known_digits(double value, double error) {
 }
 
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place) {
-  const Decimal reference = read_decimal(printed);
-  if (!std::isfinite(value)) return false;
-  const std::string own = scaled_digits(value, reference);
-  if (without_point(own).size() > kMostDigits || without_point(reference.digits).size() > kMostDigits) return false;
-  const long long difference =
-      signed_integer(own, std::signbit(value)) - signed_integer(reference.digits, reference.negative);
-  return std::llabs(difference) <= units_in_last_place;
+  const Printed reference(printed);
+  const double unit = reference.power() * std::pow(10.0, -reference.decimals);
+  return std::abs(value - reference.value) <= (units_in_last_place + 0.5) * unit * (1.0 + kRoundingOfHalves);
 }
 
 std::string rounded_to_figures(const std::string& number, int figures) {
   if (figures < 1) throw std::invalid_argument("a number needs at least one significant figure");
-  Decimal decimal = read_decimal(number);
-  std::string digits = without_point(decimal.digits);
-  const auto wanted = static_cast<std::size_t>(figures);
-  if (digits != "0" && digits.size() > wanted) {
-    const bool up = digits[wanted] >= '5';
-    decimal.decimals -= static_cast<int>(digits.size() - wanted);
-    digits.resize(wanted);
-    if (up && round_up(digits)) {
-      digits.pop_back();
-      --decimal.decimals;
-    }
-  } else if (digits != "0") {
-    decimal.decimals += static_cast<int>(wanted - digits.size());
-    digits.append(wanted - digits.size(), '0');
-  }
-  return (decimal.negative ? "-" : "") + with_point(digits, decimal.decimals) + decimal.exponent_text;
+  const Printed printed(number);
+  if (printed.mantissa == 0.0) return number;
+  const std::string rounded = formatted("%.*e", figures - 1, printed.mantissa * (1.0 + kRoundingOfHalves));
+  const int decimals = figures - 1 - std::atoi(rounded.c_str() + rounded.find('e') + 1);
+  return formatted("%.*f", std::max(decimals, 0), std::strtod(rounded.c_str(), nullptr)) + printed.exponent;
 }
 
 }  // namespace mixbeam

@@ -18,9 +18,9 @@ std::string in_style_of(double value, const std::string& printed);
 /// follows: 0.8333333331, or "0.83333 +- 3e-06". An error of zero or less is not known.
 std::string in_known_digits(double value, double error);
 
-/// True when `value`, rounded to the last digit of `printed`, differs from it by at most `units_in_last_place` of that
-/// digit. Exact in decimal arithmetic: no tolerance is added. False when `value` is not finite, or so large that it has
-/// more than 17 digits down to that place.
+/// True when `value` is as near to `printed` as numbers are that round to it, or to one that differs by at most
+/// `units_in_last_place` of its last digit: within (units + 1/2) of these, so halves agree on either side. False when
+/// `value` is not finite.
 bool agrees_in_printed_digits(double value, const std::string& printed, int units_in_last_place = 1);
 
 /// The decimal text `number` rounded to `figures` significant digits, halves away from zero and zeros kept, as LaTeX's
