@@ -1,9 +1,9 @@
 #include "nonlinear/accuracy/mesh_choice.hpp"
 
+#include "discretization/geometry/vector_algebra.hpp"
 #include "discretization/scene/division.hpp"
 #include "discretization/scene/formula_pieces.hpp"
 #include "kernels/element/layout.hpp"
-#include "nonlinear/accuracy/bending_loads.hpp"
 
 #include <algorithm>
 #include <array>
@@ -67,6 +67,16 @@ constexpr double kTurningScale = 16.0;
 constexpr double kAim = 0.1;
 /// Vertices of an element must not turn by pi against it; beyond this Newton's method finds other solutions, too.
 constexpr double kLargestTurning = 2.5;
+/// A member of length L under a force F with a lever d has errors as if it turned evenly by f sqrt(F d L / EI): where
+/// the force bends it most, its curvature is sqrt(2 F / EI) at most. Measured with the elastica, arcs and frames: f is
+/// 1.7 to 2.1, and small loads leave errors as if it turned by 2. A force turns no further than into its own direction;
+/// a hundred coils by moments are few enough to try. [radian]
+constexpr double kTurningByForce = 2.0, kLeastTurningByLoad = 2.0, kMostTurningByForce = 8.0,
+                 kMostTurningByMoment = 600.0;
+/// All loads bend each member of a frame, levers as long as the structure; in one of more members a load bends those
+/// next to it, with levers of some of their lengths.
+constexpr std::size_t kMembersOfAFrame = 8;
+constexpr double kLeverInLengths = 3.0;
 /// Orders that pay for any accuracy, see apps/docs/trade.md.
 constexpr int kLeastOrder = 2, kLeastStartOrder = 3;
 
@@ -121,6 +131,57 @@ double reference_turning(const ReferenceCurve& curve) {
     before = here;
   }
   return std::hypot(angle, curve.twist_rate * curve.length);
+}
+
+/// Compliance of a member in bending and twisting: 1 / EI or 1 / GIt, the larger one.
+double bending_compliance(const Scene& scene, const Member& member) {
+  for (const Section& section : scene.sections)
+    if (section.name == member.section)
+      return 1.0 / std::min({section.bending_stiffness[0], section.bending_stiffness[1], section.torsional_stiffness});
+  return 1.0;
+}
+
+/// What bends a member, by the sizes of loads, whatever their directions; formulas are left to the first estimate.
+struct LoadSize {
+  double force = 0.0, moment = 0.0;
+};
+
+LoadSize load_size(const Scene& scene, const Mesh& mesh) {
+  LoadSize size;
+  const auto add = [&](const Vector3& force, const Vector3& moment, double length) {
+    const double f = length * vector_algebra::norm(force), m = length * vector_algebra::norm(moment);
+    const bool is_frame = scene.members.size() <= kMembersOfAFrame;
+    size = is_frame ? LoadSize{size.force + f, size.moment + m}
+                    : LoadSize{std::max(size.force, f), std::max(size.moment, m)};
+  };
+  for (const PointLoad& load : scene.point_loads) add(load.force, load.moment, 1.0);
+  for (const DistributedLoad& load : scene.distributed_loads)
+    add(load.force, load.couple, mesh.members[member_index(scene, load.member)].curve.length);
+  return size;
+}
+
+/// (member): angle that it seems to turn by from its start to its end in the deformed structure, judged by the errors
+/// of its elements; a guess that solves nothing. [radian]
+std::vector<double> expected_turning(const Scene& scene, const Mesh& mesh) {
+  const LoadSize load = load_size(scene, mesh);
+  vector_algebra::Box box;
+  for (const Vector3& position : mesh.vertex_position) box.enclose(position);
+  std::vector<double> turning;
+  for (std::size_t m = 0; m < scene.members.size(); ++m) {
+    const double length = mesh.members[m].curve.length,
+                 lever = std::max(0.5 * length, std::min(kLeverInLengths * length, box.diagonal())),
+                 compliance = length * bending_compliance(scene, scene.members[m]);
+    const double by_forces =
+                     std::min(kMostTurningByForce, kTurningByForce * std::sqrt(load.force * lever * compliance)),
+                 by_moments = std::min(kMostTurningByMoment, load.moment * compliance);
+    turning.push_back(reference_turning(mesh.members[m].curve) +
+                      std::max(kLeastTurningByLoad, std::hypot(by_forces, by_moments)));
+  }
+  for (const Eigenstrain& strain : scene.eigenstrains) {
+    const int m = member_index(scene, strain.member);
+    turning[m] += std::min(kMostTurningByMoment, vector_algebra::norm(strain.curvature) * mesh.members[m].curve.length);
+  }
+  return turning;
 }
 
 /// What an estimate says about one member, relative to the sizes of the quantities.
@@ -261,13 +322,13 @@ double allowed_turning(int order, double accuracy) {
 
 MeshChoice start_mesh(const Scene& scene, double accuracy) {
   const Mesh mesh = build_mesh(scene);
-  const std::vector<double> by_load = turning_by_loads(scene, mesh);
+  const std::vector<double> expected = expected_turning(scene, mesh);
   const int pack = std::max(1, kPack / static_cast<int>(scene.members.size()));
   const std::vector<Member> with_places = members_with_places(scene);
   MeshChoice choice;
   for (size_t m = 0; m < scene.members.size(); ++m) {
     const Member& member = with_places.empty() ? scene.members[m] : with_places[m];
-    const double turning = reference_turning(mesh.members[m].curve) + by_load[m];
+    const double turning = expected[m];
     const int first = member.keeps_order ? member.order : kLeastStartOrder;
     const int last = member.keeps_order ? member.order : kMaximumOrder;
     const OrderCosts& costs = costs_of(scene, member);

@@ -19,8 +19,8 @@ inline constexpr int kLargestRefinement = 4;
 /// The scene on this mesh. What a member keeps (Member::keeps_order, keeps_elements) stays as it is.
 Scene on_mesh(const Scene& scene, const MeshChoice& choice);
 
-/// The cheapest mesh that suffices for the accuracy if members turn as they do in the undeformed structure and by a
-/// simple guess from the loads.
+/// The cheapest mesh that suffices for the accuracy if members turn as they do in the undeformed structure, by their
+/// eigenstrains, and by a guess from the sizes of the loads.
 MeshChoice start_mesh(const Scene& scene, double accuracy);
 
 /// Displacements that an accuracy is not measured against, nor by less: an error that belongs to this size of the
