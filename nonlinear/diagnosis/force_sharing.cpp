@@ -1,6 +1,7 @@
 #include "nonlinear/diagnosis/force_sharing.hpp"
 
 #include "discretization/mesh/element_view.hpp"
+#include "discretization/mesh/vertex_partition.hpp"
 #include "discretization/text/message_text.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/newton/step.hpp"
@@ -12,7 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
+#include <utility>
 #include <vector>
 
 namespace mixbeam {
@@ -45,43 +46,14 @@ double scattered(int element, int row) {
   return static_cast<double>((x ^ (x >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-/// Vertices that are known to be connected.
-class ConnectedVertices {
- public:
-  /// False where they hung together before.
-  bool join(int a, int b) {
-    const int first = representative(a), second = representative(b);
-    if (first == second) return false;
-    parent_[second] = first;
-    return true;
-  }
-
- private:
-  int representative(int vertex) {
-    const auto [entry, is_new] = parent_.emplace(vertex, vertex);
-    if (entry->second != vertex) entry->second = representative(entry->second);
-    return entry->second;
-  }
-  std::map<int, int> parent_;
-};
-
 /// Whether equilibrium alone determines all forces: members, joints and supports close no loop (through the ground).
 bool is_statically_determinate(const Scene& scene, const Mesh& mesh) {
-  constexpr int ground = -1;
-  ConnectedVertices vertices;
-  bool no_loop = true;
-  for (size_t m = 0; m < mesh.members.size(); ++m) {
-    const MeshMember& member = mesh.members[m];
-    const int start = mesh.elements[member.first_element].vertex[0],
-              end = mesh.elements[member.first_element + member.elements - 1].vertex[1];
-    no_loop = vertices.join(start, end) && no_loop;
-    for (const InnerPoint& inner : scene.members[m].inner_points)
-      no_loop = vertices.join(start, mesh.vertex_of_point.at(inner.point)) && no_loop;
-  }
-  for (const MeshJoint& joint : mesh.joints) no_loop = vertices.join(joint.master, joint.slave) && no_loop;
+  const std::vector<int> part = connected_parts(mesh);
+  std::vector<unsigned char> is_held(1 + *std::max_element(part.begin(), part.end()), 0);
+  if (mesh.elements.size() + mesh.joints.size() + is_held.size() > part.size()) return false;
   for (const Support& support : scene.supports)
-    no_loop = vertices.join(vertex_of(mesh, support.point), ground) && no_loop;
-  return no_loop;
+    if (std::exchange(is_held[part[vertex_of(mesh, support.point)]], 1) == 1) return false;
+  return true;
 }
 
 /// Visits every force of every element of this rank: element, row in it, index in interior vectors.
@@ -93,91 +65,74 @@ void for_each_force(const Structure& structure, const Visit& visit) {
   });
 }
 
-class Perturbation {
- public:
-  Perturbation(BeamProblem& problem, const State& state, double load_factor)
-      : problem_(problem),
-        model_(problem.model),
-        state_(state),
-        load_factor_(load_factor),
-        scales_(scales_of(model_, state, load_factor)) {}
+/// What rounding makes of strains, in the N rows.
+MixedVector rounding_errors(const Model& model, const ResidualScales& scales) {
+  MixedVector rows = model.create_vector();
+  rows.fill(0.0);
+  const KernelView<double*> interior = rows.writable_interior(true);
+  for_each_force(model.structure(), [&](const ElementView& element, int i, size_t index) {
+    interior(index) = kEpsilon * scattered(element.mesh_element(), i) / scales.element_strain(element.length());
+  });
+  return rows;
+}
 
-  std::optional<UncertainForce> most_uncertain() {
-    const Scene& scene = model_.scene();
-    for (const Member& member : scene.members) stiffness_.push_back(stiffness_of(scene, member));
-    if (!is_worth_a_look()) return std::nullopt;
-    MixedVector residual = model_.create_vector();
-    const EvaluationPoint point = mixed_residual(model_, state_, load_factor_, residual);
-    const Cap cap = cap_for(model_, point.scales);
-    Linearization linearization(problem_, point, cap, {true, false});
-    MixedVector increment = model_.create_vector();
-    linearization.solve(rounding_errors(), increment);
-    if (const auto rigid = largest(increment, cap, true)) return rigid;
-    if (cap.least_ratio > 0.0) remove_cap_compliance(linearization, cap.least_ratio, increment);
-    return largest(increment, cap, false);
+double largest_of(const Model& model, double own) {
+  double largest = own;
+  Teuchos::reduceAll(*model.map()->getComm(), Teuchos::REDUCE_MAX, own, Teuchos::outArg(largest));
+  return largest;
+}
+
+using Stiffnesses = std::vector<std::array<double, 3>>;  ///< (member of the scene)
+
+/// Among components that are rigid, or among the others. Collective.
+std::optional<UncertainForce> least_certain(const Model& model, const Stiffnesses& stiffness, double force,
+                                            const MixedVector& increment, const Cap& cap, bool rigid) {
+  const KernelView<const double*> interior = increment.interior();
+  double own_share = 0.0, own_element = -1.0;
+  for_each_force(model.structure(), [&](const ElementView& element, int i, size_t index) {
+    const int member = model.structure().member_of(model.mesh(), element.local());
+    if (std::isinf(stiffness[member][i % 3]) != rigid) return;
+    const double limit = cap.structure.sections(element.block().section(element.index())).force_stiffness_limit;
+    const double share = std::abs(interior(index)) / (rigid ? kSelfStress * kEpsilon * limit : kUncertain * force);
+    if (share > own_share) {
+      own_share = share;
+      own_element = element.mesh_element();
+    }
+  });
+  const double share = largest_of(model, own_share);
+  const int element = static_cast<int>(largest_of(model, own_share == share ? own_element : -1.0));
+  if (!(share > 1.0)) return std::nullopt;
+  const Mesh& mesh = model.mesh();
+  return UncertainForce{model.scene().members[mesh.member_of_element(element)].name, mesh.index_of_element(element),
+                        rigid, kUncertain * share};
+}
+
+std::optional<UncertainForce> find_uncertain_force(BeamProblem& problem, const State& state, double load_factor) {
+  const Model& model = problem.model;
+  const double force = scales_of(model, state, load_factor).force;
+  Stiffnesses stiffness;
+  double largest = 0.0;
+  for (const Member& member : model.scene().members) {
+    stiffness.push_back(stiffness_of(model.scene(), member));
+    largest = std::max(largest, *std::max_element(stiffness.back().begin(), stiffness.back().end()));
   }
-
- private:
-  bool is_rigid(int member, int component) const { return std::isinf(stiffness_[member][component]); }
-
-  bool is_worth_a_look() const {
-    if (is_statically_determinate(model_.scene(), *model_.whole_mesh())) return false;
-    for (const std::array<double, 3>& stiffness : stiffness_)
-      if (*std::max_element(stiffness.begin(), stiffness.end()) * kEpsilon > kUncertain * scales_.force)
-        return scales_.force > 0.0;
-    return false;
-  }
-
-  /// N rows: what rounding makes of strains.
-  MixedVector rounding_errors() const {
-    MixedVector rows = model_.create_vector();
-    rows.fill(0.0);
-    const KernelView<double*> interior = rows.writable_interior(true);
-    const Structure& structure = model_.structure();
-    for_each_force(structure, [&](const ElementView& element, int i, size_t index) {
-      interior(index) = kEpsilon * scattered(element.mesh_element(), i) / scales_.element_strain(element.length());
-    });
-    return rows;
-  }
-
-  /// Among components that are rigid, or among the others.
-  std::optional<UncertainForce> largest(const MixedVector& increment, const Cap& cap, bool rigid) const {
-    const Structure& structure = model_.structure();
-    const KernelView<const double*> interior = increment.interior();
-    std::array<double, 3> best{0.0, -1.0, 0.0};  // share, mesh element, change
-    for_each_force(structure, [&](const ElementView& element, int i, size_t index) {
-      const int member = structure.member_of(model_.mesh(), element.local());
-      if (is_rigid(member, i % 3) != rigid) return;
-      const double change = std::abs(interior(index)),
-                   limit = cap.structure.sections(element.block().section(element.index())).force_stiffness_limit;
-      const double share = rigid ? change / (kSelfStress * kEpsilon * limit) : change / (kUncertain * scales_.force);
-      if (share > best[0]) best = {share, static_cast<double>(element.mesh_element()), change / scales_.force};
-    });
-    const Teuchos::Comm<int>& comm = *model_.map()->getComm();
-    std::vector<double> all(3 * static_cast<size_t>(comm.getSize()));
-    Teuchos::gatherAll(comm, 3, best.data(), static_cast<int>(all.size()), all.data());
-    for (size_t r = 0; r < all.size(); r += 3)
-      if (all[r] > best[0] || (all[r] == best[0] && all[r + 1] > best[1])) best = {all[r], all[r + 1], all[r + 2]};
-    if (!(best[0] > 1.0)) return std::nullopt;
-    const Mesh& mesh = model_.mesh();
-    const int element = static_cast<int>(best[1]);
-    return UncertainForce{model_.scene().members[mesh.member_of_element(element)].name, mesh.index_of_element(element),
-                          rigid, best[2]};
-  }
-
-  BeamProblem& problem_;
-  const Model& model_;
-  const State& state_;
-  double load_factor_;
-  ResidualScales scales_;
-  std::vector<std::array<double, 3>> stiffness_;  ///< (member of the scene)
-};
+  if (!(force > 0.0 && largest * kEpsilon > kUncertain * force)) return std::nullopt;
+  if (is_statically_determinate(model.scene(), *model.whole_mesh())) return std::nullopt;
+  MixedVector increment = model.create_vector();
+  const EvaluationPoint point = mixed_residual(model, state, load_factor, increment);
+  const Cap cap = cap_for(model, point.scales);
+  Linearization linearization(problem, point, cap, {true, false});
+  linearization.solve(rounding_errors(model, point.scales), increment);
+  if (const auto rigid = least_certain(model, stiffness, force, increment, cap, true)) return rigid;
+  if (cap.least_ratio > 0.0) remove_cap_compliance(linearization, cap.least_ratio, increment);
+  return least_certain(model, stiffness, force, increment, cap, false);
+}
 
 }  // namespace
 
 std::optional<UncertainForce> uncertain_force(BeamProblem& problem, const State& state, double load_factor) {
   try {
-    return Perturbation(problem, state, load_factor).most_uncertain();
+    return find_uncertain_force(problem, state, load_factor);
   } catch (const LinearSolverError&) {
     return std::nullopt;
   }
