@@ -1,4 +1,5 @@
-/// What a run of a scene will take, from the scene alone: nothing here costs more than a walk along its members.
+/// What a run of a scene will take, from the scene alone: nothing here costs more than a walk along its members. Within
+/// a factor of two; chains within a third.
 #pragma once
 
 #include "discretization/scene/scene.hpp"
@@ -11,14 +12,14 @@ namespace mixbeam {
 struct Needs {
   long long members = 0, elements = 0, vertices = 0;
   long long interior = 0;      ///< unknowns inside the elements, eliminated there
-  bool planar = false;         ///< solved in a plane
   double memory = 0.0;         ///< most that a run holds at a time, on one rank
   double everywhere = 0.0;     ///< thereof what each of several ranks holds too
   double factors = 0.0;        ///< thereof the factors of the chains and of what they leave
   double file = 0.0;           ///< result file without steps [byte]
   double file_per_step = 0.0;  ///< what a step adds [byte]
   int steps = 0;               ///< that a path takes at least, the state at its start included
-  double seconds = 0.0;        ///< of a Newton iteration on one thread of the machine of performance.md
+  /// Floating-point operations, and bytes that move, of a Newton iteration for what chains leave.
+  double network_operations = 0.0, network_bytes = 0.0;
 
   long long unknowns() const { return 6 * vertices + interior; }
   double memory_of_rank(int ranks) const { return everywhere + (memory - everywhere) / ranks; }

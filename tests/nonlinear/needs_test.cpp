@@ -1,6 +1,5 @@
 #include "nonlinear/run/needs.hpp"
 
-#include "nonlinear/run/junction_factor.hpp"
 #include "nonlinear/run/simulation.hpp"
 #include "tests/support/constrained_scenes.hpp"
 #include "tests/support/scenes.hpp"
@@ -26,7 +25,6 @@ std::string miscounted(const Scene& scene, const Needs& needs) {
   compare("elements", needs.elements, static_cast<long long>(mesh.elements.size()));
   compare("vertices", needs.vertices, mesh.vertices());
   compare("interior", needs.interior, static_cast<long long>(simulation.model().structure().increment_size));
-  compare("planar", needs.planar, simulation.model().plane().has_value());
   return text;
 }
 
@@ -46,16 +44,13 @@ Scene two_members(const Vector3& force) {
 }
 
 TEST(Needs, CountsWhatTheMeshHas) {
-  for (const Vector3& force : {Vector3{1, 2, 0}, Vector3{1, 2, 3}}) {
-    Scene scene = two_members(force);
-    EXPECT_EQ(miscounted(scene, needs_of(scene, {})), "");
-    EXPECT_EQ(needs_of(scene, {}).planar, force[2] == 0.0);
-    scene.joints = {{"pin", "b", {"second"}, JointKind::hinge, {0, 0, 1}}};
-    EXPECT_EQ(miscounted(scene, needs_of(scene, {})), "");
-    const Needs jointed = needs_of(scene, {});
-    scene.members[0].elements += 1;
-    EXPECT_NE(miscounted(scene, jointed), "") << "those of another mesh";
-  }
+  Scene scene = two_members({1, 2, 3});
+  EXPECT_EQ(miscounted(scene, needs_of(scene, {})), "");
+  scene.joints = {{"pin", "b", {"second"}, JointKind::hinge, {0, 0, 1}}};
+  EXPECT_EQ(miscounted(scene, needs_of(scene, {})), "");
+  const Needs jointed = needs_of(scene, {});
+  scene.members[0].elements += 1;
+  EXPECT_NE(miscounted(scene, jointed), "") << "those of another mesh";
 }
 
 TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
@@ -68,7 +63,8 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   const Needs chain = needs_of(scene, plain);
   const double small = chain.memory;
   EXPECT_EQ(chain.memory_of_rank(1), small);
-  EXPECT_NEAR(chain.memory_of_rank(2) / small, 0.53, 0.03);  // measured with 1e6 elements
+  EXPECT_GT(chain.memory_of_rank(2), 0.5 * small) << "some of it every rank holds";
+  EXPECT_LT(chain.memory_of_rank(2), 0.6 * small);
   scene.members[0].elements *= 2;
   EXPECT_NEAR(needs_of(scene, plain).memory / small, 2.0, 0.3);
   SolverParameters asked = plain;
@@ -78,21 +74,14 @@ TEST(Needs, GrowWithElementsAndOrderAndWithWhatIsAsked) {
   EXPECT_GT(needs_of(scene, plain).memory, 1.5 * 2.0 * small);
 }
 
-TEST(Needs, SlenderMembersThatAreIteratedWithTakeLonger) {
-  Scene scene = test::lattice(12);
-  SolverParameters iterative;
-  iterative.linear.method = kIterative;
-  const auto seconds = [&](double slenderness, const SolverParameters& parameters) {
-    scene.sections[0].axial_stiffness = slenderness * slenderness * scene.sections[0].bending_stiffness[0];
-    return needs_of(scene, parameters).seconds;
-  };
-  EXPECT_GT(seconds(100.0, iterative), seconds(20.0, iterative));
-  EXPECT_EQ(seconds(20.0, iterative), seconds(5.0, iterative));
-  EXPECT_EQ(seconds(100.0, {}), seconds(20.0, {})) << "factors do not care";
+/// Numbers of the factor of what chains leave.
+double network_factor(const Scene& scene) {
+  const Needs needs = needs_of(scene, {});
+  return needs.factors / sizeof(double) - vertex_factor_size(kSpatialDofs) * static_cast<double>(needs.elements);
 }
 
 /// Whatever the order of elimination, the factor of a full matrix is its lower triangle.
-TEST(JunctionFactor, OfJunctionsThatAreAllConnected) {
+TEST(Needs, FactorOfJunctionsThatAreAllConnected) {
   Scene scene;
   scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
   constexpr int kPoints = 6;
@@ -104,21 +93,39 @@ TEST(JunctionFactor, OfJunctionsThatAreAllConnected) {
     }
   }
   const auto triangle_of = [](int points) { return 3.0 * points * (6.0 * points + 1.0); };
-  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints));
+  EXPECT_EQ(network_factor(scene), triangle_of(kPoints));
   scene.supports = {test::clamp("2")};
-  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints - 1)) << "prescribed unknowns are taken out";
-  scene.members.resize(scene.members.size() - (kPoints - 2));
-  EXPECT_EQ(junction_factor(scene).entries, triangle_of(kPoints - 2) + 36.0 + 21.0) << "the last hangs on one other";
+  EXPECT_EQ(network_factor(scene), triangle_of(kPoints - 1)) << "prescribed unknowns are taken out";
 }
 
-TEST(JunctionFactor, OfAChainIsThatOfItsEnds) {
+TEST(Needs, FactorOfAChainIsThatOfItsEnds) {
   Scene scene = two_members({1, 2, 3});
   scene.points.push_back({"d", {3, 1, 0}});
   scene.members.push_back(test::line("third", "c", "d", 2, 2));
   scene.point_loads[0].point = "d";
-  EXPECT_EQ(junction_factor(scene).entries, 21.0) << "the loaded end; the other one is clamped, the rest eliminated";
+  EXPECT_EQ(network_factor(scene), 21.0) << "the loaded end; the other one is clamped, the rest eliminated";
   scene.point_loads[0].point = "b";
-  EXPECT_EQ(junction_factor(scene).entries, 21.0 + 36.0 + 21.0) << "a loaded point within, and the free end";
+  EXPECT_EQ(network_factor(scene), 21.0 + 36.0 + 21.0) << "a loaded point within, and the free end";
+}
+
+/// By nested dissection the factor of n x n junctions has 31/4 n^2 log2 n blocks less a multiple of n^2 (A. George,
+/// 1973), which is about half of it at this n: the forecast is within a factor of two of that half. By bands n^3 is
+/// not.
+TEST(Needs, FactorOfASheetIsThatOfNestedDissection) {
+  constexpr int kSide = 128;
+  Scene scene;
+  scene.sections = {test::section(1.0, 1.0, 1.0, 1.0)};
+  const auto name = [](int i, int j) { return std::to_string(i) + " " + std::to_string(j); };
+  for (int i = 0; i < kSide; ++i)
+    for (int j = 0; j < kSide; ++j) {
+      scene.points.push_back({name(i, j), {1.0 * i, 1.0 * j, 0.0}});
+      if (i > 0) scene.members.push_back(test::line("x" + name(i, j), name(i - 1, j), name(i, j), 2, 1));
+      if (j > 0) scene.members.push_back(test::line("y" + name(i, j), name(i, j - 1), name(i, j), 2, 1));
+    }
+  const double square = 36.0 * kSide * kSide, leading = 7.75 * square * std::log2(kSide);
+  EXPECT_LT(network_factor(scene), leading);
+  EXPECT_GT(network_factor(scene), leading / 4.0);
+  EXPECT_GT(square * kSide, 2.0 * leading) << "bands";
 }
 
 TEST(Needs, ACoarseSceneHasFewElementsAndTheSamePoints) {
