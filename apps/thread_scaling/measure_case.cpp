@@ -76,7 +76,7 @@ class IterationTimer {
     if (sparse_solver_ == nullptr)
       sparse_solver_ = make_direct_tangent_solver(problem_.model, kKlu, tolerance_);
     DofVector x(problem_.model.map());
-    sparse_solver_->forget();
+    sparse_solver_->reset_factors();
     const RunWatch watch;
     sparse_solver_->factorize(*tangent_);
     sparse_solver_->solve(tangent_->condensed_rows(), x);

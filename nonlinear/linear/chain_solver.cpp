@@ -42,7 +42,7 @@ class WholeSolver : public TangentSolver {
     solver_->factorize();
   }
   double solve(const DofVector& b, DofVector& x, double enough) override { return solver_->solve(b, x, enough); }
-  std::optional<long> negative_eigenvalues() const override { return solver_->negative_eigenvalues(); }
+  std::optional<long> negative_eigenvalues() override { return solver_->negative_eigenvalues(); }
 
  private:
   VertexMatrix matrix_;
@@ -125,7 +125,7 @@ double ChainSolver::solve(const DofVector& b, DofVector& x, double enough) {
   return whole_->solve(b, x);
 }
 
-std::optional<long> ChainSolver::negative_eigenvalues() const {
+std::optional<long> ChainSolver::negative_eigenvalues() {
   if (uses_whole_) return {};
   const std::optional<long> remaining = remaining_->negative_eigenvalues();
   if (!remaining) return {};

@@ -10,23 +10,10 @@
 namespace mixbeam {
 
 /// Solves with the tangents of one model.
-class TangentSolver {
+class TangentSolver : public Solver {
  public:
-  virtual ~TangentSolver() = default;
   /// Solves are with this tangent from now on, and it must not be gone by then. Throws LinearSolverError.
   virtual void factorize(const Tangent& tangent) = 0;
-  /// As LinearSolver::solve.
-  virtual double solve(const DofVector& b, DofVector& x, double enough = 0.0) = 0;
-  /// As LinearSolver::iterates.
-  virtual bool iterates() const { return false; }
-  /// As LinearSolver::forget.
-  virtual void forget() {}
-  /// As LinearSolver::take_over.
-  virtual void take_over(TangentSolver& /*other*/) {}
-
-  /// Eigenvalues below zero of the tangent, element interiors not among them; none where the factors do not tell.
-  /// Collective.
-  virtual std::optional<long> negative_eigenvalues() const { return {}; }
   /// Of a motion x, what rounding of what chains leave may change in x . K x; where that is known. Collective.
   virtual double rounding_of_form(const DofVector&) const { return 0.0; }
 };
@@ -45,11 +32,11 @@ class ChainSolver : public TangentSolver {
   void factorize(const Tangent& tangent) override;
   double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
   bool iterates() const override { return remaining_->iterates(); }
-  void forget() override { remaining_->forget(); }
-  void take_over(TangentSolver& other) override {
-    if (auto* chains = dynamic_cast<ChainSolver*>(&other)) remaining_->take_over(*chains->remaining_);
+  void reset_factors() override { remaining_->reset_factors(); }
+  void adopt_factors_of(Solver& other) override {
+    if (auto* chains = dynamic_cast<ChainSolver*>(&other)) remaining_->adopt_factors_of(*chains->remaining_);
   }
-  std::optional<long> negative_eigenvalues() const override;
+  std::optional<long> negative_eigenvalues() override;
   double rounding_of_form(const DofVector& x) const override;
 
   /// Tangents that had to be factorised as a whole.

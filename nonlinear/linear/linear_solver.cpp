@@ -5,7 +5,6 @@
 #include "discretization/text/memory_error.hpp"
 #include "discretization/text/number_text.hpp"
 #include "nonlinear/linear/network_factors.hpp"
-#include "nonlinear/linear/root_copy.hpp"
 
 #include <Amesos2.hpp>
 #include <Teuchos_CommHelpers.hpp>
@@ -21,8 +20,8 @@ namespace {
 using DofMultiVector = Tpetra::MultiVector<double, LocalOrdinal, GlobalOrdinal, TpetraNode>;
 using Amesos2Solver = Amesos2::Solver<DofMatrix, DofMultiVector>;
 
-/// By a solver behind Amesos2.
-class Amesos2Factors : public MatrixFactors {
+/// By a solver behind Amesos2; nothing is checked.
+class Amesos2Factors : public LinearSolver {
  public:
   Amesos2Factors(const Teuchos::RCP<DofMatrix>& matrix, const std::string& method, PhaseTimes& times) : times_(times) {
     const auto map = matrix->getRowMap();
@@ -35,7 +34,10 @@ class Amesos2Factors : public MatrixFactors {
     PhaseTimer timer(times_, "numeric factorisation");
     solver_->numericFactorization();
   }
-  void solve(const DofVector& b, DofVector& x) override { solver_->solve(&x, &b); }
+  double solve(const DofVector& b, DofVector& x, double /*enough*/) override {
+    solver_->solve(&x, &b);
+    return 0.0;
+  }
 
  private:
   PhaseTimes& times_;
@@ -69,23 +71,21 @@ class DirectSolver : public LinearSolver {
     if (matrix->getRowMap()->getComm()->getSize() > 1 && !is_shared) root_ = std::make_unique<RootCopy>(matrix);
   }
 
-  void forget() override {
-    if (factors_ != nullptr) factors_->forget();
+  void reset_factors() override {
+    if (factors_ != nullptr) factors_->reset_factors();
   }
 
-  void take_over(LinearSolver& other) override {
+  void adopt_factors_of(Solver& other) override {
     const auto* from = dynamic_cast<const DirectSolver*>(&other);
-    if (from == nullptr || root_ != nullptr || method_ != kMumps) return;
-    if (const auto* factors = dynamic_cast<const NetworkFactors*>(from->factors_.get())) {
-      auto here = std::make_unique<NetworkFactors>(matrix_, times_);
-      here->take_over(*factors);
-      factors_ = std::move(here);
-    }
+    if (from == nullptr || from->factors_ == nullptr || from->root_ != nullptr || root_ != nullptr || method_ != kMumps)
+      return;
+    factors_ = std::make_unique<NetworkFactors>(matrix_, times_);
+    factors_->adopt_factors_of(*from->factors_);
   }
 
   void factorize() override {
     if (root_ != nullptr) {
-      forget();  // ranks that wait for a solution must not be left alone with an error
+      reset_factors();  // ranks that wait for a solution must not be left alone with an error
       PhaseTimer timer(times_, "gather matrix");
       root_->gather_values();
     }
@@ -109,7 +109,7 @@ class DirectSolver : public LinearSolver {
     return error;
   }
 
-  std::optional<long> negative_eigenvalues() const override {
+  std::optional<long> negative_eigenvalues() override {
     long known[2] = {0, 0};  // whether it is known; how many
     if (root_ == nullptr || root_->is_root())
       if (const std::optional<long> here = factors_->negative_eigenvalues()) known[0] = 1, known[1] = *here;
@@ -167,7 +167,7 @@ class DirectSolver : public LinearSolver {
   double tolerance_;
   PhaseTimes& times_;
   std::unique_ptr<RootCopy> root_;  ///< several ranks only
-  std::unique_ptr<MatrixFactors> factors_;
+  std::unique_ptr<LinearSolver> factors_;
   Teuchos::RCP<DofVector> x_, b_;  ///< of rank 0; several ranks only
   Teuchos::RCP<DofVector> correction_, residual_;
 };

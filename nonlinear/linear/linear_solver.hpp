@@ -17,29 +17,35 @@ class LinearSolverError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-class LinearSolver {
+/// Solves with the matrix that was factorised last.
+class Solver {
  public:
-  virtual ~LinearSolver() = default;
-
-  /// Factorises the present values of the matrix. Throws LinearSolverError.
-  virtual void factorize() = 0;
+  virtual ~Solver() = default;
 
   /// Solves A x = b and checks the result: its backward error must not exceed the tolerance, else one step of iterative
   /// refinement is tried, then LinearSolverError is thrown. Returns that error. Where it is iterated, the share
   /// `enough` of the error may be left, in energy, and the tolerance is no smaller.
   virtual double solve(const DofVector& b, DofVector& x, double enough = 0.0) = 0;
 
-  /// Eigenvalues below zero of the matrix factorised last; none where the factors do not tell. Collective.
-  virtual std::optional<long> negative_eigenvalues() const { return {}; }
+  /// Counts eigenvalues below zero, of a tangent without element interiors; none where the factors do not tell.
+  /// Collective.
+  virtual std::optional<long> negative_eigenvalues() { return {}; }
 
   /// Whether it solves without factors because they would be too large.
   virtual bool iterates() const { return false; }
 
-  /// What was made for earlier matrices does not serve the next one: then that one alone decides every bit.
-  virtual void forget() {}
+  /// Discards everything derived from earlier matrices, so that the next one alone decides every bit.
+  virtual void reset_factors() {}
   /// Takes what `other` has kept of its last matrix, where that serves a matrix over the same network; `other` must
   /// factorise before it solves again.
-  virtual void take_over(LinearSolver& /*other*/) {}
+  virtual void adopt_factors_of(Solver& /*other*/) {}
+};
+
+/// Solves with one matrix, whose values change.
+class LinearSolver : public Solver {
+ public:
+  /// Factorises the present values of the matrix. Throws LinearSolverError.
+  virtual void factorize() = 0;
 };
 
 /// Method that suits the graph of the matrix: KLU2 for chains and trees, in which elimination fills in little, and for

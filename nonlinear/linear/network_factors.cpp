@@ -1,7 +1,7 @@
 #include "nonlinear/linear/network_factors.hpp"
 
 #include "discretization/mesh/mixed_vector.hpp"
-#include "nonlinear/linear/linear_solver.hpp"
+#include "nonlinear/linear/krylov.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,12 +39,6 @@ bool NetworkFactors::on_all_ranks(bool here) const {
   int all = here ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_MIN, share_.communicator);
   return all == 1;
-}
-
-double NetworkFactors::inner_product(const std::vector<double>& a, const std::vector<double>& b) const {
-  double sum = std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, share_.communicator);
-  return sum;
 }
 
 /// Behind the values of the rows here those of columns that belong to others.
@@ -228,7 +222,10 @@ void NetworkFactors::factorize_now() {
   serves_next_ = is_symmetric() && signs.negative == 0;
 }
 
-void NetworkFactors::take_over(const NetworkFactors& other) {
+void NetworkFactors::adopt_factors_of(Solver& solver) {
+  const auto* from = dynamic_cast<const NetworkFactors*>(&solver);
+  if (from == nullptr) return;
+  const NetworkFactors& other = *from;
   const auto here = matrix_->getLocalMatrixHost().graph, there = other.matrix_->getLocalMatrixHost().graph;
   const auto same = [](const auto& a, const auto& b) {
     return a.extent(0) == b.extent(0) && std::equal(a.data(), a.data() + a.extent(0), b.data());
@@ -249,38 +246,54 @@ std::optional<long> NetworkFactors::negative_eigenvalues() {
   return negative_;
 }
 
-/// Conjugate gradients, preconditioned by the factors; false where they would need more iterations than are left.
+/// Of the remaining rows, preconditioned by the factors.
+struct NetworkFactors::Iteration {
+  using Numbers = std::vector<double>;
+  const NetworkFactors& of;
+
+  double dot(const Numbers& a, const Numbers& b) const {
+    double sum = std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+    MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, of.share_.communicator);
+    return sum;
+  }
+  static void add(double s, const Numbers& b, Numbers& a) {
+    for (size_t i = 0; i < a.size(); ++i) a[i] += s * b[i];
+  }
+  static void extend(const Numbers& z, double beta, Numbers& p) {
+    for (size_t i = 0; i < p.size(); ++i) p[i] = z[i] + beta * p[i];
+  }
+  void multiply(Numbers& p, Numbers& q) const {
+    of.complete(p);
+    of.remaining_.multiply(p.data(), q.data());
+    p.resize(q.size());
+  }
+  void precondition(const Numbers& r, Numbers& z) const {
+    z = r;
+    of.factors_->solve(z.data(), 1);
+  }
+};
+
+/// Conjugate gradients; false where they would need more iterations than are left.
 bool NetworkFactors::iterate(std::vector<double>& b) {
   PhaseTimer timer(times_, "iterations with earlier factors");
-  std::vector<double> r = b, z = r, p(b.size(), 0.0), q(b.size()), x(b.size(), 0.0);
-  factors_->solve(z.data(), 1);
-  const double first = inner_product(r, z), aim = kReduction * kReduction * first;
-  double energy = first, last = first;
-  for (iterations_ = 0; energy > aim; ++iterations_) {
-    const bool is_hopeless = iterations_ >= kForecast &&
-                             iterations_ * std::log(aim / first) < (iterations_ + left_) * std::log(energy / first);
-    if (left_ <= 0 || is_hopeless) return false;
-    const double beta = iterations_ == 0 ? 0.0 : energy / last;
-    for (size_t i = 0; i < p.size(); ++i) p[i] = z[i] + beta * p[i];
-    complete(p);
-    remaining_.multiply(p.data(), q.data());
-    p.resize(q.size());
-    const double curvature = inner_product(p, q);
-    if (!(curvature > 0.0)) return false;
-    for (size_t i = 0; i < p.size(); ++i) x[i] += energy / curvature * p[i];
-    for (size_t i = 0; i < p.size(); ++i) r[i] -= energy / curvature * q[i];
-    z = r;
-    factors_->solve(z.data(), 1);
-    --left_;
-    last = energy;
-    energy = inner_product(r, z);
-  }
-  if (!(energy >= 0.0)) return false;
+  std::vector<double> r = b, z, p(b.size(), 0.0), q(b.size()), x(b.size(), 0.0);
+  iterations_ = 0;
+  const KrylovEnd end = conjugate_gradients(
+      Iteration{*this}, x, r, z, p, q, kReduction, [this](int iterations, double energy, double first) {
+        iterations_ = iterations;
+        const bool is_hopeless = iterations >= kForecast && iterations * std::log(kReduction * kReduction) <
+                                                                (iterations + left_) * std::log(energy / first);
+        if (left_ <= 0 || is_hopeless) return false;
+        --left_;
+        ++iterations_;
+        return true;
+      });
+  if (end != KrylovEnd::converged) return false;
   b = std::move(x);
   return true;
 }
 
-void NetworkFactors::solve(const DofVector& b, DofVector& x) {
+double NetworkFactors::solve(const DofVector& b, DofVector& x, double /*enough*/) {
   const auto local = matrix_->getLocalMatrixHost();
   const KernelView<const double*> given = MixedVector::view_of(b);
   const KernelView<double*> found = MixedVector::view_of(x);
@@ -301,6 +314,7 @@ void NetworkFactors::solve(const DofVector& b, DofVector& x) {
   if (is_earlier_ && !iterate(rhs)) factorize_now();
   if (unknowns() > 0 && !is_earlier_) factors_->solve(rhs.data(), 1);
   for (size_t r = 0; r < rhs.size(); ++r) found(column_[r]) = rhs[r];
+  return 0.0;
 }
 
 }  // namespace mixbeam

@@ -1,43 +1,30 @@
-/// Factors of a matrix; of the matrices of networks by MUMPS, on all ranks that share their rows.
+/// Factors of the matrices of networks by MUMPS, on all ranks that share their rows.
 #pragma once
 
 #include "discretization/assembly/phase_timer.hpp"
-#include "discretization/mesh/tpetra_types.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
-
-#include <optional>
+#include "nonlinear/linear/linear_solver.hpp"
 
 namespace mixbeam {
-
-class MatrixFactors {
- public:
-  virtual ~MatrixFactors() = default;
-  /// Factorises the present values of the matrix. Throws an exception derived from std::exception.
-  virtual void factorize() = 0;
-  virtual void solve(const DofVector& b, DofVector& x) = 0;
-  /// As LinearSolver::negative_eigenvalues.
-  virtual std::optional<long> negative_eigenvalues() { return {}; }
-  /// As LinearSolver::forget.
-  virtual void forget() {}
-};
 
 /// Unknowns that have an equation of their own, as those that supports prescribe, are taken out: what remains is
 /// symmetric, and factorised as L D L^T, unless supports stand at an angle, joints take part, or loads have no
 /// potential; then as L U. The order of elimination and the structure of the factors are kept as long as the same
 /// unknowns are taken out. Where a factorisation costs as much as many solves, the factors of an earlier matrix without
-/// negative eigenvalues serve conjugate gradients as preconditioner, until they take too many iterations, forget() is
-/// called or eigenvalues are asked for.
-class NetworkFactors : public MatrixFactors {
+/// negative eigenvalues serve conjugate gradients as preconditioner, until they take too many iterations,
+/// reset_factors() is called or eigenvalues are asked for.
+class NetworkFactors : public LinearSolver {
  public:
   NetworkFactors(const Teuchos::RCP<DofMatrix>& matrix, PhaseTimes& times);
 
   void factorize() override;
-  void solve(const DofVector& b, DofVector& x) override;
+  /// Checks nothing, and returns zero.
+  double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
   /// Where the matrix is symmetric and what is taken out has a positive diagonal.
   std::optional<long> negative_eigenvalues() override;
-  void forget() override { serves_next_ = false; }
-  /// The factors of `other` serve the next matrix here, if it has the same structure, as an earlier one would.
-  void take_over(const NetworkFactors& other);
+  void reset_factors() override { serves_next_ = false; }
+  /// Where matrices have the same structure: factors of `other` serve as those of an earlier one would.
+  void adopt_factors_of(Solver& other) override;
   /// Of the matrix factorised last: unknowns that are not taken out, and whether their matrix is symmetric.
   int unknowns() const { return share_.rows.total(); }
   int factorizations() const { return factors_ == nullptr ? 0 : factors_->factorizations(); }
@@ -46,6 +33,7 @@ class NetworkFactors : public MatrixFactors {
   int iterations() const { return iterations_; }
 
  private:
+  struct Iteration;
   void factorize_now();
   bool iterate(std::vector<double>& b);
   std::vector<unsigned char> rows_alone() const;
@@ -55,7 +43,6 @@ class NetworkFactors : public MatrixFactors {
   void find_mirrors_of_others();
   void complete(std::vector<double>& values) const;
   bool on_all_ranks(bool here) const;
-  double inner_product(const std::vector<double>& a, const std::vector<double>& b) const;
   bool has_symmetry() const;
   bool diagonal_is_positive() const;
 

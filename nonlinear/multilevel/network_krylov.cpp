@@ -1,8 +1,7 @@
-// The part of NetworkSolver for tangents that are not symmetric and positive definite and too large for factors.
+// The part of NetworkSolver that iterates, and what makes rows of supports at an angle and of joints fit for it.
+#include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/multilevel/block_rows.hpp"
-#include "nonlinear/multilevel/krylov.hpp"
 #include "nonlinear/multilevel/network_solver.hpp"
-#include "nonlinear/multilevel/positive_part.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,9 +13,8 @@ namespace {
 /// Stiffness of a vertex where a support at an angle prescribes its motion, over that of the links there: what the
 /// preconditioner gets wrong is the inverse of it.
 constexpr double kAlmostRigid = 1e6;
-/// Factors of unsymmetric tangents up to this share of the largest are taken before GMRES is tried: a cube of 26^3
-/// junctions.
-constexpr double kBeforeGmres = 0.1;
+/// GMRES keeps so many vectors, each with what M^-1 makes of it, and then starts anew: 1 GB for a million unknowns.
+constexpr int kVectorsOfGmres = 60;
 /// Components of axes that differ by less are the same.
 constexpr double kSameAxis = 1e-14;
 
@@ -136,37 +134,6 @@ void NetworkSolver::turn_rows(const LevelVector& rows) const {
   }
 }
 
-/// Factors where they are not too large; before those of large unsymmetric tangents, which take twice as long, GMRES as
-/// long as it converges.
-void NetworkSolver::give_up_conjugate_gradients() {
-  const double entries = direct_ == nullptr ? factor_entries(system_) : 0.0;
-  const bool may_factorize = entries <= most_fallback_entries_;
-  if (may_factorize && (is_unstable_ || gmres_fails_ || entries <= kBeforeGmres * most_fallback_entries_))
-    return factorize_directly();
-  try {
-    begin_krylov();
-  } catch (const LinearSolverError&) {
-    if (!may_factorize) throw;
-    give_up_gmres();
-  }
-}
-
-void NetworkSolver::give_up_gmres() {
-  gmres_fails_ = true;
-  by_krylov_ = false;
-  factorize_directly();
-}
-
-/// Positive at every load, what preconditions needs no earlier tangent.
-void NetworkSolver::begin_krylov() {
-  by_krylov_ = true;
-  try {
-    set_matrix(PositivePart(matrix(), link_.size()).matrix());
-  } catch (const std::runtime_error&) {
-    throw LinearSolverError(objection_);
-  }
-}
-
 /// A^ x with the matrix itself.
 void NetworkSolver::multiply(const LevelVector& x, const LevelVector& y) const {
   const Level& finest = hierarchy_->finest();
@@ -192,17 +159,91 @@ void NetworkSolver::multiply(const LevelVector& x, const LevelVector& y) const {
   finest.scale_rows(q_, y);
 }
 
-bool NetworkSolver::iterate_krylov(const DofVector& b, DofVector& x, double reduction, int most_iterations) {
+bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations) {
   PhaseTimer timer(times_, "multilevel: iterations");
   begin_solve(b, x);
-  const auto method = is_unstable_ ? multilevel::KrylovMethod::minres : multilevel::KrylovMethod::gmres;
-  const multilevel::KrylovResult result = multilevel::solve(
-      method, hierarchy_->finest(), [this](const LevelVector& from, const LevelVector& to) { multiply(from, to); },
-      [this](const LevelVector& from, const LevelVector& to) { hierarchy_->precondition(from, to); }, r_, x_, reduction,
-      most_iterations);
-  iterations_ = result.iterations;
+  iterations_ = 0;
+  const bool converged =
+      method_ == Method::gmres ? gmres(reduction, most_iterations) : conjugate_gradients(reduction, most_iterations);
   end_solve(x);
-  return result.converged;
+  return converged;
+}
+
+struct NetworkSolver::Iteration {
+  Hierarchy& hierarchy;
+
+  double dot(const LevelVector& a, const LevelVector& b) const { return hierarchy.finest().dot(a, b); }
+  static void add(double s, const LevelVector& b, const LevelVector& a) { multilevel::add(s, b, a); }
+  static void extend(const LevelVector& from, double beta, const LevelVector& to) {
+    if (beta == 0.0) return Kokkos::deep_copy(to, from);
+    double* p = to.data();
+    const double* z = from.data();
+    multilevel::for_each(to.extent(0), [=](int i) { p[i] = z[i] + beta * p[i]; });
+  }
+  void multiply(const LevelVector& p, const LevelVector& q) const { hierarchy.finest().apply(p, q); }
+  void precondition(const LevelVector& r, const LevelVector& z) const { hierarchy.precondition(r, z); }
+};
+
+bool NetworkSolver::conjugate_gradients(double reduction, int most_iterations) {
+  const KrylovEnd end = mixbeam::conjugate_gradients(Iteration{*hierarchy_}, x_, r_, z_, p_, q_, reduction,
+                                                     [&](int iterations, double /*energy*/, double /*first*/) {
+                                                       iterations_ = iterations + 1;
+                                                       return iterations < most_iterations;
+                                                     });
+  if (end == KrylovEnd::negative_curvature)
+    throw NegativeCurvature("the tangent has an eigenvalue below zero, the structure is unstable");
+  return end == KrylovEnd::converged;
+}
+
+/// A vector v with z = M^-1 v: all sums are done to both, and v . z' is the inner product in which A M^-1 is
+/// self-adjoint where A is symmetric. Copies share their numbers.
+struct NetworkSolver::Column {
+  const Level* level;
+  LevelVector v, z;
+
+  double inner_product(const Column& other) const { return level->dot(v, other.z); }
+  /// this = a x + b this
+  void update(double a, const Column& x, double b) const {
+    for (const auto& [from, to] : {std::pair(x.v, v), std::pair(x.z, z)}) {
+      const double* other = from.data();
+      double* mine = to.data();
+      multilevel::for_each(to.extent(0), [=](int i) { mine[i] = a * other[i] + b * mine[i]; });
+    }
+  }
+  void scale(double a) const { update(0.0, *this, a); }
+  Column clone(bool /*copy_values*/) const {
+    return {level, multilevel::numbers(v.extent(0)), multilevel::numbers(z.extent(0))};
+  }
+};
+
+/// Minimises r . M^-1 r, until it has fallen by reduction^2.
+bool NetworkSolver::gmres(double reduction, int most_iterations) {
+  const Level& finest = hierarchy_->finest();
+  const LevelVector answer("mixbeam::multilevel::vector", r_.extent(0));
+  double first = -1.0;
+  for (;;) {
+    hierarchy_->precondition(r_, z_);
+    const double beta = std::sqrt(finest.dot(r_, z_));
+    if (first < 0.0) first = beta;
+    if (!(beta > reduction * first) || iterations_ >= most_iterations) return beta <= reduction * first;
+    std::vector<Column> basis = {Column{&finest, r_, z_}.clone(false)};
+    Kokkos::deep_copy(basis[0].v, r_);
+    Kokkos::deep_copy(basis[0].z, z_);
+    const int most = std::min(kVectorsOfGmres, most_iterations - iterations_);
+    const GmresResult found =
+        mixbeam::gmres(basis, beta, reduction * first / beta, most, [&](const Column& of, const Column& next) {
+          ++iterations_;
+          multiply(of.z, next.v);
+          hierarchy_->precondition(next.v, next.z);
+          return true;
+        });
+    Kokkos::deep_copy(answer, 0.0);
+    for (size_t k = 0; k < found.y.size(); ++k) multilevel::add(found.y[k], basis[k].z, answer);
+    multilevel::add(1.0, answer, x_);
+    if (found.left <= reduction * first) return true;
+    multiply(answer, p_);
+    multilevel::add(-1.0, p_, r_);
+  }
 }
 
 }  // namespace mixbeam

@@ -142,8 +142,9 @@ LinkBlocks NetworkSolver::link_blocks(int link, double* room) const {
   return {matrix, matrix + second, matrix + second + kVertexDofs, kBoth, kBoth, 1, kBoth};
 }
 
-/// What the links do not explain of the rows: S on the diagonal, and nothing beside it.
-void NetworkSolver::read_values() {
+/// What the links do not explain of the rows: S on the diagonal, and nothing beside it; false where there is, or S is
+/// unsymmetric.
+bool NetworkSolver::read_values() {
   matrices_ = system_.link_matrices();
   find_turned_rows();
   const BlockRows rows(*system_.matrix());
@@ -204,10 +205,7 @@ void NetworkSolver::read_values() {
       }
   });
   const bool is_unfit = !turned_.empty() || std::find(unfit.begin(), unfit.end(), 1) != unfit.end();
-  if (hierarchy_->finest().halo().largest(is_unfit ? 1.0 : 0.0) > 0.0)
-    throw LinearSolverError(
-        "joints, supports at an angle, moments or loads that follow make the tangent unsymmetric, and conjugate "
-        "gradients need symmetry");
+  return hierarchy_->finest().halo().largest(is_unfit ? 1.0 : 0.0) == 0.0;
 }
 
 }  // namespace mixbeam

@@ -12,8 +12,11 @@ namespace {
 /// Where the residual is still too large then: twice the digits.
 constexpr double kSmallReduction = 1e-13;
 constexpr int kMostIterations = 300;
-/// The same for MINRES and GMRES: at twice the critical load of a cubic lattice of 10,648 junctions MINRES takes 933.
-constexpr int kMostKrylovIterations = 1000;
+/// The same for GMRES, to which each joint adds some.
+constexpr int kMostOfGmres = 1000;
+/// Factors of unsymmetric tangents up to this share of the largest are taken before GMRES is tried: a cube of 26^3
+/// junctions.
+constexpr double kBeforeGmres = 0.1;
 /// Spaces of an earlier tangent serve as long as they need at most so many times the iterations of fresh ones. (They
 /// cost about as much as 40 iterations.)
 constexpr double kMostGrowth = 1.5;
@@ -34,15 +37,24 @@ NetworkSolver::NetworkSolver(const CondensedSystem& system, double residual_tole
 
 void NetworkSolver::factorize() {
   objection_.clear();
-  is_direct_ = is_unstable_ = has_solved_ = by_krylov_ = false;
+  is_unstable_ = has_solved_ = false;
+  method_ = Method::none;
+  bool is_symmetric = true;
   try {
     number_nodes();
-    read_values();
-    set_matrix(matrix());
+    is_symmetric = read_values();
+    if (!is_symmetric)
+      refuse("joints, supports at an angle, moments or loads that follow make the tangent unsymmetric", false);
+    if (is_symmetric || !prefers_factors()) {
+      set_matrix(matrix());
+      method_ = is_symmetric ? Method::conjugate_gradients : Method::gmres;
+    }
+  } catch (const NegativeCurvature& error) {
+    refuse(error.what(), is_symmetric);
   } catch (const std::runtime_error& error) {
-    refuse(error);
-    give_up_conjugate_gradients();
+    refuse(error.what(), false);
   }
+  if (method_ == Method::none) factorize_directly();
 }
 
 /// Coarse spaces of earlier tangents serve where there are some.
@@ -55,7 +67,7 @@ void NetworkSolver::set_matrix(const NetworkMatrix& matrix) {
     make_spaces(matrix);
 }
 
-void NetworkSolver::take_over(LinearSolver& other) {
+void NetworkSolver::adopt_factors_of(Solver& other) {
   auto* from = dynamic_cast<NetworkSolver*>(&other);
   if (from == nullptr || !from->has_spaces_) return;
   hierarchy_ = std::move(from->hierarchy_);
@@ -80,113 +92,70 @@ void NetworkSolver::make_spaces(const NetworkMatrix& matrix) {
   ++spaces_made_;
 }
 
+/// Factors of large unsymmetric tangents take twice as long, GMRES as long as conjugate gradients.
+bool NetworkSolver::prefers_factors() const {
+  return direct_ != nullptr || factor_entries(system_) <= (gmres_fails_ ? 1.0 : kBeforeGmres) * most_fallback_entries_;
+}
+
 void NetworkSolver::factorize_directly() {
+  method_ = Method::none;
   if (direct_ == nullptr) {
-    if (factor_entries(system_) > most_fallback_entries_) throw LinearSolverError(objection_);
+    if (factor_entries(system_) > most_fallback_entries_)
+      throw LinearSolverError(objection_ + "; the network is too large for factors, which solve such states");
     direct_ = make_direct_solver(system_.matrix(), kSparseSolver, tolerance_, times_);
   }
   direct_->factorize();
-  is_direct_ = true;
+  method_ = Method::factors;
 }
 
-void NetworkSolver::refuse(const std::runtime_error& why) {
-  objection_ = why.what();
-  is_unstable_ = dynamic_cast<const NegativeCurvature*>(&why) != nullptr;
+void NetworkSolver::refuse(const std::string& why, bool is_unstable) {
+  objection_ = objection_.empty() ? why : objection_ + "; " + why;
+  is_unstable_ = is_unstable;
 }
 
-std::optional<long> NetworkSolver::negative_eigenvalues() const {
-  if (is_direct_) return direct_->negative_eigenvalues();
+std::optional<long> NetworkSolver::negative_eigenvalues() {
+  if (method_ == Method::factors) return direct_->negative_eigenvalues();
   if (is_unstable_) return 1;
-  return has_solved_ && !by_krylov_ ? std::optional<long>(0) : std::nullopt;
+  return has_solved_ && method_ == Method::conjugate_gradients ? std::optional<long>(0) : std::nullopt;
 }
 
-bool NetworkSolver::iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations) {
-  PhaseTimer timer(times_, "multilevel: iterations");
-  begin_solve(b, x);
-  const Level& finest = hierarchy_->finest();
-  iterations_ = 0;
-  double energy = 0.0, first = 0.0;
-  bool converged = false;
-  for (int k = 0; k <= most_iterations; ++k) {
-    hierarchy_->precondition(r_, z_);
-    const double last = energy;
-    energy = finest.dot(r_, z_);
-    if (k == 0) first = energy;
-    if (energy <= reduction * reduction * first) {
-      converged = energy >= 0.0;
-      break;
-    }
-    if (k == 0)
-      Kokkos::deep_copy(p_, z_);
-    else {
-      const double beta = energy / last;
-      double* p = p_.data();
-      const double* z = z_.data();
-      multilevel::for_each(p_.extent(0), [=](int i) { p[i] = z[i] + beta * p[i]; });
-    }
-    finest.apply(p_, q_);
-    const double curvature = finest.dot(p_, q_);
-    if (!(curvature > 0.0))
-      throw NegativeCurvature("the tangent has an eigenvalue below zero, the structure is unstable");
-    ++iterations_;
-    multilevel::add(energy / curvature, p_, x_);
-    multilevel::add(-energy / curvature, q_, r_);
-  }
-  end_solve(x);
-  return converged;
-}
-
-/// With spaces of an earlier tangent as long as they serve. `why` it does not converge.
-bool NetworkSolver::iterate_with_spaces(const DofVector& b, DofVector& x, double reduction, std::string& why) {
+/// With spaces of an earlier tangent as long as they serve.
+bool NetworkSolver::iterate_with_spaces(const DofVector& b, DofVector& x, double reduction) {
   const double digits = -std::log10(reduction);
-  const int most = by_krylov_ ? kMostKrylovIterations : kMostIterations;
-  const auto converges = [&](int within) {
-    return by_krylov_ ? iterate_krylov(b, x, reduction, within) : iterate(b, x, reduction, within);
-  };
-  double& usual = usual_rate_[by_krylov_ ? 1 : 0];
-  if (!are_fresh_) {
-    if (converges(usual > 0.0 ? std::min(most, static_cast<int>(kGivenUp * usual * digits)) : most)) {
-      if (usual == 0.0) usual = iterations_ / digits;
-      if (iterations_ > kMostGrowth * usual * digits) has_spaces_ = false;
-      return true;
-    }
-    has_spaces_ = false;
-    by_krylov_ ? begin_krylov() : make_spaces(matrix());
+  const int most = method_ == Method::gmres ? kMostOfGmres : kMostIterations;
+  for (;;) {
+    const bool may_begin_anew = !are_fresh_ && usual_rate_ > 0.0;
+    const bool converged = iterate(
+        b, x, reduction, may_begin_anew ? std::min(most, static_cast<int>(kGivenUp * usual_rate_ * digits)) : most);
+    if (converged && usual_rate_ == 0.0) usual_rate_ = iterations_ / digits;
+    if (converged && !are_fresh_ && iterations_ > kMostGrowth * usual_rate_ * digits) has_spaces_ = false;
+    if (converged || are_fresh_) return converged;
+    make_spaces(matrix());
   }
-  if (converges(most)) {
-    if (usual == 0.0) usual = iterations_ / digits;
-    return true;
-  }
-  const std::string method = !by_krylov_ ? "conjugate gradients" : (is_unstable_ ? "MINRES" : "GMRES");
-  why = method + " did not converge in " + std::to_string(most) + " iterations";
-  return false;
 }
 
 double NetworkSolver::solve(const DofVector& b, DofVector& x, double enough) {
-  while (objection_.empty() || by_krylov_) {
-    std::string why = "the iterative solver does not reach the tolerance of the residual";
+  if (method_ == Method::conjugate_gradients || method_ == Method::gmres) {
     try {
+      std::string why = "the iterative solver does not reach the tolerance of the residual";
       for (double reduction : {std::max(reduction_, enough), kSmallReduction}) {
-        if (!iterate_with_spaces(b, x, reduction, why)) break;
+        if (!iterate_with_spaces(b, x, reduction)) {
+          why = std::string(method_ == Method::gmres ? "GMRES" : "conjugate gradients") + " did not converge";
+          break;
+        }
         const double error = backward_error(*system_.matrix(), x, b);
         if (error > std::max(tolerance_, enough)) continue;
         has_solved_ = true;
         return error;
       }
+      refuse(why, false);
     } catch (const NegativeCurvature& error) {
-      refuse(error);
-      give_up_conjugate_gradients();
-      continue;
+      refuse(error.what(), method_ == Method::conjugate_gradients);
     }
-    if (by_krylov_) {
-      if (is_unstable_ || factor_entries(system_) > most_fallback_entries_)
-        throw LinearSolverError(objection_ + "; " + why);
-      give_up_gmres();
-      break;
-    }
-    objection_ = why;
+    gmres_fails_ = gmres_fails_ || method_ == Method::gmres;
+    method_ = Method::none;
   }
-  if (!is_direct_) factorize_directly();
+  if (method_ == Method::none) factorize_directly();
   return direct_->solve(b, x);
 }
 

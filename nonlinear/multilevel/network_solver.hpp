@@ -7,11 +7,10 @@
 
 namespace mixbeam {
 
-/// Solves what chains leave by conjugate gradients. Aggregates are kept, and so are coarse spaces and
-/// their matrices until iterations have grown by half or forget() is called. Where the matrix is not symmetric and
-/// positive definite, and where the iteration does not converge, factors are taken as long as they are not too large.
-/// Else MINRES goes on where there is negative curvature and GMRES where the matrix is unsymmetric (before factors,
-/// where these are large), and a LinearSolverError says why where they do not converge either.
+/// Solves what chains leave by conjugate gradients, and by GMRES where the matrix is unsymmetric and its factors are
+/// large. Aggregates are kept, and so are coarse spaces and their matrices until iterations have grown by half or
+/// reset_factors() is called. Where neither can be done, in unstable states as a rule, and where the iteration does not
+/// converge, factors are taken; a LinearSolverError says why where they are too large.
 class NetworkSolver : public LinearSolver {
  public:
   /// What is left of the error, in energy, where no other number is given: Newton's method converges as with factors.
@@ -27,9 +26,9 @@ class NetworkSolver : public LinearSolver {
   double solve(const DofVector& b, DofVector& x, double enough = 0.0) override;
   bool iterates() const override { return true; }
   /// Where factors were taken theirs; else what the solves with the last matrix have met: none, or at least one.
-  std::optional<long> negative_eigenvalues() const override;
-  void forget() override { has_spaces_ = false; }
-  void take_over(LinearSolver& other) override;
+  std::optional<long> negative_eigenvalues() override;
+  void reset_factors() override { has_spaces_ = false; }
+  void adopt_factors_of(Solver& other) override;
 
   /// Of the last solve.
   int iterations() const { return iterations_; }
@@ -46,21 +45,26 @@ class NetworkSolver : public LinearSolver {
   bool has_free_row(int vertex) const;
   Halo number_ghosts(int nodes);
   LinkEnds find_links();
-  void read_values();
+  bool read_values();
   LinkBlocks link_blocks(int link, double* room) const;
 
   NetworkMatrix matrix() const;
   void set_matrix(const NetworkMatrix& matrix);
   void make_spaces(const NetworkMatrix& matrix);
-  bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction, std::string& why);
+  bool iterate_with_spaces(const DofVector& b, DofVector& x, double reduction);
+  bool prefers_factors() const;
+  void factorize_directly();
+  void refuse(const std::string& why, bool is_unstable);
+
+  // network_krylov.cpp
+  struct Iteration;
+  struct Column;
   void begin_solve(const DofVector& b, DofVector& x);
   void end_solve(DofVector& x);
   bool iterate(const DofVector& b, DofVector& x, double reduction, int most_iterations);
-  void give_up_conjugate_gradients();
-  void factorize_directly();
-  void refuse(const std::runtime_error& why);
-
-  // network_krylov.cpp, where factors are too large and conjugate gradients break down:
+  bool conjugate_gradients(double reduction, int most_iterations);
+  bool gmres(double reduction, int most_iterations);
+  void multiply(const LevelVector& x, const LevelVector& y) const;
   /// What a support at an angle makes of the spatial forces and moments of a vertex; and from its rows back to them,
   /// with stiff springs in place of prescribed motions.
   struct TurnedRows {
@@ -72,10 +76,6 @@ class NetworkSolver : public LinearSolver {
   static void set_springs(TurnedRows& turned, const unsigned char* free, const double* stiffness, size_t width, int own,
                           double* left);
   void turn_rows(const LevelVector& rows) const;
-  void begin_krylov();
-  void give_up_gmres();
-  void multiply(const LevelVector& x, const LevelVector& y) const;
-  bool iterate_krylov(const DofVector& b, DofVector& x, double reduction, int most_iterations);
 
   const CondensedSystem& system_;
   double tolerance_, reduction_, most_fallback_entries_;
@@ -95,15 +95,14 @@ class NetworkSolver : public LinearSolver {
   std::vector<int> turned_of_;  ///< (vertex that remains): -1 where none
   std::unique_ptr<LinearSolver> direct_;
   std::string objection_;
-  // of the last matrix
-  bool is_direct_ = false, is_unstable_ = false, has_solved_ = false;
-  bool by_krylov_ = false;    ///< MINRES where it is unstable, else GMRES
+  enum class Method { none, conjugate_gradients, gmres, factors };
+  Method method_ = Method::none;  ///< that solves with the last matrix
+  bool is_unstable_ = false, has_solved_ = false;
   bool gmres_fails_ = false;  ///< with some earlier matrix
   int iterations_ = 0;
   bool has_spaces_ = false;  ///< that serve the next tangent
   bool are_fresh_ = false;   ///< made for the present one
-  /// Iterations for a digit, of the first solve with them: by conjugate gradients, by others.
-  std::array<double, 2> usual_rate_{};
+  double usual_rate_ = 0.0;  ///< iterations for a digit, of the first solve with them
   int spaces_made_ = 0;
 };
 

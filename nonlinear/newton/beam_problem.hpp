@@ -43,11 +43,11 @@ class BeamProblem {
 
   /// Drops cached factors, so that the next solve depends on its tangent alone. A resumed path starts in this state.
   void forget_tangents() {
-    for (const auto& solver : solvers_) solver->forget();
+    for (const auto& solver : solvers_) solver->reset_factors();
   }
 
   /// Seeds the solver with the factors of a problem on the same structure and another discretization.
-  void take_over(BeamProblem& other) { take_solver()->take_over(*other.take_solver()); }
+  void take_over(BeamProblem& other) { take_solver()->adopt_factors_of(*other.take_solver()); }
 
   const Model model;
   WorkCount work;

@@ -1,5 +1,6 @@
 #include "nonlinear/newton/step.hpp"
 
+#include "nonlinear/linear/krylov.hpp"
 #include "nonlinear/newton/beam_group.hpp"
 
 #include <algorithm>
@@ -55,89 +56,26 @@ constexpr double kRigidAnswer = 0.1;
 /// A smaller gain is not worth a change.
 constexpr double kWorthwhile = 0.5;
 
-double norm(const MixedVector& v) { return std::sqrt(v.inner_product(v)); }
-
-/// Least-squares solution of the Hessenberg system of GMRES by Givens rotations, one column at a time.
-class Hessenberg {
- public:
-  explicit Hessenberg(double beta) : rhs_{beta} {}
-
-  /// Takes a column with one more entry than those before; returns the norm of the residual.
-  double add(std::vector<double> column) {
-    const size_t k = rotations_.size();
-    for (size_t i = 0; i < k; ++i) rotate(rotations_[i], column[i], column[i + 1]);
-    const double r = std::hypot(column[k], column[k + 1]);
-    rotations_.push_back(r == 0.0 ? Rotation{1.0, 0.0} : Rotation{column[k] / r, column[k + 1] / r});
-    rhs_.push_back(0.0);
-    rotate(rotations_[k], column[k], column[k + 1]);
-    rotate(rotations_[k], rhs_[k], rhs_[k + 1]);
-    columns_.push_back(std::move(column));
-    return std::abs(rhs_.back());
-  }
-
-  std::vector<double> solution() const {
-    std::vector<double> y(columns_.size());
-    for (size_t i = columns_.size(); i-- > 0;) {
-      double sum = rhs_[i];
-      for (size_t j = i + 1; j < columns_.size(); ++j) sum -= columns_[j][i] * y[j];
-      y[i] = sum / columns_[i][i];
-    }
-    return y;
-  }
-
- private:
-  struct Rotation {
-    double c, s;
-  };
-  static void rotate(const Rotation& rotation, double& a, double& b) {
-    const double first = rotation.c * a + rotation.s * b;
-    b = rotation.c * b - rotation.s * a;
-    a = first;
-  }
-
-  std::vector<std::vector<double>> columns_;
-  std::vector<Rotation> rotations_;
-  std::vector<double> rhs_;
-};
-
 }  // namespace
 
 // With S = J_c^-1 (-.): d = d_0 + S g and g = D d, so (I - D S) g = D d_0.
 bool remove_cap_compliance(Linearization& linearization, double cap_ratio, MixedVector& increment) {
   MixedVector left_out = increment.clone(false);
   linearization.cap_compliance_rows(increment, left_out);
-  const double beta = norm(left_out);
+  const double beta = norm_of(left_out);
   if (!(beta > 0.0) || !std::isfinite(beta)) return false;
   std::vector<MixedVector> basis, response;
   basis.push_back(std::move(left_out));
-  basis[0].scale(1.0 / beta);
-  Hessenberg system(beta);
-  double left = beta;
-  for (int k = 0; k < kMostVectors && left > kReduction * beta; ++k) {
+  const GmresResult found = gmres(basis, beta, kReduction, kMostVectors, [&](const MixedVector& of, MixedVector& next) {
     response.push_back(increment.clone(false));
-    linearization.solve(basis[k], response[k]);
-    MixedVector next = increment.clone(false);
-    linearization.cap_compliance_rows(response[k], next);
-    next.update(1.0, basis[k], -1.0);
-    if (!(norm(next) > kRigidAnswer * cap_ratio)) break;
-    std::vector<double> column;
-    for (const MixedVector& v : basis) {
-      column.push_back(v.inner_product(next));
-      next.update(-column.back(), v, 1.0);
-    }
-    column.push_back(norm(next));
-    const double length = column.back();
-    left = system.add(std::move(column));
-    if (!std::isfinite(left)) return false;
-    if (!(length > 0.0)) break;
-    next.scale(1.0 / length);
-    basis.push_back(std::move(next));
-  }
-  if (!(left <= kWorthwhile * beta)) return false;
-  const std::vector<double> y = system.solution();
-  for (size_t k = 0; k < y.size(); ++k) {
-    if (!std::isfinite(y[k])) return false;
-  }
+    linearization.solve(of, response.back());
+    linearization.cap_compliance_rows(response.back(), next);
+    next.update(1.0, of, -1.0);
+    return norm_of(next) > kRigidAnswer * cap_ratio;
+  });
+  const std::vector<double>& y = found.y;
+  if (!(found.left <= kWorthwhile * beta)) return false;
+  if (!std::all_of(y.begin(), y.end(), [](double factor) { return std::isfinite(factor); })) return false;
   for (size_t k = 0; k < y.size(); ++k) increment.update(y[k], response[k], 1.0);
   return true;
 }

@@ -48,13 +48,13 @@ class Linearization {
   /// Why it could not be factorised: then every solve throws a LinearSolverError. Empty where it was.
   const std::string& failure() const { return failure_; }
 
-  /// d with J_c d = -residual, J_c the capped tangent. `enough`: as of LinearSolver::solve. Throws LinearSolverError.
+  /// d with J_c d = -residual, J_c the capped tangent. `enough`: as of Solver::solve. Throws LinearSolverError.
   void newton_increment(MixedVector& increment, double enough = 0.0);
   /// The same for another right-hand side, scaled as the residual.
   void solve(const MixedVector& scaled_rhs, MixedVector& increment, double enough = 0.0);
   /// K dx = b of the condensed equations: forces and moments on all vertices that are projected on free motions.
   void solve_vertices(const DofVector& b, DofVector& x) { solver_->solve(b, x); }
-  const TangentSolver& solver() const { return *solver_; }
+  TangentSolver& solver() const { return *solver_; }
   /// (J - J_c) d, scaled as the residual.
   void cap_compliance_rows(const MixedVector& increment, MixedVector& rows) const;
 

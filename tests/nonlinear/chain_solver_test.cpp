@@ -202,7 +202,7 @@ TEST(NetworkFactors, ServeTheNextMatrix) {
   EXPECT_EQ(factors.factorizations(), 2) << "signs are those of an earlier matrix";
   EXPECT_EQ(solve(1e3), 3) << "iterated far away";
   expect_own_solution();
-  factors.forget();
+  factors.reset_factors();
   EXPECT_EQ(solve(1.01), 4);
 }
 
