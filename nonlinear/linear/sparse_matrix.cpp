@@ -1,11 +1,27 @@
 #include "nonlinear/linear/sparse_matrix.hpp"
 
+#include <Teuchos_DefaultMpiComm.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <utility>
 
 namespace mixbeam {
+
+GatherPlan::GatherPlan(MPI_Comm comm, int mine) {
+  int ranks = 0;
+  MPI_Comm_size(comm, &ranks);
+  counts.resize(ranks);
+  offsets.assign(ranks, 0);
+  MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
+}
+
+MPI_Comm communicator_of(const DofMatrix& matrix) {
+  const auto comm = matrix.getRowMap()->getComm();
+  return *Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(comm, true)->getRawMpiComm();
+}
 
 void SparseMatrix::multiply(const double* x, double* y) const {
   for (int i = 0; i < rows(); ++i) {
@@ -82,6 +98,51 @@ SparseMatrix gathered(const SparseMatrix& here, const SharedRows& share) {
   MPI_Gatherv(here.value.data(), here.row_start.back(), MPI_DOUBLE, all.value.data(), entries.counts.data(),
               entries.offsets.data(), MPI_DOUBLE, 0, share.communicator);
   return all;
+}
+
+RootCopy::RootCopy(const Teuchos::RCP<DofMatrix>& matrix)
+    : distributed_(matrix), mpi_(communicator_of(*matrix)), is_root_(matrix->getRowMap()->getComm()->getRank() == 0) {
+  const auto graph = matrix->getCrsGraph()->getLocalGraphHost();
+  SparseMatrix here{{0}, {graph.entries.data(), graph.entries.data() + graph.entries.extent(0)}, {}};
+  for (int i = 0; i < static_cast<int>(graph.numRows()); ++i)
+    here.row_start.push_back(static_cast<int>(graph.row_map(i + 1)));
+  SharedRows share{mpi_, GatherPlan(mpi_, here.rows()), 0, {}};
+  for (size_t column = 0; column < matrix->getColMap()->getNodeNumElements(); ++column)
+    share.column_number.push_back(
+        static_cast<int>(matrix->getColMap()->getGlobalElement(static_cast<LocalOrdinal>(column))));
+  rows_ = share.rows;
+  entries_ = GatherPlan(mpi_, here.row_start.back());
+  const SparseMatrix all = gathered_structure(here, share);
+  if (!is_root_) return;
+  using Graph = DofMatrix::local_graph_host_type;
+  Graph::row_map_type::non_const_type start("mixbeam::root_row_start", all.row_start.size());
+  Graph::entries_type::non_const_type columns("mixbeam::root_column", all.column.size());
+  std::copy(all.row_start.begin(), all.row_start.end(), start.data());
+  std::copy(all.column.begin(), all.column.end(), columns.data());
+  const Communicator self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
+  const auto map = Teuchos::rcp(new DofMap(all.rows(), 0, self));
+  DofMatrix::local_matrix_host_type::values_type::non_const_type values("mixbeam::root_values", columns.extent(0));
+  root_ = Teuchos::rcp(new DofMatrix(map, map, start, columns, values));
+  root_->expertStaticFillComplete(map, map);
+}
+
+void RootCopy::gather_values() const {
+  const auto mine = distributed_->getLocalMatrixHost().values;
+  double* all = is_root_ ? root_->getLocalMatrixHost().values.data() : nullptr;
+  MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, all, entries_.counts.data(),
+              entries_.offsets.data(), MPI_DOUBLE, 0, mpi_);
+}
+
+void RootCopy::gather(const DofVector& from, double* to) const {
+  const auto mine = from.getLocalViewHost(Tpetra::Access::ReadOnly);
+  MPI_Gatherv(mine.data(), static_cast<int>(mine.extent(0)), MPI_DOUBLE, to, rows_.counts.data(), rows_.offsets.data(),
+              MPI_DOUBLE, 0, mpi_);
+}
+
+void RootCopy::scatter(const double* from, DofVector& to) const {
+  const auto mine = to.getLocalViewHost(Tpetra::Access::OverwriteAll);
+  MPI_Scatterv(from, rows_.counts.data(), rows_.offsets.data(), MPI_DOUBLE, mine.data(),
+               static_cast<int>(mine.extent(0)), MPI_DOUBLE, 0, mpi_);
 }
 
 }  // namespace mixbeam

@@ -1,7 +1,9 @@
-/// A sparse matrix by itself, for solvers that know nothing of structures; and how ranks share one.
+/// A sparse matrix by itself, for solvers that know nothing of structures; how ranks share one, and its copy on rank 0.
 #pragma once
 
-#include "nonlinear/linear/root_copy.hpp"
+#include "discretization/mesh/tpetra_types.hpp"
+
+#include <mpi.h>
 
 #include <vector>
 
@@ -16,6 +18,17 @@ struct SparseMatrix {
   /// y = A x
   void multiply(const double* x, double* y) const;
 };
+
+/// How many entries each rank contributes, and where they go on rank 0.
+struct GatherPlan {
+  std::vector<int> counts, offsets;
+  int total() const { return counts.empty() ? 0 : counts.back() + offsets.back(); }
+
+  GatherPlan() = default;
+  GatherPlan(MPI_Comm comm, int mine);
+};
+
+MPI_Comm communicator_of(const DofMatrix& matrix);
 
 /// Ranks that hold the rows of a matrix together, each those behind the rows of the rank before it.
 struct SharedRows {
@@ -37,5 +50,26 @@ double asymmetry(const SparseMatrix& a);
 
 /// (A + A^T) / 2 where the entries of A^T have a place in A, as those of structures have.
 SparseMatrix symmetric_part(SparseMatrix a);
+
+/// Copy of a distributed matrix on rank 0 alone, and the exchange of its values and vectors. Rows must be contiguous by
+/// rank. All functions are collective.
+class RootCopy {
+ public:
+  explicit RootCopy(const Teuchos::RCP<DofMatrix>& matrix);
+
+  bool is_root() const { return is_root_; }
+  const Teuchos::RCP<DofMatrix>& matrix() const { return root_; }  ///< null on every other rank
+  MPI_Comm communicator() const { return mpi_; }
+
+  void gather_values() const;
+  void gather(const DofVector& from, double* to) const;
+  void scatter(const double* from, DofVector& to) const;
+
+ private:
+  Teuchos::RCP<DofMatrix> distributed_, root_;
+  MPI_Comm mpi_ = MPI_COMM_NULL;
+  bool is_root_ = false;
+  GatherPlan rows_, entries_;
+};
 
 }  // namespace mixbeam

@@ -1,6 +1,6 @@
 #include "nonlinear/multilevel/halo.hpp"
 
-#include "nonlinear/linear/root_copy.hpp"
+#include "nonlinear/linear/sparse_matrix.hpp"
 
 #include <algorithm>
 

@@ -10,7 +10,6 @@
 #include "discretization/assembly/tangent.hpp"
 #include "discretization/linear_system/vertex_matrix.hpp"
 #include "nonlinear/linear/inertia_solver.hpp"
-#include "nonlinear/linear/root_copy.hpp"
 
 #include <memory>
 
