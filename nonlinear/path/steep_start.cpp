@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace mixbeam {
 
@@ -29,9 +30,12 @@ constexpr double kHardenedMotion = 0.05;
 constexpr double kNextTry = 2.0;
 constexpr int kMostSteps = 60;
 
-/// With this bending stiffness over load times L^2, and this tension stiffness over the load, limp members sag by a
-/// tenth of their length, and buckle to no other side than that of the load.
-constexpr double kStiff = 0.05, kSoft = 10.0;
+/// With this bending stiffness over load times L^2, and this tension stiffness over the load, limp members sag by some
+/// tenths of their length, and buckle to no other side than that of the load.
+constexpr double kStiff = 0.005, kSoft = 10.0;
+/// Share of the way from where a structure of cables goes back that has no equilibrium there: it is stiffer in bending
+/// by a factor of 10 to 100, and softer in tension.
+constexpr double kStiffer = -0.2;
 /// Of a structure of cables: what bending carries, largest moment over largest force and length.
 constexpr double kLittleBending = 0.01;
 
@@ -39,7 +43,7 @@ constexpr double kLittleBending = 0.01;
 constexpr double kFirstShareBack = 1.0 / 3.0, kLeastShareBack = 0.01, kShareOfDescent = 0.1;
 /// Scaled residual up to which the solutions on the way are worth their iterations.
 constexpr double kToleranceBack = 1e-7;
-constexpr int kMostSolutionsBack = 40, kMostDescents = 12;
+constexpr int kMostSolutionsBack = 60, kMostDescents = 24;
 constexpr int kMostIterationsBack = 12, kEasyIterationsBack = 6;
 
 /// What a structure is followed with.
@@ -165,8 +169,11 @@ class SteepStart {
  private:
   /// Cables hang in one state alone, whatever the way to it.
   void hang() {
-    const auto found = solved(problem_at(0.0), start_, range_.to, true);
-    if (found) first_ = back_from(found->state, range_.to);
+    for (const double share : {0.0, kStiffer}) {
+      const auto found = solved(problem_at(share), start_, range_.to, true);
+      if (found) first_ = back_from(found->state, range_.to, share);
+      if (found) break;
+    }
     if (first_ && !hangs_in_tension(own_->model, first_->state, range_.to)) first_.reset();
   }
 
@@ -185,7 +192,7 @@ class SteepStart {
       gives_up = report.step > kMostSteps;
       const double loaded = report.load_factor - range_.from;
       if (gives_up || is_lost_ || (loaded < next_try && report.load_factor < range_.to)) return;
-      first_ = back_from(state, report.load_factor);
+      first_ = back_from(state, report.load_factor, 0.0);
       next_try = kNextTry * loaded;
     };
     SolverParameters parameters = eased_parameters_;
@@ -236,27 +243,39 @@ class SteepStart {
     return found;
   }
 
-  /// Equilibrium with stiffnesses of its own, at the load factor of one of the structure that is followed.
-  std::optional<Correction> back_from(const State& eased, double load_factor) {
+  /// Equilibrium with stiffnesses of its own, at the load factor of one of the structure that is followed, from the
+  /// share of the way where that is. From the second one on the way is predicted by its chord.
+  std::optional<Correction> back_from(const State& eased, double load_factor, double done) {
     std::optional<Correction> found;
-    double done = 0.0, share = kFirstShareBack;
+    State before = eased;
+    double share = kFirstShareBack, last = 0.0;
     for (int i = 0; i < kMostSolutionsBack && done < 1.0 && share >= kLeastShareBack; ++i) {
       const double next = done + share < 1.0 - kLeastShareBack ? done + share : 1.0;
       std::optional<Correction> tried =
-          solved(problem_at(next), found ? found->state : eased, load_factor, share <= kShareOfDescent);
+          solved(problem_at(next), found ? beyond(before, found->state, (next - done) / last) : eased, load_factor,
+                 share <= kShareOfDescent);
       if (!tried || !is_near(tried->state, eased)) {
         share *= 0.5;
         continue;
       }
-      done = next;
+      last = next - std::exchange(done, next);
+      before = found ? found->state : eased;
       if (tried->iterations <= kEasyIterationsBack) share *= 2.0;
       found = std::move(tried);
     }
     if (done < 1.0 || !is_of_small_loads(*found)) return std::nullopt;
+    found->moved = way(start_, found->state);
+    return found;
+  }
+
+  MixedVector way(const State& from, const State& to) const {
     MixedVector none = own_->model.create_vector();
     none.fill(0.0);
-    found->moved = increment_between(own_->model, start_, found->state, none);
-    return found;
+    return increment_between(own_->model, from, to, none);
+  }
+
+  State beyond(const State& before, const State& here, double share) const {
+    return own_->model.apply(here, way(before, here), share);
   }
 
   bool is_near(const State& hard, const State& yielded) const {

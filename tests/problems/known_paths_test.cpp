@@ -668,6 +668,34 @@ Scene limp_cable(const Section& section, const Vector3& far, const Vector3& move
   return without_section(scene, section);
 }
 
+/// Sixteen cables that cannot stretch, drawn flat; three points of the net move as its weight grows. Outside: each
+/// cable the catenary of closed form between its ends, the free points where forces balance, by Newton's method.
+Scene limp_net() {
+  const std::vector<Vector3> points = {{2, -6, 0},  {31, -2, 0}, {61, -3, 0}, {21, 28, 0}, {44, 35, 0},
+                                       {87, 31, 0}, {-6, 52, 0}, {27, 56, 0}, {65, 57, 0}};
+  const std::vector<std::pair<int, int>> ends = {{0, 1}, {0, 3}, {1, 2}, {1, 3}, {1, 4}, {2, 4}, {2, 5}, {3, 4},
+                                                 {3, 6}, {3, 7}, {4, 5}, {4, 7}, {4, 8}, {5, 8}, {6, 7}, {7, 8}};
+  const std::vector<std::pair<int, Vector3>> moved = {{2, {-5, 6, 7}}, {8, {-2, -2, -13}}, {0, {7, 7, 9}}};
+  Scene scene;
+  for (size_t i = 0; i < points.size(); ++i) scene.points.push_back({std::to_string(i), points[i]});
+  for (const auto& [from, to] : ends) {
+    const std::string name = "m" + std::to_string(scene.members.size());
+    scene.members.push_back(line(name, std::to_string(from), std::to_string(to), 4, 6));
+    DistributedLoad weight;
+    weight.member = name;
+    weight.force = {0, 0, -0.3};
+    scene.distributed_loads.push_back(weight);
+  }
+  for (const auto& [point, motion] : moved) {
+    Support support;
+    support.point = std::to_string(point);
+    support.displacement_fixed = {true, true, true};
+    support.prescribed_displacement = motion;
+    scene.supports.push_back(support);
+  }
+  return without_section(scene, section(kRigid, kRigid, 0.055, 0.055));
+}
+
 /// Extensible catenary, H and V by bisection; bending at the ends changes them by up to sqrt(EI / H) / L.
 void add_cables(std::vector<KnownPath>& table) {
   const auto hangs = [](double horizontal, double vertical, double tolerance) {
@@ -694,6 +722,15 @@ void add_cables(std::vector<KnownPath>& table) {
                   {-0.0020011047118728698, 0, -0.0006710952151429694}, 0.0118851),
        {},
        hangs(12.587611157887025, 3.9765978569347524, 4.9e-05)});
+  table.push_back({"NetOfInextensibleCables", limp_net(), {}, []() {
+                     Answer answer = at_end({});
+                     answer.forces = {{"2", kX, 17.331701, 2e-3},
+                                      {"2", kZ, 55.265522, 2e-3},
+                                      {"8", kY, 47.917013, 2e-3},
+                                      {"0", kZ, 65.515054, 2e-3}};
+                     answer.counts_follow = false;
+                     return answer;
+                   }()});
   // As limp as a cable under its thrust, but nothing tells it a side: it buckles, and does not turn over unseen.
   Answer buckled = on_branch_at(1.0 / 12000.0, {});
   buckled.negative = -1;
