@@ -33,8 +33,8 @@ constexpr int kMostSteps = 60;
 /// With this bending stiffness over load times L^2, and this tension stiffness over the load, limp members sag by some
 /// tenths of their length, and buckle to no other side than that of the load.
 constexpr double kStiff = 0.005, kSoft = 10.0;
-/// Share of the way from where a structure of cables goes back that has no equilibrium there: it is stiffer in bending
-/// by a factor of 10 to 100, and softer in tension.
+/// Share of the way from where a structure of cables goes back whose way from zero does not arrive: there it is stiffer
+/// in bending by a factor of 10 to 100.
 constexpr double kStiffer = -0.2;
 /// Of a structure of cables: what bending carries, largest moment over largest force and length.
 constexpr double kLittleBending = 0.01;
@@ -73,7 +73,7 @@ Scene Easing::scene(const Scene& own, double share) const {
     if (is_limp(section)) {
       const double raise = std::pow(kStiff * load * length * length / bending, 1.0 - share);
       for (int i = 3; i < 6; ++i) stiffness[i] *= raise;
-      stiffness[0] = between(std::min(stiffness[0], kSoft * load), stiffness[0], share);
+      stiffness[0] = between(std::min(stiffness[0], kSoft * load), stiffness[0], std::max(share, 0.0));
     } else if (load == 0.0) {
       for (int i = 0; i < 3; ++i)
         if (std::isinf(stiffness[i]))
@@ -172,7 +172,8 @@ class SteepStart {
     for (const double share : {0.0, kStiffer}) {
       const auto found = solved(problem_at(share), start_, range_.to, true);
       if (found) first_ = back_from(found->state, range_.to, share);
-      if (found) break;
+      if (first_) break;
+      descents_ = 0;
     }
     if (first_ && !hangs_in_tension(own_->model, first_->state, range_.to)) first_.reset();
   }
