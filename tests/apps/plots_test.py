@@ -4,6 +4,7 @@
 usage: plots_test.py MIXBEAM     runs small scenes, and looks at the figures that apps/plots makes of their results
 """
 
+import json
 import subprocess
 import sys
 import tempfile
