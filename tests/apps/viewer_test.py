@@ -43,6 +43,10 @@ SHEET = 36                # points along the side of a sheet with about 1e5 samp
 WATCH = ('<script>window.problems = []; window.addEventListener("error", (e) => problems.push(e.message));'
          'window.alert = (text) => problems.push("alert " + text);</script>')
 
+# The browser writes the document when it is loaded, which it is not while a document inside of it is open.
+HOLD = ('const hold = document.createElement("iframe"); document.body.append(hold); hold.contentDocument.open();'
+        'const release = () => { hold.contentDocument.close(); hold.remove(); };')
+
 
 def seen(page, *commands):
     """{"problems", "first" (milliseconds), "values"} of a page: values of JavaScript expressions with the probe at hand."""
@@ -51,7 +55,9 @@ def seen(page, *commands):
     told = ('const told = document.createElement("pre"); told.id = "told"; told.textContent = JSON.stringify({ problems, values,'
             ' first: Number(document.documentElement.dataset.firstPicture) }); document.body.append(told);')
     text = page.read_text(encoding="utf-8").replace("<head>", "<head>" + WATCH, 1)
-    parts = f"<script>{(HERE / 'viewer_probe.js').read_text(encoding='utf-8')}\n{script}</script><script>{told}</script></body></html>"
+    probe = (HERE / "viewer_probe.js").read_text(encoding="utf-8")
+    use = f"() => {{ {probe}\n{script}\n{told} release(); }}"
+    parts = f"<script>{HOLD} mixbeamStart.catch((error) => problems.push(String(error))).then({use});</script></body></html>"
     probed = page.with_name(f"probed {page.name}")
     probed.write_text(text.replace("</body></html>", parts), encoding="utf-8")
     ended = subprocess.run([*BROWSER, probed.as_uri()], capture_output=True, text=True, timeout=SECONDS, check=False)

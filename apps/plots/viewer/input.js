@@ -101,10 +101,6 @@ function listenToKeys(app) {
 }
 
 function start() {
-  window.addEventListener("error", (event) => {
-    byId("error").hidden = false;
-    byId("error").textContent = event.message.replace(/^Uncaught (Error: )?/, "");
-  });
   const app = new App();
   window.mixbeamView = app;
   listenToPointers(app);
@@ -123,4 +119,12 @@ function start() {
   document.documentElement.dataset.firstPicture = Math.round(performance.now()); // milliseconds since the page was opened
 }
 
-start();
+/** Of scripts, and of promises that nobody waits for. */
+function showError(message) {
+  byId("error").hidden = false;
+  byId("error").textContent = message.replace(/^Uncaught (Error: )?/, "");
+}
+
+window.addEventListener("error", (event) => showError(event.message));
+window.addEventListener("unhandledrejection", (event) => showError(event.reason.message));
+window.mixbeamStart = inflateAll().then(start);
