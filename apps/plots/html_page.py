@@ -7,14 +7,30 @@ import io
 from command import InputError, whole_file
 
 MOST_ROWS = 40      # of a table; the result file has all
+DIGITS = 4          # of numbers in tables
 DOTS_PER_INCH = 90  # of pictures, so that a page stays below 2 MB
 STYLE = ("body{font:15px/1.45 system-ui,sans-serif;max-width:62em;margin:2em auto;padding:0 1em;color:#222}"
          "table{border-collapse:collapse;margin:.6em 0}td,th{padding:.15em .8em .15em 0;text-align:right;border-bottom:1px "
-         "solid #ddd}td:first-child,th:first-child{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
-         "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}")
+         "solid #ddd}td:first-child,th:first-child,.words{text-align:left}img{max-width:100%}pre{background:#f6f6f6;padding:1em;"
+         "overflow:auto;font-size:12px}.bad{color:#b00;font-weight:600}i.bar{display:inline-block;height:.7em;background:#9fbcd6}"
+         "i.bar.bad{background:#b00}td{vertical-align:top;max-width:34em}nav a{margin-right:1em}@page{margin:18mm 15mm}"
+         "@media print{body{font-size:10pt;margin:0;max-width:none}nav,details{display:none}h2{break-after:avoid}"
+         "tr,img,svg{break-inside:avoid}thead{display:table-header-group}}")
 # A page asks no server for anything, whatever is in it, and runs no script but its own.
 BEGIN = "<!doctype html>"
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:"
+
+
+class Cell:
+    """Of a table: markup of this program, and the text for those who do not see it."""
+
+    def __init__(self, text, markup):
+        self.markup = f"<span role=\"img\" aria-label=\"{html.escape(text, quote=True)}\">{markup}</span>"
+
+
+def bar(share, is_bad=False):
+    """A Cell as long as `share` of the longest one."""
+    return Cell(f"{share:.3g}", f"<i class=\"bar{' bad' if is_bad else ''}\" style=\"width:{12 * min(max(share, 0.0), 1.0):.3g}em\"></i>")
 
 
 class Page:
@@ -26,12 +42,19 @@ class Page:
                        f"<meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">"
                        f"<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
                        f"<title>{html.escape(title)}</title><style>{style}</style></head><body>"]
+        self._headings, self._contents = [], None
 
     def title(self, text):
         self._parts.append(f"<h1>{html.escape(text)}</h1>")
 
+    def contents(self):
+        """Links to all headings, here."""
+        self._contents = len(self._parts)
+        self._parts.append("")
+
     def heading(self, text):
-        self._parts.append(f"<h2>{html.escape(text)}</h2>")
+        self._headings.append(text)
+        self._parts.append(f"<h2 id=\"part{len(self._headings)}\">{html.escape(text)}</h2>")
 
     def text(self, text, bad=False):
         self._parts.append(f"<p{' class=bad' if bad else ''}>{html.escape(text)}</p>")
@@ -41,9 +64,14 @@ class Page:
         self._parts.append(f"<p><a href=\"{html.escape(file_address(file_name), quote=True)}\">{html.escape(words)}</a></p>")
 
     def table(self, head, rows):
-        """The first MOST_ROWS rows; numbers with six digits."""
-        cells = lambda tag, row: "".join(f"<{tag}>{html.escape(cell_text(cell))}</{tag}>" for cell in row)
-        self._parts.append("<table><tr>" + cells("th", head) + "</tr>")
+        """The first MOST_ROWS rows; entries are texts, numbers or Cells."""
+        words = [any(isinstance(row[i], (str, Cell)) and row[i] for row in rows[:MOST_ROWS]) for i in range(len(head))]
+
+        def cells(tag, row):
+            marks = [cell.markup if isinstance(cell, Cell) else html.escape(cell_text(cell)) for cell in row]
+            return "".join(f"<{tag}{' class=words' if is_word else ''}>{mark}</{tag}>" for mark, is_word in zip(marks, words))
+
+        self._parts.append("<table><thead><tr>" + cells("th", head) + "</tr></thead>")
         self._parts += ["<tr>" + cells("td", row) + "</tr>" for row in rows[:MOST_ROWS]]
         self._parts.append("</table>")
         if len(rows) > MOST_ROWS:
@@ -71,6 +99,9 @@ class Page:
 
     def write(self, path):
         """Only whole pages appear under the name, and replace nothing but pages."""
+        if self._contents is not None:
+            self._parts[self._contents] = "<nav>" + "".join(
+                f"<a href=\"#part{i}\">{html.escape(text)}</a>" for i, text in enumerate(self._headings, 1)) + "</nav>"
         if path.is_file() and path.stat().st_size and path.open("rb").read(len(BEGIN)) != BEGIN.encode():
             raise InputError(f"{path}: is there and is no page, and is not written over; allowed: another name")
         with whole_file(path) as stream:
@@ -90,4 +121,4 @@ def file_address(file_name):
 
 
 def cell_text(value):
-    return value if isinstance(value, str) else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return value if isinstance(value, str) else f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)

@@ -1,16 +1,19 @@
 #!/usr/bin/python3 -Es
-"""One page about a run, to attach to a project: scene, loads, path, answers, pictures, versions. One HTML file that
-needs nothing else; where mixbeam view has written its file, a link leads there."""
+"""One page about a run, to attach to a project: answers, inputs in words and tables, path, pictures, versions. One HTML file
+that needs nothing else and prints well; where mixbeam view has written its file, a link leads there."""
 
 import argparse
+import hashlib
 import json
+import time
 import sys
 from pathlib import Path
 
 import numpy as np
 
 from command import finish, inputs
-from html_page import MOST_ROWS, Page, cell_text, view_beside
+from html_page import MOST_ROWS, Page, bar, cell_text, view_beside
+from report_inputs import write_inputs
 
 NOISE, ROUNDING = 1e-9, 1e-12  # of the largest: forces that count as zero, as in pictures; what rounding leaves of zero
 
@@ -37,17 +40,23 @@ def _write(options):
     with Run(options.result) as run:
         page = Page(run.title)
         page.title(run.title)
+        written = time.strftime("%Y-%m-%d %H:%M", time.localtime(run.path.stat().st_mtime))
+        page.text(f"Results of {written}; mixbeam {run.properties()['version'].split()[0]}; SHA-256 of the scene "
+                  f"{hashlib.sha256(run.scene_text().encode()).hexdigest()[:16]}.")
+        page.contents()
         _write_answers(page, run)
         envelope = envelope_beside(run)
         if envelope:
             _write_envelope(page, envelope)
         _write_structure(page, run)
+        page.heading("Inputs")
+        write_inputs(page, run)
         if options.summary:
             _write_checks(page, json.loads(options.summary.read_text()))
         else:
             page.text("Checks and limits: mixbeam run --summary FILE.json writes them, report --summary FILE.json adds them here.")
         _write_pictures(page, run)
-        page.heading("Input and versions")
+        page.heading("Scene and versions")
         page.table(("", ""), [(name, words) for name, words in sorted(run.properties().items()) if words])
         page.folded("The scene, word for word", run.scene_text())
         path = _page_path(options)
@@ -71,6 +80,8 @@ def _write_envelope_page(options):
     envelope = Envelope(options.result)
     page, path = Page(options.result.stem), _page_path(options)
     page.title(f"{options.result.stem}: load cases and combinations")
+    page.contents()
+    page.heading("Runs")
     rows = []
     for file in envelope.files():
         with Run(file) as run:
@@ -81,6 +92,7 @@ def _write_envelope_page(options):
         if (path.parent / file.name).with_suffix(".html").exists():
             page.link(f"Report of {file.stem}", file.with_suffix(".html").name)
     _write_envelope(page, envelope)
+    _write_worst(page, envelope)
     if options.summary:
         _write_checks(page, json.loads(options.summary.read_text()))
     page.write(path)
@@ -99,6 +111,18 @@ def _write_envelope(page, envelope):
     page.picture(envelope_figures.ranges_figure(envelope), "ranges of the quantities over all runs", style)
 
 
+def _write_worst(page, envelope):
+    """The structure in the run in which the first quantity is largest."""
+    from results import Run
+
+    if not envelope.names:
+        return
+    worst = int(np.argmax(np.abs(envelope.values[:, 0])))
+    page.heading(f"Worst case for {envelope.names[0]}: {envelope.case(worst)}")
+    with Run(envelope.files()[worst]) as run:
+        _write_shape(page, run)
+
+
 def _write_answers(page, run):
     last = run.steps[-1]
     page.heading("Result")
@@ -111,6 +135,9 @@ def _write_answers(page, run):
     if points:
         page.table(("critical point", "load factor", "negative eigenvalues before", "after"),
                    [(point.kind, point.load_factor, point.negative_before, point.negative_after) for point in points])
+    factors = [factor for factor, _ in run.buckling_modes()]
+    if factors:
+        page.table(("linear buckling mode of the undeformed structure", "load factor"), list(enumerate(factors, 1)))
     jumps = [(step.number, step.jump) for step in run.steps if step.jump]
     if jumps:
         page.text(f"{len(jumps)} jump{'s' * (len(jumps) > 1)} from a stable state to the next:")
@@ -162,7 +189,10 @@ def _write_reactions(page, run, step):
         total = rows[:, :3].sum(axis=0)
         total[np.abs(total) < NOISE * np.abs(rows[:, :3]).max()] = 0.0
         table.insert(0, ("all together", *map(float, total), "", "", ""))
-    page.table(("reaction at", "force x", "y", "z", "moment x", "y", "z"), table)
+    units = [f" [{unit}]" if unit else "" for unit in map(run.unit_of_kind, ("reaction_force", "reaction_moment"))]
+    page.table(("reaction at", f"force x{units[0]}", "y", "z", f"moment x{units[1]}", "y", "z"), table)
+    errors = step.balance_errors()
+    page.text(f"Loads and reactions balance to {errors[0]:.1e} of the largest force and {errors[1]:.1e} of the largest moment at work.")
 
 
 def _write_stresses(page, run, step):
@@ -176,7 +206,10 @@ def _write_stresses(page, run, step):
             used = float(step.field("utilisation", member)[at]) if step.has("utilisation") else np.nan
             rows.append((member.name, float(stress[at]), float(member.arc_length[at]), used if np.isfinite(used) else ""))
     if rows:
-        page.table(("most stressed member", "von Mises", "at s", "utilisation"), sorted(rows, key=lambda row: -row[1])[:5])
+        rows.sort(key=lambda row: (row[3] if row[3] != "" else -1.0, row[1]), reverse=True)
+        largest, most = max(row[1] for row in rows), max(1.0, *(row[3] or 0.0 for row in rows))
+        page.table(("member", "von Mises stress", "at s", "utilisation", "of its strength, or of the largest stress"),
+                   [(*row, bar(row[3] / most, row[3] > 1.0) if row[3] != "" else bar(row[1] / largest)) for row in rows])
         used = [(row[3], row[0]) for row in rows if row[3] != "" and row[3] > 1.0]
         if used:
             page.text(f"Member {max(used)[1]} is stressed beyond the strength of its material: utilisation {max(used)[0]:.3g}.",
@@ -203,25 +236,32 @@ def _write_checks(page, summary):
     page.heading("Checks")
     page.table(("check", "value", "reference", "passed"),
                [(check["name"], cell_text(check.get("value", "")), cell_text(check.get("reference", "")), "yes" if check["pass"] else "NO")
-                for check in summary.get("checks", [])])
+                for check in sorted(summary.get("checks", []), key=lambda check: check["pass"])])
     for warning in summary.get("warnings", []):
         page.text(f"warning: {warning}", bad=True)
 
 
-def _write_pictures(page, run):
-    import diagram_figures
+def _write_shape(page, run):
     import fields
-    import path_figures
     import shape_figures
     import style
     from view import Look, View
 
-    page.heading("Pictures")
     step = run.steps[-1]
     view = View(run, [step], Look())
     field = fields.FIELDS["von_mises" if step.has("von_mises_stress") else "bending"]
     page.picture(shape_figures.shape_figure(view, step, field), "deformed and undeformed shape", style)
+    return view, step, style
+
+
+def _write_pictures(page, run):
+    import diagram_figures
+    import path_figures
+
+    page.heading("Pictures")
+    view, step, style = _write_shape(page, run)
     page.picture(diagram_figures.on_structure_figure(view, step), "section forces on the structure", style)
+    page.picture(diagram_figures.over_arc_length_figure(view, step), "section forces and moments along members", style)
     if len(run.steps) > 2:
         page.picture(path_figures.load_displacement_figure(view), "load path", style)
 

@@ -301,6 +301,10 @@ class Step:
         values, errors = (group.read(name, (len(names),)).tolist() for name in ("value", "error"))
         return dict(zip(names, zip(values, [reason or error for reason, error in zip(reasons, errors)])))
 
+    def balance_errors(self):
+        """Of forces and moments of loads and reactions, over the largest at work."""
+        return [self._group.attribute(f"{kind}_balance_error", default=np.nan) for kind in ("force", "moment")]
+
     def reactions(self, supports):
         """Forces and moments, (supports, 6)."""
         return self._group.read("reactions", (supports, 6))

@@ -1,0 +1,148 @@
+"""The inputs of a run in words and tables, as its result file holds them: sections, members, supports, joints, loads."""
+
+from collections import defaultdict
+
+import numpy as np
+
+from html_page import Cell
+
+SIDE = 64          # pixels of a drawing
+FEW = 6            # names that a row of the table shows
+ROUNDING = 1e-12   # of the largest component: what resolving patterns and angles leaves of zero
+AXES = "xyz"
+SIZES = {"circle": ("diameter",), "tube": ("diameter", "", "wall"), "rectangle": ("width", "height"), "ellipse": ("width", "height"),
+         "box": ("width", "height", "wall"), "I": ("width", "height", "flange", "web")}
+
+
+def write_inputs(page, run):
+    """Tables with a row for each different input; equal ones of several places share a row."""
+    acting = run.acting()
+    length, force = run.units
+    units = {"force": force, "moment": f"{force} {length}", "force per length": f"{force}/{length}", "couple per length": force,
+             "displacement": length, "rotation": "rad", "strain": "", "curvature": f"1/{length}"} if length else {}
+    _sections(page, run, acting, length)
+    _supports(page, run, acting.get("supports"), length)
+    joints = acting.get("joints")
+    if joints:
+        rows = defaultdict(list)
+        for name, kind, point, axis, stiffness in zip(*(joints[column] for column in ("name", "kind", "point", "axis", "stiffness"))):
+            rows[kind, _vector(axis) if kind != "ball" else "", float(stiffness) or ""].append(f"{name} at {point}")
+        page.table(("joint", "kind", "axis", "stiffness"), [(_names(places), *row) for row, places in rows.items()])
+    loads = acting.get("point_loads")
+    if loads:
+        rows = defaultdict(list)
+        for i, point in enumerate(loads["point"]):
+            rows[_vector(loads["force"][i]), _vector(loads["moment"][i]), _turns(loads, i), _begin(loads, i)].append(point)
+        page.table(_head(("point load at", "force", "moment", "turns with the section", "acts from"), units),
+                   [(_names(points), *row) for row, points in rows.items()])
+    _along(page, run, acting.get("line_loads"), ("force per length", "couple per length"), ("force", "couple"), "line load on", units)
+    _along(page, run, acting.get("eigenstrains"), ("strain", "curvature"), ("strain", "curvature"), "eigenstrain of", units)
+
+
+def _head(names, units):
+    return [f"{name} [{units[name]}]" if units.get(name) else name for name in names]
+
+
+def _sections(page, run, acting, length):
+    sections, of_member = acting.get("sections"), acting.get("members")
+    if not sections or not of_member:
+        return
+    users = defaultdict(list)
+    for member, row in zip(run.members, of_member["section"]):
+        users[int(row)].append(member.name)
+    sizes, strength = sections["dimensions"].reshape(-1, 9, 4), sections["strength"]
+    rows = []
+    for i, members in sorted(users.items()):
+        shape = sections["shape"][i]
+        words = "stiffnesses" if shape == "none" else shape + ": " + ", ".join(
+            f"{what} {_range(sizes[i, :, k])}" for k, what in enumerate(SIZES.get(shape, ())) if what)
+        rows.append((sections["name"][i], _drawing(shape, *sizes[i, 0]), words, _range(strength[i]) if strength[i].any() else "",
+                     _names(members)))
+    page.table(("section", "", f"shape{f' [{length}]' if length else ''}", "strength", "members"), rows)
+
+
+def _supports(page, run, supports, length):
+    if not supports:
+        return
+    rows = defaultdict(list)
+    for i, point in enumerate(supports["point"]):
+        fixed, stiffness, prescribed = (supports[name][i] for name in ("fixed", "stiffness", "prescribed"))
+        turned = np.abs(supports["axes"][i].reshape(3, 3) - np.eye(3)).max() > ROUNDING
+        words = [", ".join(f"{kind} {_letters(held)}" for kind, held in (("displacement", fixed[:3]), ("rotation", fixed[3:]))
+                           if np.any(held))]
+        words += [f"spring {what} {AXES[k % 3]}: {stiffness[k]:.4g}" for k, what in enumerate(["displacement"] * 3 + ["rotation"] * 3)
+                  if stiffness[k] > 0.0]
+        moved = f"{_vector(prescribed[:3])} {length}; {_vector(prescribed[3:])} rad" if prescribed.any() else ""
+        axes = " / ".join(map(_vector, supports["axes"][i].reshape(3, 3))) if turned else ""
+        rows["; ".join(filter(None, words)) or "free", axes, moved, _begin(supports, i) if moved else ""].append(point)
+    page.table(("support at", "fixed", "axes", "prescribed displacement; rotation", "acts from"),
+               [(_names(points), *row) for row, points in rows.items()])
+
+
+def _along(page, run, table, names, columns, title, units):
+    """Vectors at the start, in the middle and at the end of members."""
+    if not table:
+        return
+    rows = defaultdict(list)
+    for i, member in enumerate(table["member"]):
+        of = run.member_of_index(int(member))
+        parts = [" ... ".join(dict.fromkeys(_vector(row) for row in table[column][i].reshape(9, 3)[[0, 4, 8]])) for column in columns]
+        rows[(*parts, *([_turns(table, i)] if "follower" in table else []), _begin(table, i))].append(of.name if of else f"{member}")
+    turns = ["turns with the section"] if "follower" in table else []
+    page.table(_head((title, *names, *turns, "acts from"), units), [(_names(members), *row) for row, members in rows.items()])
+
+
+def _turns(table, i):
+    return "yes" if table["follower"][i] else "no"
+
+
+def _begin(table, i):
+    begins = float(table["begins"][i])
+    return "by its amplitude" if begins < 0.0 else f"stage {begins + 1:.4g}"
+
+
+def _letters(held):
+    return " ".join(AXES[k] for k in range(3) if held[k])
+
+
+def _vector(values):
+    """Four digits of each component; nothing where all are zero."""
+    values = np.where(np.abs(values) < ROUNDING * np.abs(values).max(), 0.0, values)
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")" if values.any() else ""
+
+
+def _range(values):
+    low, high = values.min(), values.max()
+    return f"{low:.4g}" if high - low <= ROUNDING * abs(high) else f"{values[0]:.4g} to {values[-1]:.4g}"
+
+
+def _names(names):
+    kinds = list(dict.fromkeys(names))
+    return ", ".join(kinds[:FEW]) + (f" and {len(kinds) - FEW} more" if len(kinds) > FEW else "")
+
+
+def _drawing(shape, width, height, wall, web):
+    """Of a section: axis 2 to the right, axis 3 upwards."""
+    if shape not in SIZES:
+        return ""
+    height = height if shape not in ("circle", "tube") else width
+    wall, web = (min(size, 0.5 * min(width, height)) for size in (wall, web))
+
+    def rectangle(w, h, back=False):
+        corners = [(-w / 2, -h / 2), (w / 2, -h / 2), (w / 2, h / 2), (-w / 2, h / 2)][::-1 if back else 1]
+        return "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in corners) + "Z"
+
+    def ellipse(w, h):
+        return f"M{-w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {w / 2:.6g} 0A{w / 2:.6g} {h / 2:.6g} 0 1 0 {-w / 2:.6g} 0Z"
+
+    outline = ellipse if shape in ("circle", "tube", "ellipse") else rectangle
+    path = outline(width, height)
+    if shape in ("tube", "box"):
+        path += outline(width - 2 * wall, height - 2 * wall)
+    if shape == "I":
+        inner, half = height / 2 - wall, web / 2
+        right = [(width / 2, height / 2), (width / 2, inner), (half, inner), (half, -inner), (width / 2, -inner), (width / 2, -height / 2)]
+        path = "M" + "L".join(f"{x:.6g} {y:.6g}" for x, y in right + [(-x, y) for x, y in right[::-1]]) + "Z"
+    side = 1.1 * max(width, height)
+    return Cell(f"{shape} section", f"<svg width={SIDE} height={SIDE} viewBox=\"{-side / 2:.6g} {-side / 2:.6g} {side:.6g} {side:.6g}\">"
+                f"<path d=\"{path}\" fill=\"#9fbcd6\" stroke=\"#24506f\" stroke-width=\"{side / 60:.3g}\" fill-rule=\"evenodd\"/></svg>")
