@@ -19,6 +19,7 @@ import textwrap
 import threading
 import time
 import unittest
+import unittest.mock
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -426,6 +427,26 @@ class Runs(InFolder):
 
 
 class Guest(InFolder):
+    def test_tables_and_notebooks(self):
+        scene = cantilever()
+        scene.quantities["sag"] = dict(quantity="displacement", point="tip", component="z")
+        scene.quantities["most <b>"] = dict(quantity="von Mises stress", member="*", take="largest")
+        run = mixbeam.run(scene)
+        with unittest.mock.patch.dict(sys.modules, pandas=None), self.assertRaisesRegex(mixbeam.InputError, "python3-pandas"):
+            run.to_dataframe()
+        made = []
+        frame = SimpleNamespace(DataFrame=lambda columns, index: made.append((columns, index)) or unittest.mock.MagicMock())
+        with unittest.mock.patch.dict(sys.modules, pandas=frame):
+            run.to_dataframe()
+        (columns, index), = made
+        self.assertEqual(list(index), list(run.step_numbers))
+        np.testing.assert_array_equal(columns["sag"], run.displacement("tip", step=None)[:, 2])
+        self.assertEqual(columns["most <b>.member"][-1], run.quantities()["most <b>"].member)
+        text = run._repr_html_()
+        self.assertIn("most &lt;b&gt;", text)
+        self.assertNotIn("most <b>", text)
+        self.assertIn("<td>Members</td><td>1</td>", scene._repr_html_())
+
     def test_the_host_stays_as_it_was(self):
         said = in_python("""
             import os, sys, ctypes
@@ -599,7 +620,7 @@ class Page(InFolder):
         os.symlink(SOURCES / "apps", "apps")
         page = (SOURCES / "apps/docs/python.md").read_text()
         blocks = re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
-        self.assertEqual(len(blocks), 10)
+        self.assertEqual(len(blocks), 11)
         names = {}
         for number, block in enumerate(blocks, 1):
             self.assertEqual(failures(block, names), 0, f"example {number}")

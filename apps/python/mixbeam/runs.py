@@ -1,5 +1,6 @@
 """Runs: solving scenes, and asking for what came out."""
 
+import html
 import operator
 import os
 import shutil
@@ -160,6 +161,29 @@ class Run:
     def __repr__(self):
         end = f"load factor {self.load_factors[-1]:.6g}, stable: {self.stable[-1]}" if len(self) else "no steps"
         return f"<mixbeam.Run {self.scene.name}: {len(self)} steps, {end}>"
+
+    def _repr_html_(self):
+        """For notebooks: how it ended, and what the scene asks for with its estimated error."""
+        errors = self.value_errors() if len(self) else {}
+        errors = {} if isinstance(errors, str) else errors
+        rows = [(name, f"{value:.6g}", error if isinstance(error, str) else f"± {error:.1e}") for name, (error, value) in errors.items()]
+        rows += [("failed check", check.name, "") for check in self.checks if not check.passed]
+        cells = "".join("<tr>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+        return f"<b>{html.escape(repr(self)[1:-1])}</b><table>{cells}</table>"
+
+    def to_dataframe(self):
+        """The path as a pandas DataFrame: a row for each step (index `step`), with load factor, iterations, stability and
+        every number that the scene asks for; vectors as name.x, name.y, name.z. Raises InputError without pandas."""
+        try:
+            from pandas import DataFrame
+        except ImportError as error:
+            raise InputError(f"to_dataframe: {error}; the Debian package python3-pandas holds it") from None
+        columns = {"load_factor": self.load_factors, "newton_iterations": self.newton_iterations, "stable": self.stable}
+        names, rows = self._evaluate(self.scene.quantities, None) if len(self.scene.quantities) else ([], np.empty((len(self), 0)))
+        members = [*self.members, ""]  # the last one: undefined, as a ratio of zeros
+        for name, column in zip(names, np.asarray(rows).T):
+            columns[name] = [members[int(i) if i >= 0 else -1] for i in column] if name.endswith(".member") else column
+        return DataFrame(columns, index=list(self.step_numbers)).rename_axis("step")
 
     def __getattr__(self, name):
         kind = kinds_of_quantities().get(name)
@@ -323,11 +347,30 @@ class MemberResults:
         """(3,) for a number s, (n, 3) for an array; triad: unit quaternions w, x, y, z. At a vertex between two elements
         the one after it counts, or the one before it."""
         s = np.asarray(s, dtype=float)
+        found = self._run._core.sample(self.name, self._shares(s).tolist(), operator.index(step), before_vertex)
+        return found[name].reshape(*s.shape, -1) if s.size else np.empty((*s.shape, 4 if name == "triad" else 3))
+
+    def _shares(self, s):
+        """Arc lengths over that of the member, in one row."""
         share = s.ravel() / self.length
         if not np.all((share >= -AT_ENDS) & (share <= 1 + AT_ENDS)):
             raise InputError(f"member {self.name!r}: arc length {s}; allowed: 0 to {self.length:.10g}")
-        found = self._run._core.sample(self.name, np.clip(share, 0.0, 1.0).tolist(), operator.index(step), before_vertex)
-        return found[name].reshape(*s.shape, -1) if s.size else np.empty((*s.shape, 4 if name == "triad" else 3))
+        return np.clip(share, 0.0, 1.0)
+
+    def stress(self, s, step=-1):
+        """Von Mises stress, largest over the section; nan where the section is not given by its shape. s: a number or an array."""
+        return self._along("von Mises stress", s, step)
+
+    def utilisation(self, s, step=-1):
+        """Von Mises stress over the strength of the material, largest over the section. s: a number or an array."""
+        return self._along("utilisation", s, step)
+
+    def _along(self, kind, s, step):
+        places = np.asarray(s, dtype=float)
+        inside = self._shares(places) * self.length
+        asked = {f"q{i}": {"quantity": kind, "point": f"{self.name}@{float(one)!r}"} for i, one in enumerate(inside)}
+        _, rows = self._run._evaluate(asked, step)
+        return np.asarray(rows[0]).reshape(places.shape)[()]
 
     def __getattr__(self, name):
         if name not in self.FIELDS:

@@ -1,6 +1,7 @@
 """Scenes: a whole scene file as an object."""
 
 import contextlib
+import html
 import os
 import re
 from functools import cache
@@ -65,6 +66,14 @@ class Scene(Parameters):
         if Path(file).suffix.lower() in (".yaml", ".yml"):
             text = _core.yaml_of(text, os.fspath(file))
         Path(file).write_text(text, encoding="utf-8")
+
+    def _repr_html_(self):
+        """For notebooks: its name, and how many entries each list has."""
+        inner = self._entries.get("Scene")
+        lists = {**(inner._entries if inner is not None else {}), **{title: one for title, one in self._entries.items() if title != "Scene"}}
+        counts = [(title, len(one)) for title, one in lists.items() if isinstance(one, Parameters)]
+        cells = "".join(f"<tr><td>{html.escape(title)}</td><td>{count}</td></tr>" for title, count in counts)
+        return f"<b>mixbeam.Scene {html.escape(self.name)}</b><table>{cells}</table>"
 
     def add_points(self, name, coordinates):
         """Points from an array (..., 3): returns their names, name0, name1, ... or name0_0, ..., in its shape (...)."""
